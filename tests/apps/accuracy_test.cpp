@@ -17,10 +17,9 @@ class AccuracyOfAScene : public ::testing::Test {
   static std::string elastica() { return text_of(fs::path(MIXBEAM_SOURCE_DIR) / "apps/gallery/elastica.xml"); }
   /// The elastica with an accuracy, its member with what `division` says in place of order and elements.
   static std::string elastica_with(const std::string& accuracy, const std::string& division = "") {
-    std::string text = std::regex_replace(elastica(), std::regex("<Parameter name=\"Elements\"[^>]*>"), "");
-    text = std::regex_replace(text, std::regex("<Parameter name=\"Order\"[^>]*>"), division);
-    const std::string scene = "<ParameterList name=\"Scene\">";
-    return changed(text, scene, scene + "<Parameter name=\"Accuracy\" type=\"double\" value=\"" + accuracy + "\"/>");
+    const std::string free =
+        std::regex_replace(elastica(), std::regex("<Parameter name=\"(Elements|Order)\"[^>]*>"), "");
+    return with(free, "Scene: {Accuracy: " + accuracy + ", Members: {strip: {" + division + "}}}");
   }
 
   Ended run(const std::string& command, const std::string& scene, std::vector<std::string> more = {}) {
@@ -54,9 +53,7 @@ TEST_F(AccuracyOfAScene, IsReachedAndReported) {
 
 // Three elements of order 2 are what they are; the expected values of the scene notice it, too.
 TEST_F(AccuracyOfAScene, IsMissedWhereAMemberKeepsItsMesh) {
-  const std::string division = R"(<Parameter name="Order" type="int" value="2"/>)"
-                               R"(<Parameter name="Elements" type="int" value="3"/>)";
-  const Ended ended = run_and_sum_up(elastica_with("1e-9", division));
+  const Ended ended = run_and_sum_up(elastica_with("1e-9", "Order: 2, Elements: 3"));
   EXPECT_EQ(ended.exit_code, kMissed) << ended.err << ended.out;
   expect_in(ended.out, {"orders or elements that members keep prevent it", "estimated error of displacements"});
   EXPECT_EQ(chosen_mesh()["members"][0]["order"], 2);
@@ -87,9 +84,7 @@ TEST_F(AccuracyOfAScene, CannotBeResumed) {
 
 // Programs with studies set the meshes themselves.
 TEST_F(AccuracyOfAScene, IsForMixbeamOnly) {
-  const std::string scene = "<ParameterList name=\"Scene\">";
-  write_text(folder_ / "fork.xml",
-             changed(scene_of("fork"), scene, scene + R"(<Parameter name="Accuracy" type="double" value="1e-6"/>)"));
+  write_text(folder_ / "fork.xml", with(scene_of("fork"), "Scene: {Accuracy: 1e-6}"));
   const Ended ended = run_process(program("fork"), {(folder_ / "fork.xml").string(), "--single"}, folder_);
   EXPECT_EQ(ended.exit_code, kRefused);
   expect_in(ended.err, {"fork.xml:", "\"Scene / Accuracy\"", "mixbeam run"});

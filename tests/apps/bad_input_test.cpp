@@ -1,7 +1,7 @@
 /// What a user can get wrong, tried on a real application: exit code 2 and a message with file, line, place in the
 /// file, what was seen, what is allowed and the nearest name; 3 and the last converged state when there is no
 /// equilibrium; 1 for a missed expectation. A crash fails the test.
-#include "process.hpp"
+#include "mixbeam_files.hpp"
 
 #include <hdf5.h>
 #include <nlohmann/json.hpp>
@@ -12,22 +12,13 @@ namespace {
 const std::string kApplication = "slope_discontinuity";
 constexpr int kCheckFailed = 1, kBadInput = 2, kNoConvergence = 3;
 
-std::string parameter(const std::string& name, const std::string& type, const std::string& value) {
-  return "<Parameter name=\"" + name + "\" type=\"" + type + "\" value=\"" + value + "\"/>";
-}
-
-std::string list(const std::string& name, const std::string& inside) {
-  return "<ParameterList name=\"" + name + "\">" + inside + "</ParameterList>";
-}
-
 /// The application's scene with one change.
 std::string scene_with(const std::string& from, const std::string& to, const std::string& after = "") {
   return changed(scene_of(kApplication), from, to, after);
 }
 
 std::string scene_with_solver(const std::string& inside) {
-  const std::string study = "<ParameterList name=\"Study\">";
-  return scene_with(study, list("Solver", inside) + study);
+  return with(scene_of(kApplication), "Solver: {" + inside + "}");
 }
 
 class BadInput : public ::testing::Test {
@@ -66,22 +57,21 @@ TEST_F(BadInput, MisspeltNames) {
       {"\"Scene / Members / first / Elments\"", "unknown name", "\"Force Integration\"", "did you mean \"Elements\"?"});
   expect_scene_refused(scene_with("name=\"Orders\"", "name=\"Odrers\""),
                        {"\"Study / Odrers\"", "did you mean \"Orders\"?"});
-  expect_scene_refused(scene_with_solver(list("Newtn", "")), {"\"Solver / Newtn\"", "did you mean \"Newton\"?"});
+  expect_scene_refused(scene_with_solver("Newtn: {}"), {"\"Solver / Newtn\"", "did you mean \"Newton\"?"});
   expect_scene_refused(
       scene_with("value=\"second kink\"", "value=\"second knik\""),
       {"\"Scene / Members / second / End\"", "\"second knik\" is not a point", "did you mean \"second kink\"?"});
 }
 
 TEST_F(BadInput, WrongTypesAndValues) {
-  const std::string elements = parameter("Elements", "int", "8");
-  expect_scene_refused(scene_with(elements, parameter("Elements", "string", "8")),
+  expect_scene_refused(with(scene_of(kApplication), "Scene: {Members: {first: {Elements: '8'}}}"),
                        {"\"Scene / Members / first / Elements\"", "value \"8\" of type string", "allowed: int"});
   expect_scene_refused(scene_with("value=\"1e4\"", "value=\"abc\""),
                        {"\"Scene / Sections / rod / EA\"", "\"abc\" is not a number", "allowed: like 12"});
   expect_scene_refused(scene_with("value=\"1e4\"", "value=\"nan\""), {"\"Scene / Sections / rod / EA\"", "value > 0"});
   expect_scene_refused(scene_with("value=\"8.3333333333333333\"", "value=\"-8\"", "EI2"),
                        {"\"Scene / Sections / rod / EI2\"", "value -8", "allowed: double, value > 0"});
-  expect_scene_refused(scene_with(parameter("Order", "int", "4"), parameter("Order", "int", "9")),
+  expect_scene_refused(with(scene_of(kApplication), "Scene: {Members: {first: {Order: 9}}}"),
                        {"\"Scene / Members / first / Order\"", "value 9", "1 <= value <= 8"});
   expect_scene_refused(scene_with("name=\"GA3\"", "name=\"GA2\""),
                        {"\"Scene / Sections / rod / GA2\"", "given twice", "line"});
@@ -90,11 +80,7 @@ TEST_F(BadInput, WrongTypesAndValues) {
 TEST_F(BadInput, StructuresThatCannotBeSolved) {
   expect_scene_refused(scene_with("{1, 0, 0}", "{0, 0, 0}"),
                        {"\"Scene / Members / first\"", "no length", "\"clamp\" (0, 0, 0)", "\"first kink\" (0, 0, 0)"});
-  const std::string support =
-      list("clamp", parameter("Point", "string", "clamp") + parameter("Fixed Rotation", "Array(string)", "{x, y}"));
-  const std::string with_hinge =
-      scene_with("<ParameterList name=\"clamp\">",
-                 support.substr(0, support.find('>') + 1) + parameter("Fixed Rotation", "Array(string)", "{x, y}"));
+  const std::string with_hinge = with(scene_of(kApplication), "Scene: {Supports: {clamp: {Fixed Rotation: [x, y]}}}");
   expect_scene_refused(with_hinge, {"\"Scene / Supports\"", "can move without strain in 1 way",
                                     "rotation about (0, 0, 1)", "allowed: supports that block"});
 }
@@ -141,45 +127,40 @@ TEST_F(BadInput, ASummaryNeverReplacesTheScene) {
 }
 
 TEST_F(BadInput, ExpectationsThatAreNeverCompared) {
-  const std::string first = "u1 of the tip";
-  expect_scene_refused(scene_with(parameter("Point", "string", "tip"), parameter("Point", "string", "tpi"), first),
-                       {"\"Expected / u1 of the tip / Point\"", "\"tpi\" is not a point", "did you mean \"tip\"?"});
-  const auto at = [&](const std::string& load_factor) {
-    const std::string quantity = parameter("Quantity", "string", "displacement");
-    return scene_with(quantity, quantity + parameter("Load Factor", "double", load_factor), first);
+  const auto at = [](const std::string& entry) {
+    return with(scene_of(kApplication), "Expected: {u1 of the tip: {" + entry + "}}");
   };
-  expect_scene_refused(at("1.5"), {"\"Expected / u1 of the tip / Load Factor\"", "value 1.5", "allowed: at most 1"});
-  expect_scene_refused(
-      at("0.3"), {"\"Expected / u1 of the tip / Load Factor\"", "value 0.3", "no load step ended there", "\"Steps\""});
+  expect_scene_refused(at("Point: tpi"),
+                       {"\"Expected / u1 of the tip / Point\"", "\"tpi\" is not a point", "did you mean \"tip\"?"});
+  expect_scene_refused(at("Load Factor: 1.5"),
+                       {"\"Expected / u1 of the tip / Load Factor\"", "value 1.5", "allowed: at most 1"});
+  expect_scene_refused(at("Load Factor: 0.3"), {"\"Expected / u1 of the tip / Load Factor\"", "value 0.3",
+                                                "no load step ended there", "\"Steps\""});
   expect_scene_refused(scene_with("value=\"displacement\"", "value=\"dispalcement\""),
                        {"did you mean \"displacement\"?"});
 }
 
 TEST_F(BadInput, WhatNoxRefuses) {
-  expect_scene_refused(scene_with_solver(list("Status Tests", parameter("Test Type", "string", "NormG"))),
-                       {"\"Solver / Status Tests\"", "NormG"});
-  expect_scene_refused(scene_with_solver(list("NOX", list("Line Search", parameter("Method", "string", "Bactrack")))),
+  expect_scene_refused(scene_with_solver("Status Tests: {Test Type: NormG}"), {"\"Solver / Status Tests\"", "NormG"});
+  expect_scene_refused(scene_with_solver("NOX: {Line Search: {Method: Bactrack}}"),
                        {"\"Solver / NOX / Line Search / Method\"", "did you mean \"Backtrack\"?"});
   expect_scene_refused(
-      scene_with_solver(list("NOX", list("Line Search", parameter("Method", "string", "Polynomial")))),
+      scene_with_solver("NOX: {Line Search: {Method: Polynomial}}"),
       {"\"Solver / NOX / Line Search / Method\"", "\"Rotation Limited\", \"Full Step\", \"Backtrack\""});
 }
 
 /// What is offered runs; what NOX has and this program's groups cannot serve is not offered.
 TEST_F(BadInput, WhatOfNoxIsOffered) {
   const std::string search = "\"Solver / NOX / Line Search";
-  expect_scene_refused(
-      scene_with_solver(list("NOX", list("Line Search", list("Full Step", parameter("Full Step", "double", "0.9"))))),
-      {search + " / Full Step\"", "unknown name"});
-  expect_scene_refused(scene_with_solver(list("NOX", list("Line Search", list("Polynomial", "")))),
+  expect_scene_refused(scene_with_solver("NOX: {Line Search: {Full Step: {Full Step: 0.9}}}"),
+                       {search + " / Full Step\"", "unknown name"});
+  expect_scene_refused(scene_with_solver("NOX: {Line Search: {Polynomial: {}}}"),
                        {search + " / Polynomial\"", "allowed", "Backtrack"});
-  expect_scene_refused(
-      scene_with_solver(list("NOX", list("Solver Options", parameter("Status Test Check Type", "string", "None")))),
-      {"Status Test Check Type", "\"Complete\", \"Minimal\""});
+  expect_scene_refused(scene_with_solver("NOX: {Solver Options: {Status Test Check Type: None}}"),
+                       {"Status Test Check Type", "\"Complete\", \"Minimal\""});
   for (const char* method : {"Rotation Limited", "Full Step", "Backtrack"}) {
     SCOPED_TRACE(method);
-    const Ended ended =
-        run_scene(scene_with_solver(list("NOX", list("Line Search", parameter("Method", "string", method)))));
+    const Ended ended = run_scene(scene_with_solver("NOX: {Line Search: {Method: " + std::string(method) + "}}"));
     EXPECT_EQ(ended.exit_code, 0) << ended.err;
     expect_in(ended.out, {"3 of 3 checks passed"});
   }
@@ -194,16 +175,15 @@ TEST_F(BadInput, ScenesThatAreInOrder) {  // the twin of all tests above: the un
 }
 
 TEST_F(BadInput, RemovedParametersAreWarnedOf) {
-  const std::string scene = scene_with_solver(list("Newton", parameter("Tangent Reuse", "int", "2")) +
-                                              list("Linear Solver", parameter("Precision", "string", "single")) +
-                                              parameter("Symmetric Tangent", "bool", "true"));
+  const std::string scene =
+      scene_with_solver("Newton: {Tangent Reuse: 2}, Linear Solver: {Precision: single}, Symmetric Tangent: true");
   const Ended ended = run_scene(scene, {"--summary", (folder_ / "summary.json").string()});
   EXPECT_EQ(ended.exit_code, 0) << ended.err;
   expect_in(ended.out, {"3 of 3 checks passed", "warning: " + (folder_ / "scene.xml").string() + ":",
                         "XML path \"Solver / Newton / Tangent Reuse\": this parameter was removed",
                         "XML path \"Solver / Linear Solver / Precision\"", "XML path \"Solver / Symmetric Tangent\""});
   EXPECT_EQ(nlohmann::json::parse(text_of(folder_ / "summary.json")).at("warnings").size(), 3);
-  expect_scene_refused(scene_with_solver(list("Newton", parameter("Tangent Reus", "int", "2"))),
+  expect_scene_refused(scene_with_solver("Newton: {Tangent Reus: 2}"),
                        {"\"Solver / Newton / Tangent Reus\"", "unknown name"});
 }
 
@@ -229,10 +209,8 @@ double load_factor_of_first_step(const fs::path& results) {
 
 /// The first step takes 5 iterations, the second one 6 and may not be shortened: the path ends half way.
 std::string scene_that_does_not_converge() {
-  return scene_with_solver(list("Newton", parameter("Maximum Iterations", "int", "5")) +
-                           list("Load Path", parameter("Method", "string", "adaptive") +
-                                                 parameter("Initial Step", "double", "0.1") +
-                                                 parameter("Minimum Step", "double", "0.1")));
+  return scene_with_solver(
+      "Newton: {Maximum Iterations: 5}, Load Path: {Method: adaptive, Initial Step: 0.1, Minimum Step: 0.1}");
 }
 
 TEST_F(BadInput, NoConvergenceLeavesTheLastConvergedState) {

@@ -42,25 +42,8 @@ std::vector<Row> rows_of(const fs::path& file) {
 std::string sweep() { return text_of(fs::path(MIXBEAM_SOURCE_DIR) / "apps/batch/elastica_sweep.xml"); }
 std::string sweep_table() { return text_of(fs::path(MIXBEAM_SOURCE_DIR) / "apps/batch/elastica_sweep.csv"); }
 
-std::string parameter(const std::string& name, const std::string& type, const std::string& value) {
-  return "<Parameter name=\"" + name + "\" type=\"" + type + "\" value=\"" + value + "\"/>";
-}
-
 /// The sweep's scene with another list "Batch".
-std::string with_batch(const std::string& entries) {
-  std::string text = sweep();
-  const std::string begin = "<ParameterList name=\"Batch\">";
-  const std::size_t first = text.find(begin) + begin.size();
-  return text.replace(first, text.find("</ParameterList>", first) - first, entries);
-}
-
-std::string axis(const std::string& name, const std::string& path, double first, double last, int count,
-                 const std::string& spacing) {
-  return "<ParameterList name=\"" + name + "\">" + parameter("Parameter", "string", path) +
-         parameter("First", "double", std::to_string(first)) + parameter("Last", "double", std::to_string(last)) +
-         parameter("Count", "int", std::to_string(count)) + parameter("Spacing", "string", spacing) +
-         "</ParameterList>";
-}
+std::string with_batch(const std::string& entries) { return with(sweep(), "Batch: {" + entries + "}", {"Batch"}); }
 
 class Batch : public ::testing::Test {
  protected:
@@ -97,10 +80,8 @@ class Batch : public ::testing::Test {
 
 /// The sweep with an accuracy, its members with what `division` says in place of order and elements.
 std::string sweep_with_accuracy(const std::string& accuracy, const std::string& division) {
-  std::string text = std::regex_replace(sweep(), std::regex("<Parameter name=\"Elements\"[^>]*>"), "");
-  text = std::regex_replace(text, std::regex("<Parameter name=\"Order\"[^>]*>"), division);
-  const std::string scene = "<ParameterList name=\"Scene\">";
-  return changed(text, scene, scene + parameter("Accuracy", "double", accuracy));
+  const std::string free = std::regex_replace(sweep(), std::regex("<Parameter name=\"(Elements|Order)\"[^>]*>"), "");
+  return with(free, "Scene: {Accuracy: " + accuracy + ", Members: {strip: {" + division + "}}}");
 }
 
 TEST_F(Batch, EachCaseChoosesItsMeshForAnAccuracy) {
@@ -111,7 +92,7 @@ TEST_F(Batch, EachCaseChoosesItsMeshForAnAccuracy) {
 
 // The twin: two elements of order 2 are not enough for the larger loads.
 TEST_F(Batch, CasesThatMissTheAccuracyFail) {
-  const std::string division = parameter("Order", "int", "2") + parameter("Elements", "int", "2");
+  const std::string division = "Order: 2, Elements: 2";
   const Ended ended = solve(sweep_with_accuracy("1e-2", division), sweep_table());
   EXPECT_NE(ended.exit_code, kOk) << ended.out;
   const std::vector<Row> found = rows();
@@ -142,9 +123,10 @@ TEST_F(Batch, AWrongClosedFormIsFound) {
 }
 
 TEST_F(Batch, AGridAgreesWithSingleRuns) {
-  const Ended ended = solve(with_batch(
-      "<ParameterList name=\"Vary\">" + axis("load", "Point Loads/weight/Force[1]", -0.5, -8.0, 5, "logarithmic") +
-      axis("stiffness", "Sections/strip/EI3", 1.0, 1.5, 2, "linear") + "</ParameterList>"));
+  const Ended ended =
+      solve(with_batch("Vary: {load: {Parameter: 'Point Loads/weight/Force[1]', First: -0.5, Last: -8, Count: 5, "
+                       "Spacing: logarithmic}, stiffness: {Parameter: Sections/strip/EI3, First: 1, Last: 1.5, "
+                       "Count: 2}}"));
   EXPECT_EQ(ended.exit_code, kOk) << ended.err << ended.out;
   const std::vector<Row> found = rows();
   ASSERT_EQ(found.size(), 10u);
@@ -168,11 +150,10 @@ TEST_F(Batch, ResultsAreTheSameBitsForAnyNumberOfThreads) {
 
 /// The strip as one element of order 1, rolled up by a moment: at 2 pi its ends stand at pi, where rotations end.
 std::string rolled_up() {
-  std::string scene = with_batch(parameter("Table", "string", "elastica_sweep.csv"));
-  scene = changed(scene, "value=\"4\"", "value=\"1\"", "\"Order\"");
-  scene = changed(scene, "value=\"16\"", "value=\"1\"", "\"Elements\"");
-  return changed(scene, "name=\"Force\" type=\"Array(double)\" value=\"{0, -10, 0}\"",
-                 "name=\"Moment\" type=\"Array(double)\" value=\"{0, 0, 1}\"");
+  const std::string scene =
+      with(with_batch("Table: elastica_sweep.csv"),
+           "Scene: {Members: {strip: {Order: 1, Elements: 1}}, Point Loads: {weight: {Force: [0, 0, 1]}}}");
+  return changed(scene, "\"Force\"", "\"Moment\"");
 }
 
 TEST_F(Batch, ACaseThatCannotBeSolvedSpoilsNoOther) {
@@ -197,8 +178,8 @@ TEST_F(Batch, ACaseThatCannotBeSolvedSpoilsNoOther) {
 
 /// Euler: a cantilever of length one under an axial load stands up to pi^2 EI / 4 = 2.467 EI.
 TEST_F(Batch, EachCaseTellsWhetherItsEndIsStable) {
-  std::string scene = with_batch(parameter("Table", "string", "elastica_sweep.csv"));
-  scene = changed(scene, "value=\"{0, -10, 0}\"", "value=\"{-1, 0, 0}\"");
+  const std::string scene =
+      with(with_batch("Table: elastica_sweep.csv"), "Scene: {Point Loads: {weight: {Force: [-1, 0, 0]}}}");
   const Ended ended = solve(scene, "Point Loads/weight/Force[0]\n-2.4\n-2.5\n-1\n2.5\n-2.46\n",
                             {"--summary", (folder_ / "summary.json").string()});
   EXPECT_EQ(ended.exit_code, kOk) << ended.err << ended.out;
@@ -236,7 +217,7 @@ TEST_F(Batch, WhatIsWrongIsNamed) {
   const Ended neither = solve(with_batch(""));
   EXPECT_EQ(neither.exit_code, kBadInput);
   expect_in(neither.err, {"neither of \"Table\" and \"Vary\""});
-  const Ended misspelt = solve(with_batch(parameter("Tabel", "string", "x.csv")));
+  const Ended misspelt = solve(with_batch("Tabel: x.csv"));
   expect_in(misspelt.err, {"did you mean \"Table\"?"});
 }
 

@@ -14,45 +14,25 @@ namespace {
 constexpr int kOk = 0, kOther = 1, kBadInput = 2, kNoConvergence = 3, kInterrupted = 130;
 const std::vector<std::string> kCases = {"down", "side", "both"};
 
-std::string parameter(const std::string& name, const std::string& type, const std::string& value) {
-  return "<Parameter name=\"" + name + "\" type=\"" + type + "\" value=\"" + value + "\"/>";
-}
-
-std::string list(const std::string& name, const std::string& entries) {
-  return "<ParameterList name=\"" + name + "\">" + entries + "</ParameterList>";
-}
-
-std::string load(const std::string& load_case, const std::string& force) {
-  return list("at the tip " + load_case, parameter("Point", "string", "tip") +
-                                             parameter("Force", "Array(double)", force) +
-                                             parameter("Case", "string", load_case));
-}
-
 /// A cantilever under two loads and their combination. Some warnings, some checks, of which one fails.
-std::string scene_of(int steps, const std::string& side = "{0, 2, 0}") {
-  std::string sections = parameter("Largest Strain", "double", "1e-6");
-  for (const char* stiffness : {"EA", "GA2", "GA3"}) sections += parameter(stiffness, "double", "1e4");
-  for (const char* stiffness : {"GIt", "EI2", "EI3"}) sections += parameter(stiffness, "double", "1");
-  const auto expected = [](const std::string& load_case, const std::string& value) {
-    return list(load_case, parameter("Quantity", "string", "sag.z") + parameter("Case", "string", load_case) +
-                               parameter("Value", "double", value) + parameter("Absolute Tolerance", "double", "1e-2") +
-                               parameter("Source", "string", "a guess"));
-  };
-  const std::string scene =
-      parameter("Load Cases", "Array(string)", "{down, side}") +
-      list("Points", parameter("root", "Array(double)", "{0, 0, 0}") + parameter("tip", "Array(double)", "{1, 0, 0}")) +
-      list("Sections", list("round", sections)) +
-      list("Members", list("rod", parameter("Start", "string", "root") + parameter("End", "string", "tip") +
-                                      parameter("Order", "int", "3") + parameter("Elements", "int", "8"))) +
-      list("Supports", list("wall", parameter("Point", "string", "root"))) +
-      list("Point Loads", load("down", "{0, 0, -1}") + load("side", side)) +
-      list("Combinations", list("both", parameter("down", "double", "1") + parameter("side", "double", "-0.5")));
-  const std::string path = parameter("Method", "string", "fixed") + parameter("Steps", "int", std::to_string(steps));
-  return list("scene", list("Scene", scene) +
-                           list("Quantities", list("sag", parameter("Quantity", "string", "displacement") +
-                                                              parameter("Point", "string", "tip"))) +
-                           list("Expected", expected("down", "-0.3") + expected("side", "1")) +
-                           list("Solver", list("Load Path", path)));
+std::string scene_of(int steps, const std::string& side = "[0, 2, 0]") {
+  return R"yaml(Scene:
+  Load Cases: [down, side]
+  Combinations: {both: {down: 1, side: -0.5}}
+  Points: {root: [0, 0, 0], tip: [1, 0, 0]}
+  Sections: {round: {EA: 1e4, GA2: 1e4, GA3: 1e4, GIt: 1, EI2: 1, EI3: 1, Largest Strain: 1e-6}}
+  Members: {rod: {Start: root, End: tip, Order: 3, Elements: 8}}
+  Supports: {wall: {Point: root}}
+  Point Loads:
+    down: {Point: tip, Force: [0, 0, -1], Case: down}
+    side: {Point: tip, Case: side, Force: )yaml" +
+         side + R"yaml(}
+Quantities: {sag: {Quantity: displacement, Point: tip}}
+Expected:
+  down: {Quantity: sag.z, Case: down, Value: -0.3, Absolute Tolerance: 1e-2, Source: a guess}
+  side: {Quantity: sag.z, Case: side, Value: 1, Absolute Tolerance: 1e-2, Source: a guess}
+Solver: {Load Path: {Method: fixed, Steps: )yaml" +
+         std::to_string(steps) + "}}\n";
 }
 
 /// Without what tells of time and folder.
@@ -61,7 +41,7 @@ std::string without_times(const std::string& prints, const std::string& folder) 
   std::string kept;
   for (std::string line; std::getline(lines, line);) {
     line = line.substr(0, line.find("  elapsed"));
-    if (line.rfind("mixbeam: ", 0) == 0) line = line.substr(0, line.find("iterations, "));
+    if (line.rfind("mixbeam: ", 0) == 0) line = line.substr(0, line.find("iterations"));
     for (std::size_t place; (place = line.find(folder + "/")) != std::string::npos;) line.erase(place, folder.size());
     kept += line + "\n";
   }
@@ -77,7 +57,7 @@ nlohmann::json summary_without_times(const fs::path& file) {
 class SideBySide : public ::testing::Test {
  protected:
   std::vector<std::string> words(const std::string& folder, int jobs) {
-    return {"run", "scene.xml", "--output", folder, "--jobs", std::to_string(jobs), "--summary", folder + ".json"};
+    return {"run", "scene.yaml", "--output", folder, "--jobs", std::to_string(jobs), "--summary", folder + ".json"};
   }
   Ended run(const std::string& folder, int jobs) {
     return run_process(program("mixbeam"), words(folder, jobs), folder_.path());
@@ -96,7 +76,7 @@ class SideBySide : public ::testing::Test {
   }
   /// Starts a run of two processes at once and waits until both are in the middle of a case.
   pid_t start_in_the_middle() {
-    write_text(folder_ / "scene.xml", scene_of(2000));
+    write_text(folder_ / "scene.yaml", scene_of(2000));
     const pid_t process = start_process(program("mixbeam"), words("cut", 2), folder_.path());
     const auto started = [this](const std::string& load_case) {
       const std::string rows = text_of(folder_ / "cut" / ("scene-" + load_case + "-monitor.csv"));
@@ -136,7 +116,7 @@ bool end_soon(const std::vector<pid_t>& processes) {
 }
 
 TEST_F(SideBySide, FilesPrintsSummaryAndCodeAreThoseOfOneAfterAnother) {
-  write_text(folder_ / "scene.xml", scene_of(5));
+  write_text(folder_ / "scene.yaml", scene_of(5));
   const Ended in_turn = run("turn", 1);
   EXPECT_EQ(in_turn.exit_code, kOther) << in_turn.err;
   expect_in(in_turn.out, {"warning: ", "7 of 8 checks passed, 1 FAILED", "envelope of the ends"});
@@ -149,14 +129,14 @@ TEST_F(SideBySide, FilesPrintsSummaryAndCodeAreThoseOfOneAfterAnother) {
     EXPECT_EQ(differences_of("turn", folder), "");
     EXPECT_EQ(differences_of(folder, "turn"), "");
   }
-  write_text(folder_ / "scene.xml", scene_of(5, "{0, 2.0000001, 0}"));
+  write_text(folder_ / "scene.yaml", scene_of(5, "[0, 2.0000001, 0]"));
   run("other", 2);
   EXPECT_NE(differences_of("turn", "other"), "") << "the twin";
   EXPECT_NE(summary_without_times(folder_ / "other.json"), summary_without_times(folder_ / "turn.json"));
 }
 
 TEST_F(SideBySide, AFailureIsToldAsOneAfterAnother) {
-  write_text(folder_ / "scene.xml", scene_of(2, "{0, 1e200, 0}"));
+  write_text(folder_ / "scene.yaml", scene_of(2, "{0, 1e200, 0}"));
   const Ended in_turn = run("turn", 1), ended = run("jobs", 2);
   EXPECT_EQ(in_turn.exit_code, kNoConvergence);
   EXPECT_EQ(ended.exit_code, kNoConvergence);
@@ -209,14 +189,14 @@ TEST_F(SideBySide, NoProcessOutlivesTheProgram) {
 }
 
 TEST_F(SideBySide, IsRefusedAsAWhole) {
-  write_text(folder_ / "scene.xml", scene_of(2000));
+  write_text(folder_ / "scene.yaml", scene_of(2000));
   const pid_t other = start_process(
-      program("mixbeam"), {"run", "scene.xml", "--case", "both", "--output", "cut", "--quiet"}, folder_.path());
+      program("mixbeam"), {"run", "scene.yaml", "--case", "both", "--output", "cut", "--quiet"}, folder_.path());
   while (!fs::exists(folder_ / "cut/scene-both.h5")) std::this_thread::sleep_for(std::chrono::milliseconds(2));
   kill(other, SIGSTOP);
   fs::create_directory(folder_ / "prints");
   const Ended ended =
-      run_process(program("mixbeam"), {"run", "../scene.xml", "--output", (folder_ / "cut").string(), "--jobs", "3"},
+      run_process(program("mixbeam"), {"run", "../scene.yaml", "--output", (folder_ / "cut").string(), "--jobs", "3"},
                   folder_ / "prints");
   EXPECT_EQ(ended.exit_code, kBadInput);
   expect_in(ended.err, {"scene-both.h5", "process " + std::to_string(other) + " on "});
@@ -227,28 +207,27 @@ TEST_F(SideBySide, IsRefusedAsAWhole) {
 }
 
 TEST_F(SideBySide, NeedTheMemoryOfAllThatRunAtOnce) {
-  const std::string elements = "\"Elements\" type=\"int\" value=";
-  write_text(folder_ / "scene.xml", changed(scene_of(1), elements + "\"8\"", elements + "\"200000\""));  // 2 GB each
+  write_text(folder_ / "scene.yaml", changed(scene_of(1), "Elements: 8", "Elements: 200000"));  // 2 GB each
   const auto in_limit = [this](const std::string& command) {
     return run_process("/bin/bash", {"-c", "ulimit -v 5000000; exec \"$0\" " + command, program("mixbeam").string()},
                        folder_.path());
   };
-  const Ended ended = in_limit("run scene.xml --output out --jobs 3");
+  const Ended ended = in_limit("run scene.yaml --output out --jobs 3");
   EXPECT_EQ(ended.exit_code, kBadInput);
   expect_in(ended.err, {"of memory for 3 cases side by side (--jobs)", "fewer cases"});
   EXPECT_TRUE(fs::is_empty(folder_ / "out"));
-  EXPECT_EQ(in_limit("check scene.xml").exit_code, kOk) << "one fits";
+  EXPECT_EQ(in_limit("check scene.yaml").exit_code, kOk) << "one fits";
 }
 
 TEST_F(SideBySide, BadOptionsAreNamed) {
-  write_text(folder_ / "scene.xml", scene_of(1));
+  write_text(folder_ / "scene.yaml", scene_of(1));
   for (const int jobs : {0, 1025}) {
     const Ended ended = run("out", jobs);
     EXPECT_EQ(ended.exit_code, kBadInput);
     expect_in(ended.err, {"option --jobs: value \"" + std::to_string(jobs) + "\"", "from 1 to 1024"});
   }
   const Ended ranks = run_process(
-      "/usr/bin/env", {"OMPI_COMM_WORLD_SIZE=1", program("mixbeam").string(), "run", "scene.xml", "--jobs", "2"},
+      "/usr/bin/env", {"OMPI_COMM_WORLD_SIZE=1", program("mixbeam").string(), "run", "scene.yaml", "--jobs", "2"},
       folder_.path());
   EXPECT_EQ(ranks.exit_code, kBadInput);
   expect_in(ranks.err, {"option --jobs: value \"2\" under mpirun", "allowed: 1"});

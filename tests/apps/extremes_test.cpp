@@ -1,24 +1,20 @@
 // A few values of the sweeps; the whole study belongs to run.sh.
-#include "tests/apps/process.hpp"
-
-#include <gtest/gtest.h>
+#include "mixbeam_files.hpp"
 
 namespace mixbeam {
 namespace {
 
 /// The scene with a study of this many values of each sweep.
-std::string with_study(int most_values, const fs::path& folder) {
-  return changed_scene("extremes", "<Parameter name=\"Random Structures\" type=\"int\" value=\"24\"/>\n",
-                       "<Parameter name=\"Most Elements\" type=\"int\" value=\"100\"/>\n"
-                       "<Parameter name=\"Critical Loads\" type=\"bool\" value=\"false\"/>\n"
-                       "<Parameter name=\"Random Structures\" type=\"int\" value=\"1\"/>\n"
-                       "<Parameter name=\"Reference Step\" type=\"double\" value=\"0.1\"/>\n"
-                       "<Parameter name=\"Most Values\" type=\"int\" value=\"" +
-                           std::to_string(most_values) +
-                           "\"/>\n"
-                           "<Parameter name=\"Sweeps\" type=\"Array(string)\" value=\"{slenderness, stiffness_ratio, "
-                           "unit_of_length, unit_of_force, elements, element_turn, angle, tip_force, order}\"/>\n",
-                       folder);
+std::string with_study(int most_values, const fs::path& folder, const std::string& more = "") {
+  const std::string few = with(scene_of("extremes"), R"yaml(Study:
+  Most Elements: 100
+  Critical Loads: false
+  Random Structures: 1
+  Reference Step: 0.1
+  Sweeps: [slenderness, stiffness_ratio, unit_of_length, unit_of_force, elements, element_turn, angle, tip_force, order]
+  Most Values: )yaml" + std::to_string(most_values));
+  write_text(folder / "scene.xml", more.empty() ? few : with(few, more));
+  return (folder / "scene.xml").string();
 }
 
 TEST(Extremes, EndsOfTheSweepsKeepTheirPromise) {
@@ -35,10 +31,11 @@ TEST(Extremes, EndsOfTheSweepsKeepTheirPromise) {
 
 TEST(Extremes, CriticalLoadsAreThoseOfTheClosedForms) {
   const auto folder = folder_for("extremes_critical");
-  std::string scene = changed(text_of(with_study(2, folder)), "value=\"false\"", "value=\"true\"", "Critical Loads");
-  scene = changed(changed(scene, "value=\"1\"", "value=\"0\"", "Random Structures"), "{slenderness,", "{");
-  write_text(folder / "scene.xml", scene);
-  EXPECT_EQ(run_program("extremes", (folder / "scene.xml").string(), folder), 0) << text_of(folder / "output.txt");
+  const std::string scene = with_study(2, folder, R"yaml(Study:
+  Critical Loads: true
+  Random Structures: 0
+  Sweeps: [stiffness_ratio, unit_of_length, unit_of_force, elements, element_turn, angle, tip_force, order])yaml");
+  EXPECT_EQ(run_program("extremes", scene, folder), 0) << text_of(folder / "output.txt");
   expect_in(text_of(folder / "extremes.csv"), {"\ntruss_rise,0.01,1,", "\nrail_stiffness,1e+08,1,"});
   expect_in(page_of("extremes", folder), {"| 2 of 2 | 0 |", "| 1 of 1 | 0 |"});
 }
@@ -46,24 +43,16 @@ TEST(Extremes, CriticalLoadsAreThoseOfTheClosedForms) {
 // Twin: without a look at stability no critical point is found.
 TEST(Extremes, AMissedCriticalPointIsNoticed) {
   const auto folder = folder_for("extremes_missed");
-  std::string scene = changed(text_of(with_study(1, folder)), "value=\"false\"", "value=\"true\"", "Critical Loads");
-  scene = changed(scene, "<ParameterList name=\"Study\">",
-                  "<ParameterList name=\"Analysis\"><Parameter name=\"Stability\" "
-                  "type=\"bool\" value=\"false\"/></ParameterList>\n<ParameterList name=\"Study\">");
-  write_text(folder / "scene.xml", scene);
-  EXPECT_EQ(run_program("extremes", (folder / "scene.xml").string(), folder), 1);
+  const std::string scene = with_study(1, folder, "{Study: {Critical Loads: true}, Analysis: {Stability: false}}");
+  EXPECT_EQ(run_program("extremes", scene, folder), 1);
   expect_in(text_of(folder / "output.txt"), {"FAIL  truss_rise 0.01: critical load factors"});
 }
 
 /// Random imperfect structures alone, from a series of which some paths pass several critical points.
 std::string random_structures(int count, double reference_step, const fs::path& folder) {
-  std::string scene = text_of(with_study(1, folder));
-  scene = changed(scene, "value=\"1\"", "value=\"" + std::to_string(count) + "\"", "Random Structures");
-  scene = changed(scene, "value=\"0.1\"", "value=\"" + std::to_string(reference_step) + "\"", "Reference Step");
-  const std::size_t sweeps = scene.find("{slenderness");
-  scene.replace(sweeps, scene.find('}', sweeps) + 1 - sweeps, "{order}");
-  write_text(folder / "scene.xml", scene);
-  return (folder / "scene.xml").string();
+  return with_study(1, folder,
+                    "Study: {Random Structures: " + std::to_string(count) +
+                        ", Reference Step: " + std::to_string(reference_step) + ", Sweeps: [order]}");
 }
 
 TEST(Extremes, RandomPathsAreRightOrRefused) {
@@ -78,8 +67,7 @@ TEST(Extremes, RandomPathsAreRightOrRefused) {
 
 TEST(Extremes, CoarseMeshBreaksThePromise) {
   const auto folder = folder_for("extremes_coarse");
-  const std::string scene = with_study(1, folder);
-  write_text(scene, changed(text_of(scene), "value=\"8\"", "value=\"1\"", "\"Order\""));
+  const std::string scene = with_study(1, folder, "Scene: {Members: {rod: {Order: 1}}}");
   EXPECT_EQ(run_program("extremes", scene, folder), 1);
   expect_in(text_of(folder / "output.txt"), {"FAIL  slenderness 1: error of the tip"});
 }
@@ -87,14 +75,13 @@ TEST(Extremes, CoarseMeshBreaksThePromise) {
 TEST(Extremes, WrongExpectedValueIsNoticed) {
   const auto folder = folder_for("extremes_expected");
   EXPECT_EQ(run_program("extremes", "--single", folder), 0) << text_of(folder / "output.txt");
-  const std::string scene = changed_scene("extremes", "-0.5549955977538", "-0.5549955978638", folder);
+  const std::string scene = scene_with("extremes", "Expected: {tip moves back: {Value: -0.5549955978638}}", folder);
   EXPECT_EQ(run_program("extremes", scene + " --single", folder), 1);
 }
 
 TEST(Extremes, StudyRefusesAnotherScene) {
   const auto folder = folder_for("extremes_another");
-  const std::string scene = changed_scene("extremes", "name=\"EI3\" type=\"double\" value=\"1\"",
-                                          "name=\"EI3\" type=\"double\" value=\"2\"", folder);
+  const std::string scene = scene_with("extremes", "Scene: {Sections: {rod: {EI3: 2}}}", folder);
   EXPECT_EQ(run_program("extremes", scene, folder), 2);
   expect_in(text_of(folder / "output.txt"), {"EI2 = EI3"});
 }

@@ -1,6 +1,9 @@
 /// Scenes and result files for the tests of the program `mixbeam`.
 #pragma once
 
+#include "apps/common/run/scene_file.hpp"
+#include "discretization/parameters/parameter_file.hpp"
+#include "discretization/parameters/yaml_reader.hpp"
 #include "process.hpp"
 
 #include <hdf5.h>
@@ -115,10 +118,30 @@ inline XmlDocument xml_document(const std::string& text) {
   return {xmlReadMemory(text.data(), static_cast<int>(text.size()), "", nullptr, XML_PARSE_NOERROR), xmlFreeDoc};
 }
 
-/// The scene of a benchmark with `solver` as its list "Solver".
-inline std::string scene_with_solver_list(const std::string& application, const std::string& solver) {
-  const std::string study = "<ParameterList name=\"Study\">";
-  return changed(scene_of(application), study, solver + study);
+/// A scene file, in XML or YAML, with more in it: entries of `yaml` are added or take the place of those of the same
+/// name, after the lists `removed` have gone.
+inline std::string with(const std::string& scene, const std::string& yaml,
+                        const std::vector<std::string>& removed = {}) {
+  ApplicationDefinition definition;
+  definition.study = ListSpec("anything").without_checks();
+  definition.batch = definition.study;
+  definition.answers_quantities = true;
+  const ListSpec root = root_spec(definition);
+  const XmlParameters whole = parse_parameters(scene, "scene", root), more = parse_yaml(yaml, "more.yaml", root);
+  for (const std::string& list : removed) EXPECT_TRUE(whole.list->remove(list, false));
+  whole.list->setParameters(*more.list);
+  return xml_text(*whole.list);
+}
+
+/// A file of the folder with the scene.
+inline std::string scene_in(const fs::path& folder, const std::string& text) {
+  write_text(folder / "scene.xml", text);
+  return (folder / "scene.xml").string();
+}
+
+/// The scene of an application with more in it, as a file of the folder.
+inline std::string scene_with(const std::string& application, const std::string& yaml, const fs::path& folder) {
+  return scene_in(folder, with(scene_of(application), yaml));
 }
 
 }  // namespace mixbeam

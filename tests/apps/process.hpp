@@ -159,14 +159,4 @@ inline std::string page_of(const std::string& benchmark, const fs::path& folder)
   return text_of(folder / (benchmark + ".md"));
 }
 
-/// The application's own scene file with one piece of text replaced, written to <folder>/scene.xml.
-inline std::string changed_scene(const std::string& application, const std::string& from, const std::string& to,
-                                 const fs::path& folder) {
-  std::string scene = scene_of(application);
-  const std::size_t place = scene.find(from);
-  if (place == std::string::npos) throw std::invalid_argument("the scene of " + application + " holds no " + from);
-  write_text(folder / "scene.xml", scene.replace(place, from.size(), to));
-  return (folder / "scene.xml").string();
-}
-
 }  // namespace mixbeam

@@ -8,33 +8,15 @@ namespace {
 
 constexpr int kOk = 0, kCheckFailed = 1, kBadInput = 2;
 
-std::string entry(const std::string& name, const std::string& parameters) {
-  std::string text = "<ParameterList name=\"" + name + "\">";
-  std::istringstream lines(parameters);
-  for (std::string line; std::getline(lines, line, ';');) {
-    const std::size_t sign = line.find('=');
-    const std::string value = line.substr(sign + 1);
-    const bool is_number =
-        line.rfind("Component", 0) != 0 && value.find_first_not_of("0123456789.e-") == std::string::npos;
-    text += "<Parameter name=\"" + line.substr(0, sign) + "\" type=\"" + (is_number ? "double" : "string") +
-            "\" value=\"" + value + "\"/>";
-  }
-  return text + "</ParameterList>";
-}
-
-std::string in_list(const std::string& name, const std::string& entries) {
-  return "<ParameterList name=\"" + name + "\">" + entries + "</ParameterList>";
-}
-
 /// The gallery's elastica (EI = 1, force 10 across the tip, 1 long) with more lists.
-std::string elastica_with(const std::string& lists) {
-  const std::string text = text_of(fs::path(MIXBEAM_SOURCE_DIR) / "apps/gallery/elastica.xml");
-  const std::string scene = "<ParameterList name=\"Scene\">";
-  return changed(text, scene, lists + scene);
+std::string elastica_with(const std::string& lists, const std::vector<std::string>& removed = {}) {
+  return with(text_of(fs::path(MIXBEAM_SOURCE_DIR) / "apps/gallery/elastica.xml"), lists, removed);
 }
+std::string asking(const std::string& quantities) { return elastica_with("Quantities: {" + quantities + "}"); }
 
-const std::string kTip = entry("sag", "Quantity=displacement;Point=tip");
-const std::string kMoment = entry("M", "Quantity=material moment;Member=*;Component=3;Take=largest size");
+const std::string kTip = "sag: {Quantity: displacement, Point: tip}";
+const std::string kMoment = "M: {Quantity: material moment, Member: '*', Component: 3, Take: largest size}";
+const std::string kBoth = kTip + ", " + kMoment;
 
 std::map<std::string, std::string> last_row(const fs::path& file) {
   std::istringstream lines(text_of(file));
@@ -59,7 +41,7 @@ class Quantities : public ::testing::Test {
 };
 
 TEST_F(Quantities, StandInMonitorFileAndSummary) {
-  const Ended ended = run(elastica_with(in_list("Quantities", kTip + kMoment)));
+  const Ended ended = run(asking(kBoth));
   ASSERT_EQ(ended.exit_code, kOk) << ended.err;
   auto row = last_row(folder_ / "out/scene-monitor.csv");
   EXPECT_EQ(row["sag.y"], row["tip.displacement.y"]);
@@ -77,22 +59,18 @@ TEST_F(Quantities, StandInMonitorFileAndSummary) {
 }
 
 TEST_F(Quantities, HaveTheUnitsOfTheScene) {
-  const std::string asked = kTip + kMoment + entry("turn", "Quantity=rotation;Point=tip;Component=z") +
-                            entry("wall", "Quantity=reaction force;Point=wall;Component=norm") +
-                            entry("kappa", "Quantity=spatial curvature;Point=tip;Component=z") +
-                            entry("strain", "Quantity=material strain;Point=tip;Component=1") +
-                            entry("work", "Quantity=strain energy") + entry("factor", "Quantity=load factor") +
-                            entry("long", "Quantity=length;Member=*;Take=sum") +
-                            entry("twice", "Quantity=formula;Formula=2*long");
-  const std::string scene = "<ParameterList name=\"Scene\">";
-  const std::string without = elastica_with(in_list("Quantities", asked));
-  ASSERT_EQ(
-      run(changed(without, scene, scene + "<Parameter name=\"Units\" type=\"string\" value=\"mm , kN\"/>")).exit_code,
-      kOk);
+  const std::string without = asking(kBoth + R"yaml(,
+    turn: {Quantity: rotation, Point: tip, Component: z},
+    wall: {Quantity: reaction force, Point: wall, Component: norm},
+    kappa: {Quantity: spatial curvature, Point: tip, Component: z},
+    strain: {Quantity: material strain, Point: tip, Component: 1},
+    work: {Quantity: strain energy}, factor: {Quantity: load factor},
+    long: {Quantity: length, Member: '*', Take: sum}, twice: {Quantity: formula, Formula: 2*long})yaml");
+  ASSERT_EQ(run(with(without, "Scene: {Units: 'mm , kN'}")).exit_code, kOk);
   const auto contents = contents_of(folder_ / "out/scene.h5");
   ASSERT_TRUE(contents);
-  expect_in(contents->at("quantities"), {"sag.x\nsag.y\nsag.z\nM\nM.member\nM.arc_length\nM.side\nturn\nwall\nkappa\n"
-                                         "strain\nwork\nfactor\nlong\ntwice\n"});
+  expect_in(contents->at("quantities"), {"sag.x\nsag.y\nsag.z\nM\nM.member\nM.arc_length\nM."
+                                         "side\nturn\nwall\nkappa\nstrain\nwork\nfactor\nlong\ntwice\n"});
   expect_in(contents->at("quantity_units"), {":mm\nmm\nmm\nkN mm\n\nmm\n\nrad\nkN\n1/mm\n\nkN mm\n\nmm\n\n"});
   ASSERT_EQ(run_process(program("mixbeam"), {"resume", "out/scene.h5", "--from", "1"}, folder_.path()).exit_code, kOk);
   EXPECT_EQ(contents_of(folder_ / "out/scene.h5")->at("quantity_units"), contents->at("quantity_units"));
@@ -102,8 +80,7 @@ TEST_F(Quantities, HaveTheUnitsOfTheScene) {
 
 TEST_F(Quantities, LimitsFailTheRunWhereTheyAreExceeded) {
   const auto limited = [](const std::string& limit) {
-    return elastica_with(
-        in_list("Quantities", entry("sag", "Quantity=displacement;Point=tip;Component=norm;Limit=" + limit)));
+    return asking("sag: {Quantity: displacement, Point: tip, Component: norm, Limit: " + limit + "}");
   };
   const Ended within = run(limited("1.0"));
   EXPECT_EQ(within.exit_code, kOk) << within.out;
@@ -114,10 +91,8 @@ TEST_F(Quantities, LimitsFailTheRunWhereTheyAreExceeded) {
 
 TEST_F(Quantities, MayBeExpected) {
   const auto expecting = [](const std::string& name, double value) {
-    const std::string check = entry("check", "Quantity=" + name + ";Value=" + std::to_string(value) +
-                                                 ";Absolute Tolerance=1e-6;Source=elliptic integrals");
-    return changed(elastica_with(in_list("Quantities", kTip)), "<ParameterList name=\"Expected\">",
-                   "<ParameterList name=\"Expected\">" + check);
+    return with(asking(kTip), "Expected: {check: {Quantity: " + name + ", Value: " + std::to_string(value) +
+                                  ", Absolute Tolerance: 1e-6, Source: elliptic integrals}}");
   };
   EXPECT_EQ(run(expecting("sag.x", -0.555500)).exit_code, kCheckFailed);
   const Ended right = run(expecting("sag.x", -0.554996));
@@ -128,7 +103,7 @@ TEST_F(Quantities, MayBeExpected) {
 }
 
 TEST_F(Quantities, AreTheSameWhenARunIsResumed) {
-  ASSERT_EQ(run(elastica_with(in_list("Quantities", kTip + kMoment))).exit_code, kOk);
+  ASSERT_EQ(run(asking(kBoth)).exit_code, kOk);
   const std::string before = text_of(folder_ / "out/scene-monitor.csv");
   const Ended again = run_process(program("mixbeam"), {"resume", "out/scene.h5", "--quiet"}, folder_.path());
   ASSERT_EQ(again.exit_code, kOk) << again.err;
@@ -137,16 +112,10 @@ TEST_F(Quantities, AreTheSameWhenARunIsResumed) {
 
 /// The elastica under a force of 10 and of `other` across the tip; its moment at the clamp is not linear in them.
 std::string two_cases(const std::string& other) {
-  const std::string force = "<Parameter name=\"Force\" type=\"Array(double)\" value=\"{0, 0, ";
-  std::string text = changed(elastica_with(in_list("Quantities", kTip + kMoment)), "<ParameterList name=\"Points\">",
-                             "<Parameter name=\"Load Cases\" type=\"Array(string)\" value=\"{down, other}\"/>"
-                             "<ParameterList name=\"Points\">");
-  text.erase(text.find("<ParameterList name=\"Expected\">"));
-  const std::string loads = "<ParameterList name=\"Point Loads\">";
-  return changed(text, loads,
-                 loads + in_list("more", "<Parameter name=\"Point\" type=\"string\" value=\"tip\"/>" + force + other +
-                                             "}\"/><Parameter name=\"Case\" type=\"string\" value=\"other\"/>")) +
-         "</ParameterList>";
+  return elastica_with("Quantities: {" + kBoth +
+                           "}\nScene: {Load Cases: [down, other], Point Loads: {more: {Point: tip, " +
+                           "Force: [0, 0, " + other + "], Case: other}}}",
+                       {"Expected"});
 }
 
 /// A run of one case alone renews the envelope from the files of the others, and says so where it cannot.
@@ -176,14 +145,15 @@ TEST_F(Quantities, EnvelopesAreRenewedByRunsOfOneCase) {
   expect_in(of_all.err, {"the envelope of 2 runs", "\"out/scene-down.h5\", \"out/scene-other.h5\""});
 }
 
+/// Cases under 5 to 10.
+std::string batch_of(const std::string& output, int count) {
+  return "Batch: {Output: " + output +
+         ", Vary: {force: {Parameter: 'Point Loads/weight/Force[1]', First: -5, Last: -10, " +
+         "Count: " + std::to_string(count) + "}}}";
+}
+
 TEST_F(Quantities, AreColumnsOfABatch) {
-  const std::string forces = entry("force", "Parameter=Point Loads/weight/Force[1];First=-5;Last=-10");
-  const std::string count = "<Parameter name=\"Count\" type=\"int\" value=\"6\"/></ParameterList>";
-  const std::string output = "<Parameter name=\"Output\" type=\"string\" value=\"quantities\"/>";
-  const std::string batch = in_list("Batch", output + in_list("Vary", changed(forces, "</ParameterList>", count)));
-  const std::string text = elastica_with(in_list("Quantities", kTip + kMoment));
-  const std::string scene = "<ParameterList name=\"Scene\">";
-  write_text(folder_ / "scene.xml", changed(text, scene, batch + scene));
+  write_text(folder_ / "scene.xml", with(asking(kBoth), batch_of("quantities", 6)));
   const Ended ended = run_process(program("mixbeam"), {"batch", "scene.xml", "--output", "many"}, folder_.path());
   ASSERT_EQ(ended.exit_code, kOk) << ended.err << ended.out;
   auto row = last_row(folder_ / "many/scene-batch.csv");
@@ -195,14 +165,8 @@ TEST_F(Quantities, AreColumnsOfABatch) {
 /// The elastica under 5 and 10: its tip goes down by 0.7137 and 0.8106 (elliptic integrals).
 class QuantitiesOfABatch : public Quantities {
  protected:
-  Ended batch(const std::string& output, const std::string& lists, std::string text = "") {
-    const std::string forces = entry("force", "Parameter=Point Loads/weight/Force[1];First=-5;Last=-10");
-    const std::string count = "<Parameter name=\"Count\" type=\"int\" value=\"2\"/></ParameterList>";
-    const std::string asked = "<Parameter name=\"Output\" type=\"string\" value=\"" + output + "\"/>";
-    const std::string all = in_list("Batch", asked + in_list("Vary", changed(forces, "</ParameterList>", count)));
-    if (text.empty()) text = elastica_with(lists);
-    const std::string scene = "<ParameterList name=\"Scene\">";
-    write_text(folder_ / "scene.xml", changed(text, scene, all + scene));
+  Ended batch(const std::string& output, const std::string& text) {
+    write_text(folder_ / "scene.xml", with(text, batch_of(output, 2)));
     return run_process(program("mixbeam"), {"batch", "scene.xml", "--output", "many", "--summary", "sum.json"},
                        folder_.path());
   }
@@ -210,7 +174,7 @@ class QuantitiesOfABatch : public Quantities {
 
 TEST_F(QuantitiesOfABatch, LimitsAreChecksOfEachCase) {
   const auto limited = [](const std::string& limit) {
-    return in_list("Quantities", entry("sag", "Quantity=displacement;Point=tip;Component=y;Limit=" + limit));
+    return asking("sag: {Quantity: displacement, Point: tip, Component: y, Limit: " + limit + "}");
   };
   for (const std::string output : {"quantities", "followed", "expected"}) {
     const Ended beyond = batch(output, limited("0.8"));
@@ -223,10 +187,9 @@ TEST_F(QuantitiesOfABatch, LimitsAreChecksOfEachCase) {
 }
 
 TEST_F(QuantitiesOfABatch, ExpectedValuesMayNameThem) {
-  const std::string check = entry("sag of each", "Quantity=sag.y;Value=-0.8106090249;Absolute Tolerance=1e-6;Source=x");
-  const Ended ended = batch("expected", "",
-                            changed(elastica_with(in_list("Quantities", kTip)), "<ParameterList name=\"Expected\">",
-                                    "<ParameterList name=\"Expected\">" + check));
+  const Ended ended = batch("expected", with(asking(kTip),
+                                             "Expected: {sag of each: {Quantity: sag.y, Value: -0.8106090249, "
+                                             "Absolute Tolerance: 1e-6, Source: x}}"));
   ASSERT_EQ(ended.exit_code, kOk) << ended.err << ended.out;
   auto row = last_row(folder_ / "many/scene-batch.csv");
   EXPECT_NEAR(std::stod(row["sag of each"]), -0.8106090249, 1e-9);
@@ -234,18 +197,9 @@ TEST_F(QuantitiesOfABatch, ExpectedValuesMayNameThem) {
 }
 
 TEST_F(Quantities, StressPointsOfSectionsGivenByStiffnesses) {  // E = 1 / I: M c / I at c = 0.02, as M above
-  const auto parameter = [](const std::string& name, const std::string& type, const std::string& value) {
-    return "<Parameter name=\"" + name + "\" type=\"" + type + "\" value=\"" + value + "\"/>";
-  };
-  const std::string places =
-      parameter("outer", "Array(double)", "{0.02, 0}") + parameter("inner", "Array(double)", "{-0.01, 0}");
-  const std::string points =
-      in_list("Stress Points",
-              parameter("E", "double", "50") + parameter("Area", "double", "1e12") + in_list("Points", places));
-  const std::string stress = entry("stress", "Quantity=normal stress;Member=*;Take=largest size");
-  std::string text = elastica_with(in_list("Quantities", stress + kMoment));
-  const std::size_t bending = text.find("<Parameter name=\"EI3\"");
-  const Ended ended = run(text.substr(0, bending) + points + text.substr(bending));
+  const Ended ended = run(with(asking("stress: {Quantity: normal stress, Member: '*', Take: largest size}, " + kMoment),
+                               "Scene: {Sections: {strip: {Stress Points: {E: 50, Area: 1e12, Points: {outer: [0.02, "
+                               "0], inner: [-0.01, 0]}}}}}"));
   ASSERT_EQ(ended.exit_code, kOk) << ended.err << ended.out;
   auto row = last_row(folder_ / "out/scene-monitor.csv");
   EXPECT_NEAR(std::abs(std::stod(row["stress"])), std::abs(std::stod(row["M"])) * 0.02 * 50.0, 1e-9);
@@ -253,29 +207,28 @@ TEST_F(Quantities, StressPointsOfSectionsGivenByStiffnesses) {  // E = 1 / I: M 
 }
 
 TEST_F(Quantities, FormulasReferToWhatStandsAboveThem) {
-  const std::string twice = entry("twice", "Quantity=formula;Formula=2 * sag_y");
-  EXPECT_EQ(run(elastica_with(in_list("Quantities", kTip + twice))).exit_code, kOk);
-  const Ended below = run(elastica_with(in_list("Quantities", twice + kTip)));
+  const std::string twice = "twice: {Quantity: formula, Formula: 2 * sag_y}";
+  EXPECT_EQ(run(asking(kTip + ", " + twice)).exit_code, kOk);
+  const Ended below = run(asking(twice + ", " + kTip));
   EXPECT_EQ(below.exit_code, kBadInput);
   expect_in(below.err, {"Quantities / twice / Formula", "\"sag_y\"", "allowed: a formula of numbers with"});
 }
 
 TEST_F(Quantities, LargestOfAVectorNeedsAComponent) {
   const auto asked = [&](const std::string& more) {
-    return run(elastica_with(in_list("Quantities", entry("M", "Quantity=material moment;Member=*" + more))));
+    return run(asking("M: {Quantity: material moment, Member: '*'" + more + "}"));
   };
-  const Ended without = asked(";Take=largest");
+  const Ended without = asked(", Take: largest");
   EXPECT_EQ(without.exit_code, kBadInput);
   expect_in(without.err, {"\"Quantities / M / Component\": missing"});
   const Ended bare = asked("");  // neither an extreme nor a place
   EXPECT_EQ(bare.exit_code, kBadInput);
   expect_in(bare.err, {"\"Quantities / M / Position\": missing"});
-  EXPECT_EQ(asked(";Take=largest;Component=norm").exit_code, kOk);
+  EXPECT_EQ(asked(", Take: largest, Component: norm").exit_code, kOk);
 }
 
 TEST_F(Quantities, NamesOfOtherSeriesAreRefused) {
-  const Ended ended = run(
-      elastica_with(in_list("Quantities", entry("tip.displacement", "Quantity=displacement;Point=tip;Component=x"))));
+  const Ended ended = run(asking("tip.displacement: {Quantity: displacement, Point: tip, Component: x}"));
   EXPECT_EQ(ended.exit_code, kBadInput);
   expect_in(ended.err, {"scene.xml:", "tip.displacement", "something else"});
 }

@@ -19,23 +19,12 @@ constexpr int kOk = 0, kBadInput = 2, kInterrupted = 130;
 
 /// A cantilever; with `lists` beside its list "Scene". A force with three components bends it in space.
 std::string cantilever(int elements, int order, const std::string& force, const std::string& lists = "") {
-  const std::string text = R"xml(<ParameterList name="cantilever"><ParameterList name="Scene">
-<ParameterList name="Sections"><ParameterList name="s"><Parameter name="Inextensible" type="bool" value="true"/>
-<Parameter name="Shear Rigid" type="bool" value="true"/><Parameter name="GIt" type="double" value="1"/>
-<Parameter name="EI2" type="double" value="1"/><Parameter name="EI3" type="double" value="1"/></ParameterList>
-</ParameterList><ParameterList name="Points"><Parameter name="wall" type="Array(double)" value="{0, 0, 0}"/>
-<Parameter name="tip" type="Array(double)" value="{1, 0, 0}"/></ParameterList>
-<ParameterList name="Members"><ParameterList name="rod"><Parameter name="Start" type="string" value="wall"/>
-<Parameter name="End" type="string" value="tip"/><Parameter name="Section" type="string" value="s"/>
-<Parameter name="Order" type="int" value="ORDER"/><Parameter name="Elements" type="int" value="ELEMENTS"/>
-</ParameterList></ParameterList><ParameterList name="Supports"><ParameterList name="c">
-<Parameter name="Point" type="string" value="wall"/></ParameterList></ParameterList>
-<ParameterList name="Point Loads"><ParameterList name="f"><Parameter name="Point" type="string" value="tip"/>
-<Parameter name="Force" type="Array(double)" value="FORCE"/></ParameterList></ParameterList></ParameterList>
-LISTS</ParameterList>)xml";
-  return changed(changed(changed(changed(text, "ORDER", std::to_string(order)), "ELEMENTS", std::to_string(elements)),
-                         "FORCE", force),
-                 "LISTS", lists);
+  return "Scene: {Sections: {s: {Inextensible: true, Shear Rigid: true, GIt: 1, EI2: 1, EI3: 1}}, "
+         "Points: {wall: [0, 0, 0], tip: [1, 0, 0]}, Supports: {c: {Point: wall}}, Members: {rod: {Start: wall, End: "
+         "tip, "
+         "Section: s, Order: " +
+         std::to_string(order) + ", Elements: " + std::to_string(elements) +
+         "}}, Point Loads: {f: {Point: tip, Force: " + force + "}}}\n" + lists;
 }
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -61,15 +50,15 @@ Cost wait_for(pid_t process) {
 class Room : public testing::Test {
  protected:
   std::string scene(const std::string& text) {
-    write_text(folder_ / "scene.xml", text);
-    return (folder_ / "scene.xml").string();
+    write_text(folder_ / "scene.yaml", text);
+    return (folder_ / "scene.yaml").string();
   }
   Ended mixbeam(const std::vector<std::string>& words) { return run_process(program("mixbeam"), words, folder_); }
   /// Peak of a run on top of that of a run of four elements.
   double growth(const std::string& text) {
     double peak[2] = {};
     for (int i = 0; i < 2; ++i) {
-      const std::vector<std::string> words = {"run", scene(i == 0 ? cantilever(4, 2, "{0, 1, 0}") : text), "--output",
+      const std::vector<std::string> words = {"run", scene(i == 0 ? cantilever(4, 2, "[0, 1, 0]") : text), "--output",
                                               folder_.path().string()};
       const Cost cost = wait_for(start_process(program("mixbeam"), words, folder_.path()));
       EXPECT_TRUE(WIFEXITED(cost.status) && WEXITSTATUS(cost.status) == kOk);
@@ -96,14 +85,14 @@ class Room : public testing::Test {
 TEST_F(Room, MemoryIsEstimatedWithinThirtyPerCent) {
   constexpr int kElements = 20'000;
   constexpr double kAllowed = 0.3;
-  const std::string spatial = cantilever(kElements, 2, "{0.3, 1, 0.7}"), planar = cantilever(kElements, 4, "{0, 1, 0}");
+  const std::string spatial = cantilever(kElements, 2, "[0.3, 1, 0.7]"), planar = cantilever(kElements, 4, "[0, 1, 0]");
   for (const std::string& text : {spatial, planar}) EXPECT_NEAR(estimate(text) / growth(text), 1.0, kAllowed);
-  EXPECT_GT(std::abs(estimate(cantilever(kElements, 8, "{0, 1, 0}")) / growth(planar) - 1.0), kAllowed)
+  EXPECT_GT(std::abs(estimate(cantilever(kElements, 8, "[0, 1, 0]")) / growth(planar) - 1.0), kAllowed)
       << "other order";
 }
 
 TEST_F(Room, WhatDoesNotFitIsRefusedAtOnce) {
-  const std::string large = scene(cantilever(10'000'000, 8, "{0, 1, 0}"));  // 200 GB
+  const std::string large = scene(cantilever(10'000'000, 8, "[0, 1, 0]"));  // 200 GB
   const auto in_limit = [&](const std::string& command) {
     const std::string limited = "ulimit -v 3000000; exec \"$0\" " + command;
     return run_process("/bin/bash", {"-c", limited, program("mixbeam").string(), large, folder_.path().string()},
@@ -114,7 +103,8 @@ TEST_F(Room, WhatDoesNotFitIsRefusedAtOnce) {
     const Ended ended = in_limit(command);
     EXPECT_LT(seconds_since(start), 10.0) << "a second, and the wait for a busy machine";
     EXPECT_EQ(ended.exit_code, kBadInput) << ended.err;
-    for (const char* part : {"scene.xml:1: XML path \"Scene\"", "GB of memory", "available", "allowed: ", "--force"})
+    for (const char* part :
+         {"scene.yaml:1:1: YAML path \"Scene\"", "GB of memory", "available", "allowed: ", "--force"})
       EXPECT_NE(ended.err.find(part), std::string::npos) << part << " in " << ended.err;
   }
   const Ended forced = in_limit("run \"$1\" --output \"$2\" --force");
@@ -124,7 +114,7 @@ TEST_F(Room, WhatDoesNotFitIsRefusedAtOnce) {
 
 /// 134 MB of addresses for OpenBLAS, which waited for them for ever.
 TEST_F(Room, ALimitWithoutRoomForOpenBlasEndsTheRun) {
-  const std::string column = scene(cantilever(4, 2, "{-5, 0, 0}"));  // beyond its critical load: eigenvalues are wanted
+  const std::string column = scene(cantilever(4, 2, "[-5, 0, 0]"));  // beyond its critical load: eigenvalues are wanted
   for (const auto& [limit, exit_code] : {std::pair{"280000", kBadInput}, {"3000000", kOk}}) {
     const std::string limited = "ulimit -v " + std::string(limit) +
                                 "; OMP_NUM_THREADS=1 exec timeout -s KILL 30 \"$0\" run \"$1\" --output \"$2\"";
@@ -140,12 +130,9 @@ TEST_F(Room, StepsDoNotGrowTheProgram) {
   constexpr int kFew = 50, kMany = 450;
   constexpr double kOfStep = 3000.0;  // byte; what is kept of each takes 450, and heaps grow in blocks
   const auto peak = [&](int steps) {
-    const std::string fixed =
-        "<ParameterList name=\"Solver\"><ParameterList name=\"Load Path\"><Parameter name=\"Method\" type=\"string\" "
-        "value=\"fixed\"/><Parameter name=\"Steps\" type=\"int\" value=\"" +
-        std::to_string(steps) + "\"/></ParameterList></ParameterList>";
+    const std::string fixed = "Solver: {Load Path: {Method: fixed, Steps: " + std::to_string(steps) + "}}\n";
     const std::vector<std::string> words = {"run",
-                                            scene(cantilever(2, 1, "{0, 1, 0}", fixed)),
+                                            scene(cantilever(2, 1, "[0, 1, 0]", fixed)),
                                             "--quiet",
                                             "--threads",
                                             "1",
@@ -170,7 +157,7 @@ long times_asleep(const std::string& scene, const std::string& environment, cons
 
 TEST_F(Room, ThreadsThatWaitLeaveTheProcessorToOthers) {
   if (std::thread::hardware_concurrency() < 2) GTEST_SKIP() << "OpenMP does not spin on one processor";
-  const std::string path = scene(cantilever(10'000, 2, "{0.3, 1, 0.7}"));
+  const std::string path = scene(cantilever(10'000, 2, "[0.3, 1, 0.7]"));
   const long asleep = times_asleep(path, "NOTHING=", folder_.path());                   // 1,400 loops
   const long spinning = times_asleep(path, "GOMP_SPINCOUNT=infinite", folder_.path());  // reading and writing alone
   constexpr long kFarMore = 4;  // 14 to 60 times as often was seen, beside four other jobs too
@@ -178,7 +165,7 @@ TEST_F(Room, ThreadsThatWaitLeaveTheProcessorToOthers) {
 }
 
 TEST_F(Room, ManyThreadsAreLimitedAndSaidSo) {
-  const std::string path = scene(cantilever(4, 2, "{0, 1, 0}")), output = folder_.path().string();
+  const std::string path = scene(cantilever(4, 2, "[0, 1, 0]")), output = folder_.path().string();
   const Ended many = mixbeam({"run", path, "--output", output, "--threads", "1024", "--quiet"});
   EXPECT_EQ(many.exit_code, kOk) << many.err;
   expect_in(many.out, {"warning: 1024 threads on "});
@@ -187,23 +174,21 @@ TEST_F(Room, ManyThreadsAreLimitedAndSaidSo) {
 }
 
 TEST_F(Room, RunWarnsOfTheSceneAsCheckDoes) {
-  const std::string path = scene(cantilever(2, 1, "{0, 1, 0}")), summary = (folder_ / "summary.json").string();
+  const std::string path = scene(cantilever(2, 1, "[0, 1, 0]")), summary = (folder_ / "summary.json").string();
   const Ended checked = mixbeam({"check", path});
   const Ended ended = mixbeam({"run", path, "--output", folder_.path().string(), "--summary", summary, "--quiet"});
   for (const std::string& text : {checked.out, ended.out, text_of(folder_ / "summary.json")})
     expect_in(text, {"Members / rod: 2 element(s) of order 1 are coarse"});
   const Ended sound =
-      mixbeam({"run", scene(cantilever(8, 2, "{0, 1, 0}")), "--output", folder_.path().string(), "--quiet"});
+      mixbeam({"run", scene(cantilever(8, 2, "[0, 1, 0]")), "--output", folder_.path().string(), "--quiet"});
   EXPECT_EQ(sound.out.find("are coarse"), std::string::npos);
 }
 
 /// A member that turns too far in its elements shows when these are made.
 TEST_F(Room, ErrorsOfElementsHaveFileLineAndPath) {
   const auto wave = [&](const std::string& formula) {
-    return scene(changed(cantilever(4, 2, "{0, 1, 0}"), "<Parameter name=\"Order\"",
-                         R"xml(<ParameterList name="Curve"><Parameter name="Shape" type="string" value="parametric"/>
-<Parameter name="Formula" type="Array(string)" value="{t, )xml" +
-                             formula + R"xml(, 0}"/></ParameterList><Parameter name="Order")xml"));
+    return scene(changed(cantilever(4, 2, "[0, 1, 0]"), "Order",
+                         "Curve: {Shape: parametric, Formula: [t, '" + formula + "', 0]}, Order"));
   };
   const std::string many = wave("sin(300*t) - t*sin(300)"), output = folder_.path().string();
   for (const std::vector<std::string>& words :
@@ -211,7 +196,7 @@ TEST_F(Room, ErrorsOfElementsHaveFileLineAndPath) {
     const Ended ended = mixbeam(words);
     EXPECT_EQ(ended.exit_code, kBadInput) << ended.err;
     expect_in(ended.err,
-              {"scene.xml:7: XML path \"Scene / Members / rod\"", "turns too far", "more elements are needed"});
+              {"scene.yaml:1:172: YAML path \"Scene / Members / rod\"", "turns too far", "more elements are needed"});
   }
   EXPECT_EQ(mixbeam({"check", wave("sin(pi*t)")}).exit_code, kOk);
 }
@@ -232,9 +217,7 @@ std::string problem_of_end(const Ended& ended, int signal, double seconds) {
 }
 
 TEST_F(Room, SignalsEndARunInEveryPhase) {
-  const std::string path = scene(cantilever(
-      20'000, 3, "{0.3, 1, 0.7}",
-      R"xml(<ParameterList name="Analysis"><Parameter name="Buckling Modes" type="int" value="2"/></ParameterList>)xml"));
+  const std::string path = scene(cantilever(20'000, 3, "[0.3, 1, 0.7]", "Analysis: {Buckling Modes: 2}"));
   const fs::path results = folder_ / "results";
   const int moments = number_of_signals();
   const double longest = 3.0;

@@ -123,8 +123,8 @@ TEST(Schema, TheLanguageServerCompletesExplainsAndMarks) {
   const fs::path server = fs::path(MIXBEAM_BIN_DIR).parent_path() /
                           "yaml-language-server/node_modules/yaml-language-server/bin/yaml-language-server";
   const TemporaryFolder folder;
-  if (!fs::exists(server) || std::system("node --version > /dev/null 2>&1") != 0)
-    GTEST_SKIP() << "no language server or no node (./test.sh gets both)";
+  MIXBEAM_REQUIRE_TOOL(fs::exists(server) && std::system("node --version > /dev/null 2>&1") == 0,
+                       "a language server or node (./test.sh gets both)");
   write_text(folder / "schema.json", output_of({"schema", "--json"}));
   const std::string script = std::string(MIXBEAM_SOURCE_DIR) + "/tests/apps/language_server.py";
   const Ended ended =

@@ -9,48 +9,27 @@
 namespace mixbeam {
 namespace {
 
-std::string list(const std::string& name, const std::string& inside) {
-  return "<ParameterList name=\"" + name + "\">\n" + inside + "</ParameterList>\n";
-}
-std::string parameter(const std::string& name, const std::string& type, const std::string& value) {
-  return "<Parameter name=\"" + name + "\" type=\"" + type + "\" value=\"" + value + "\"/>\n";
-}
-std::string word(const std::string& name, const std::string& value) { return parameter(name, "string", value); }
-std::string vector(const std::string& name, const std::string& value) {
-  return parameter(name, "Array(double)", "{" + value + "}");
-}
-
 /// An inextensible cantilever of length and stiffness 1 along x, in the plane, under this force at its tip; `rest`:
 /// lists beside the scene.
 std::string column(const std::string& force, const std::string& rest) {
-  const std::string rigid = parameter("Inextensible", "bool", "true") + parameter("Shear Rigid", "bool", "true");
-  const std::string soft =
-      parameter("GIt", "double", "1") + parameter("EI2", "double", "1") + parameter("EI3", "double", "1");
-  return list(
-      "column",
-      list("Scene",
-           list("Sections", list("rod", rigid + soft)) +
-               list("Points", vector("clamp", "0, 0, 0") + vector("tip", "1, 0, 0")) +
-               list("Members", list("rod", word("Start", "clamp") + word("End", "tip") + word("Section", "rod") +
-                                               parameter("Order", "int", "5") + parameter("Elements", "int", "16"))) +
-               list("Supports",
-                    list("clamp", word("Point", "clamp")) +
-                        list("plane", word("Point", "tip") + parameter("Fixed Displacement", "Array(string)", "{z}") +
-                                          parameter("Fixed Rotation", "Array(string)", "{x, y}"))) +
-               list("Point Loads", list("load", word("Point", "tip") + vector("Force", force)))) +
-          rest);
+  return R"yaml(Scene:
+  Sections: {rod: {Inextensible: true, Shear Rigid: true, GIt: 1, EI2: 1, EI3: 1}}
+  Points: {clamp: [0, 0, 0], tip: [1, 0, 0]}
+  Members: {rod: {Start: clamp, End: tip, Section: rod, Order: 5, Elements: 16}}
+  Supports: {clamp: {Point: clamp}, plane: {Point: tip, Fixed Displacement: [z], Fixed Rotation: [x, y]}}
+  Point Loads: {load: {Point: tip, Force: [)yaml" +
+         force + "]}}\n" + rest;
 }
 
 std::string expected(const std::string& quantity, const std::string& more, const std::string& value) {
-  return list("Expected", list("value", word("Quantity", quantity) + more + parameter("Value", "double", value) +
-                                            parameter("Absolute Tolerance", "double", "1e-8") +
-                                            word("Source", "shooting on the rod equations")));
+  return "Expected: {value: {Quantity: " + quantity + ", " + more + "Value: " + value +
+         ", Absolute Tolerance: 1e-8, Source: shooting on the rod equations}}\n";
 }
-std::string tip(const std::string& component) { return word("Point", "tip") + word("Component", component); }
+std::string tip(const std::string& component) { return "Point: tip, Component: " + component + ", "; }
 
 Ended run(const std::string& command, const std::string& scene, const fs::path& folder) {
-  write_text(folder / "scene.xml", scene);
-  std::vector<std::string> words = {command, (folder / "scene.xml").string()};
+  write_text(folder / "scene.yaml", scene);
+  std::vector<std::string> words = {command, (folder / "scene.yaml").string()};
   if (command != "check")
     for (const std::string& word : {std::string("--output"), folder.string(), std::string("--threads"),
                                     std::string("1"), std::string("--summary"), (folder / "summary.json").string()})
@@ -70,7 +49,7 @@ TEST(SingularPaths, TheImperfectColumnEndsOnItsSide) {
 
 TEST(SingularPaths, ACriticalPointThatDoesNotComeIsAFailedCheck) {
   const auto folder = folder_for("singular_missing");
-  const std::string critical = parameter("Critical Point", "int", "1");
+  const std::string critical = "Critical Point: 1, ";
   const Ended missing = run("run", column(kForce, expected("load factor", critical, "0.5")), folder);
   EXPECT_EQ(missing.exit_code, 1) << missing.out << missing.err;
   EXPECT_TRUE(fs::exists(folder / "summary.json"));
@@ -78,11 +57,11 @@ TEST(SingularPaths, ACriticalPointThatDoesNotComeIsAFailedCheck) {
 
 TEST(SingularPaths, CheckTellsOfALoadFactorThatNoStepEndsAt) {
   const auto folder = folder_for("singular_load_factor");
-  const std::string early = parameter("Load Factor", "double", "0.3");
+  const std::string early = "Load Factor: 0.3, ";
   const Ended off = run("check", column(kForce, expected("displacement", tip("y") + early, "0.1")), folder);
   EXPECT_EQ(off.exit_code, 2) << off.out;
   expect_in(off.out + off.err, {"Load Factor"});
-  const std::string end = parameter("Load Factor", "double", "1");
+  const std::string end = "Load Factor: 1, ";
   EXPECT_EQ(run("check", column(kForce, expected("displacement", tip("y") + end, "0.1")), folder).exit_code, 0);
 }
 
@@ -90,8 +69,7 @@ TEST(SingularPaths, CheckTellsOfALoadFactorThatNoStepEndsAt) {
 TEST(SingularPaths, ADisplacementThatTheLoadDoesNotMoveIsNamed) {
   const auto folder = folder_for("singular_control");
   for (const std::string component : {"y", "x"}) {
-    const std::string control =
-        list("Analysis", list("Control", tip(component) + parameter("Target", "double", "-0.1")));
+    const std::string control = "Analysis: {Control: {" + tip(component) + "Target: -0.1}}\n";
     const Ended still = run("run", column("-1, 0, 0", control), folder);
     EXPECT_TRUE(still.exit_code == 2 || still.exit_code == 3) << still.exit_code;
     expect_in(still.out + still.err, {"not move", "tip"});
@@ -99,31 +77,31 @@ TEST(SingularPaths, ADisplacementThatTheLoadDoesNotMoveIsNamed) {
   }
 }
 
-const std::string kJump = word("Snap", "jump");
+const std::string kJump = "Snap: jump, ";
 
 TEST(SingularPaths, JumpsAreToldAndCounted) {
   const auto folder = folder_for("singular_jumps");
-  const Ended one = run("run", column("-4, 0, 0", list("Analysis", kJump) + expected("jumps", "", "1")), folder);
+  const Ended one = run("run", column("-4, 0, 0", "Analysis: {" + kJump + "}\n" + expected("jumps", "", "1")), folder);
   EXPECT_EQ(one.exit_code, 0) << one.out << one.err;
   expect_in(one.out, {"scene: jump between load factors ", "energy released ", "point \"tip\"", "stable: true"});
   expect_in(text_of(folder / "summary.json"), {"\"jumps\"", "\"energy_released\"", "\"from_load_factor\""});
   expect_in(text_of(folder / "scene-monitor.csv"), {"jump.energy_released", "jump.largest_displacement", "jumps"});
-  const std::string forbidden = list("Analysis", kJump) + expected("jumps", "", "0");
+  const std::string forbidden = "Analysis: {" + kJump + "}\n" + expected("jumps", "", "0");
   EXPECT_EQ(run("run", column("-4, 0, 0", forbidden), folder).exit_code, 1);
   EXPECT_EQ(run("run", column("-2, 0, 0", forbidden), folder).exit_code, 0) << "below the critical load";
 }
 
 TEST(SingularPaths, JumpsNeedAPotential) {
   const auto folder = folder_for("singular_no_potential");
-  const std::string scene = column("0, 0, 1", list("Analysis", kJump));
-  const Ended moment = run("run", changed(scene, "name=\"Force\"", "name=\"Moment\""), folder);
+  const std::string scene = column("0, 0, 1", "Analysis: {" + kJump + "}");
+  const Ended moment = run("run", changed(scene, "Force", "Moment"), folder);
   EXPECT_EQ(moment.exit_code, 2);
-  expect_in(moment.err, {"scene.xml:", "\"Scene / Point Loads / load / Moment\"", "no potential", "allowed: dead"});
-  const std::string traced = column("-4, 0, 0", list("Analysis", kJump + parameter("Trace", "bool", "true")));
+  expect_in(moment.err, {"scene.yaml:", "\"Scene / Point Loads / load / Moment\"", "no potential", "allowed: dead"});
+  const std::string traced = column("-4, 0, 0", "Analysis: {" + kJump + "Trace: true}");
   const Ended both = run("run", traced, folder);
   EXPECT_EQ(both.exit_code, 2);
   expect_in(both.err, {"\"Analysis / Trace\"", "allowed: false"});
-  const Ended misspelt = run("run", changed(traced, "value=\"jump\"", "value=\"jmup\""), folder);
+  const Ended misspelt = run("run", changed(traced, "jump", "jmup"), folder);
   EXPECT_EQ(misspelt.exit_code, 2);
   expect_in(misspelt.err, {"\"Analysis / Snap\"", "did you mean \"jump\"?"});
 }
@@ -131,13 +109,10 @@ TEST(SingularPaths, JumpsNeedAPotential) {
 /// P from 2 to 6 with a force across of 0.01: y of the tip by shooting.
 TEST(SingularPaths, ABatchOfImperfectColumns) {
   const auto folder = folder_for("singular_batch");
-  const std::string varied =
-      list("Vary", list("P", word("Parameter", "Point Loads/load/Force[0]") + parameter("First", "double", "-2") +
-                                 parameter("Last", "double", "-6") + parameter("Count", "int", "5")));
+  const std::string varied = "Vary: {P: {Parameter: 'Point Loads/load/Force[0]', First: -2, Last: -6, Count: 5}}, ";
   const std::string value = expected("displacement", tip("y"), "0.1");
   const std::string loose = changed(value, "1e-8", "10");
-  const Ended ended =
-      run("batch", column("-1, 0.01, 0", loose + list("Batch", varied + word("Output", "expected"))), folder);
+  const Ended ended = run("batch", column("-1, 0.01, 0", loose + "Batch: {" + varied + "Output: expected}"), folder);
   EXPECT_EQ(ended.exit_code, 0) << ended.out << ended.err;
   const std::string table = text_of(folder / "scene-batch.csv");
   std::istringstream rows(table);

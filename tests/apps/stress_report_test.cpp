@@ -7,49 +7,32 @@
 namespace mixbeam::stress_report_test {
 namespace {
 
-std::string parameter(const std::string& name, const std::string& type, const std::string& value) {
-  return "<Parameter name=\"" + name + "\" type=\"" + type + "\" value=\"" + value + "\"/>";
-}
-
-const std::string kMaterial = parameter("E", "double", "210e9") + parameter("nu", "double", "0.3");
-const std::string kCircle = parameter("Shape", "string", "circle") + parameter("Diameter", "double", "0.02");
+const std::string kMaterial = "E: 210e9, nu: 0.3, ";
+const std::string kCircle = "Shape: circle, Diameter: 0.02, ";
 
 std::string with_material(const std::string& shape, const std::string& more = "") {
-  return shape + "<ParameterList name=\"Material\">" + kMaterial + more + "</ParameterList>";
+  return shape + "Material: {" + kMaterial + more + "}, ";
 }
 
 /// A cantilever of length 1 along x with a force at its tip.
 std::string cantilever(const std::string& section, const std::string& force, const std::string& analysis = "",
                        const std::string& more = "") {
-  return R"xml(<ParameterList name="cantilever"><ParameterList name="Scene">
-    <ParameterList name="Sections"><ParameterList name="rod">)xml" +
-         section + R"xml(</ParameterList></ParameterList>
-    <ParameterList name="Points"><Parameter name="wall" type="Array(double)" value="{0, 0, 0}"/>
-      <Parameter name="tip" type="Array(double)" value="{1, 0, 0}"/></ParameterList>
-    <ParameterList name="Members"><ParameterList name="beam">
-      <Parameter name="Start" type="string" value="wall"/><Parameter name="End" type="string" value="tip"/>
-      <Parameter name="Section" type="string" value="rod"/>
-      <Parameter name="Second Axis" type="Array(double)" value="{0, 1, 0}"/>
-      <Parameter name="Elements" type="int" value="10"/>)xml" +
-         more + R"xml(</ParameterList></ParameterList>
-    <ParameterList name="Supports"><ParameterList name="clamp">
-      <Parameter name="Point" type="string" value="wall"/></ParameterList></ParameterList>
-    <ParameterList name="Point Loads"><ParameterList name="load">
-      <Parameter name="Point" type="string" value="tip"/>)xml" +
-         force + "</ParameterList></ParameterList></ParameterList>" + analysis + "</ParameterList>";
+  return "Scene:\n  Sections: {rod: {" + section + R"yaml(}}
+  Points: {wall: [0, 0, 0], tip: [1, 0, 0]}
+  Supports: {clamp: {Point: wall}}
+  Members: {beam: {Start: wall, End: tip, Section: rod, Second Axis: [0, 1, 0], Elements: 10, )yaml" +
+         more + "}}\n  Point Loads: {load: {Point: tip, " + force + "}}\n" + analysis;
 }
 
-std::string force_z(const std::string& value) { return parameter("Force", "Array(double)", "{0, 0, " + value + "}"); }
+std::string force_z(const std::string& value) { return "Force: [0, 0, " + value + "]"; }
 
-std::string stresses(const std::string& choice) {
-  return "<ParameterList name=\"Analysis\">" + parameter("Stresses", "string", choice) + "</ParameterList>";
-}
+std::string stresses(const std::string& choice) { return "Analysis: {Stresses: '" + choice + "'}\n"; }
 
 class StressReport : public ::testing::Test {
  protected:
   Ended run(const std::string& scene) {
-    write_text(folder_ / "scene.xml", scene);
-    return run_process(program("mixbeam"), {"run", (folder_ / "scene.xml").string(), "--output", results()}, folder_);
+    write_text(folder_ / "scene.yaml", scene);
+    return run_process(program("mixbeam"), {"run", (folder_ / "scene.yaml").string(), "--output", results()}, folder_);
   }
   std::string results() const { return (folder_ / "results").string(); }
   FileContents contents() const { return contents_of(folder_ / "results" / "scene.h5").value_or(FileContents{}); }
@@ -66,7 +49,7 @@ std::vector<double> numbers(const std::string& bytes) {
 }
 
 TEST_F(StressReport, NamesTheMostStressedMembers) {
-  const Ended ended = run(cantilever(with_material(kCircle, parameter("Strength", "double", "1e8")), force_z("-10")));
+  const Ended ended = run(cantilever(with_material(kCircle, "Strength: 1e8"), force_z("-10")));
   EXPECT_EQ(ended.exit_code, 0) << ended.err;
   // M c / I = 32 * 10 / (pi d^3) = 1.27324e7 at the clamp, tension on the upper side
   expect_in(ended.out, {"largest stress in", "beam", "1.27324e+07", "0.01", "utilisation", "0.127"});
@@ -84,7 +67,7 @@ TEST_F(StressReport, NamesTheMostStressedMembers) {
 
 /// What ParaView shows: stresses where the file has them, of runs that are gone on with too.
 TEST_F(StressReport, StandInTheXdmfFile) {
-  const std::string strong = parameter("Strength", "double", "1e8");
+  const std::string strong = "Strength: 1e8, ";
   ASSERT_EQ(run(cantilever(with_material(kCircle, strong), force_z("-10"))).exit_code, 0);
   const std::vector<double> von_mises = numbers(contents().at("steps/000001/von_mises_stress"));
   const std::vector<double> utilisation = numbers(contents().at("steps/000001/utilisation"));
@@ -116,7 +99,7 @@ TEST_F(StressReport, EveryStepOrNone) {
 
 TEST_F(StressReport, NothingForSectionsWithoutShape) {
   std::string stiffnesses;
-  for (const char* name : {"EA", "GA2", "GA3", "GIt", "EI2", "EI3"}) stiffnesses += parameter(name, "double", "1e3");
+  for (const char* name : {"EA", "GA2", "GA3", "GIt", "EI2", "EI3"}) stiffnesses += name + std::string(": 1e3, ");
   const Ended ended = run(cantilever(stiffnesses, force_z("-10")));
   EXPECT_EQ(ended.exit_code, 0) << ended.err;
   EXPECT_EQ(ended.out.find("largest stress"), std::string::npos);
@@ -124,26 +107,23 @@ TEST_F(StressReport, NothingForSectionsWithoutShape) {
 }
 
 TEST_F(StressReport, WarnsOfStrainsAndOfThickCurvedMembers) {
-  const std::string thick = parameter("Shape", "string", "circle") + parameter("Diameter", "double", "0.2");
-  const std::string arc = "<ParameterList name=\"Curve\">" + parameter("Shape", "string", "arc") +
-                          parameter("Center", "Array(double)", "{0.5, 0, 0}") +
-                          parameter("Axis", "Array(double)", "{0, 1, 0}") +
-                          parameter("Angle", "double", "3.141592653589793") + "</ParameterList>";
+  const std::string thick = "Shape: circle, Diameter: 0.2, ";
+  const std::string arc = "Curve: {Shape: arc, Center: [0.5, 0, 0], Axis: [0, 1, 0], Angle: 3.141592653589793}, ";
   const Ended curved = run(cantilever(with_material(thick), force_z("-10"), "", arc));
   EXPECT_EQ(curved.exit_code, 0) << curved.err;
   expect_in(curved.out, {"warning: member \"beam\" is curved", "15 %"});  // 3 d / (8 R)
   EXPECT_EQ(curved.out.find("is strained by"), std::string::npos);
-  const std::string roll = parameter("Moment", "Array(double)", "{0, 16493.361431346415, 0}");  // EI2 * 10: radius 0.1
+  const std::string roll = "Moment: [0, 16493.361431346415, 0], ";  // EI2 * 10: radius 0.1
   const Ended strained = run(cantilever(with_material(kCircle), roll));
   EXPECT_EQ(strained.exit_code, 0) << strained.err;
   expect_in(strained.out, {"warning: member \"beam\" is strained by 10 %", "more than 5 %", "Largest Strain"});
-  const Ended allowed = run(cantilever(with_material(kCircle) + parameter("Largest Strain", "double", "0.2"), roll));
+  const Ended allowed = run(cantilever(with_material(kCircle) + "Largest Strain: 0.2, ", roll));
   EXPECT_EQ(allowed.out.find("is strained by"), std::string::npos);
 }
 
 TEST_F(StressReport, WarnsOfUtilisationAboveOne) {
   const auto with_strength = [this](const std::string& strength) {  // 1.27324e7 is the largest stress, at the clamp
-    return run(cantilever(with_material(kCircle, parameter("Strength", "double", strength)), force_z("-10"))).out;
+    return run(cantilever(with_material(kCircle, "Strength: " + strength), force_z("-10"))).out;
   };
   expect_in(with_strength("1.25e7"),
             {"warning: member \"beam\" is stressed beyond the \"Strength\"", "utilisation 1.02 at s = 0", "1 warning"});
@@ -151,10 +131,8 @@ TEST_F(StressReport, WarnsOfUtilisationAboveOne) {
 }
 
 TEST_F(StressReport, NotesTorsionOfOpenSections) {
-  const std::string profile = parameter("Shape", "string", "I") + parameter("Width", "double", "0.1") +
-                              parameter("Height", "double", "0.2") + parameter("Flange", "double", "0.0085") +
-                              parameter("Web", "double", "0.0056");
-  const Ended twisted = run(cantilever(with_material(profile), parameter("Moment", "Array(double)", "{100, 0, 0}")));
+  const std::string profile = "Shape: I, Width: 0.1, Height: 0.2, Flange: 0.0085, Web: 0.0056, ";
+  const Ended twisted = run(cantilever(with_material(profile), "Moment: [100, 0, 0]"));
   EXPECT_EQ(twisted.exit_code, 0) << twisted.err;
   expect_in(twisted.out, {"torsion makes 100 %", "warping"});
   EXPECT_EQ(run(cantilever(with_material(profile), force_z("-10"))).out.find("warping"), std::string::npos);

@@ -1,7 +1,5 @@
 // The measurement of thread scaling in a tiny size, so that it cannot rot; its times are not judged.
-#include "tests/apps/process.hpp"
-
-#include <gtest/gtest.h>
+#include "mixbeam_files.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,22 +7,14 @@
 namespace mixbeam::thread_scaling_test {
 namespace {
 
-/// Runs the study with these parameters in place of the defaults and returns the exit code.
-int run_study(const fs::path& folder, const std::string& parameters) {
-  const std::string end_of_file = "</ParameterList>\n</ParameterList>\n";
-  const std::string study =
-      "</ParameterList>\n  <ParameterList name=\"Study\">\n" + parameters + "  </ParameterList>\n</ParameterList>\n";
-  return run_program("thread_scaling", changed_scene("thread_scaling", end_of_file, study, folder), folder);
+/// Runs the study in a tiny size with these changes and returns the exit code.
+int run_study(const fs::path& folder, const std::string& changes = "") {
+  const std::string tiny = with(scene_of("thread_scaling"),
+                                "Study: {Elements: [40], Orders: [1, 3], Threads: [1, 2], Repetitions: 1, "
+                                "Repetitions of Runs: 1, Seconds: 0}");
+  return run_program("thread_scaling",
+                     scene_in(folder, changes.empty() ? tiny : with(tiny, "Study: {" + changes + "}")), folder);
 }
-
-constexpr const char* kTiny = R"xml(
-    <Parameter name="Elements" type="Array(int)" value="{40}"/>
-    <Parameter name="Orders" type="Array(int)" value="{1, 3}"/>
-    <Parameter name="Threads" type="Array(int)" value="{1, 2}"/>
-    <Parameter name="Repetitions" type="int" value="1"/>
-    <Parameter name="Repetitions of Runs" type="int" value="1"/>
-    <Parameter name="Seconds" type="double" value="0"/>
-)xml";
 
 std::vector<std::vector<std::string>> rows_of(const fs::path& file) {
   std::vector<std::vector<std::string>> rows;
@@ -78,7 +68,7 @@ double seconds_of(const std::vector<std::vector<std::string>>& rows, const std::
 TEST(ThreadScalingApplication, KluIsTimedAndNotTheChains) {
   constexpr double kLeastRatio = 2.0;  // 4 to 9 on machines at rest; 0.9 to 1.1 were the same solver twice
   const auto folder = folder_for("thread_scaling_klu");
-  ASSERT_EQ(run_study(folder, changed(changed(kTiny, "{40}", "{2000}"), "{1, 3}", "{1}")), 0);
+  ASSERT_EQ(run_study(folder, "Elements: [2000], Orders: [1]"), 0);
   const auto rows = rows_of(folder / "thread_scaling.csv");
   EXPECT_GT(seconds_of(rows, {"spatial", "2000", "1", "1", "linear solver, KLU2"}),
             kLeastRatio * seconds_of(rows, {"spatial", "2000", "1", "1", "linear solver"}));
@@ -86,7 +76,7 @@ TEST(ThreadScalingApplication, KluIsTimedAndNotTheChains) {
 
 TEST(ThreadScalingApplication, TinySizeWritesEveryPhase) {
   const auto folder = folder_for("thread_scaling_tiny");
-  ASSERT_EQ(run_study(folder, kTiny), 0) << text_of(folder / "output.txt");
+  ASSERT_EQ(run_study(folder), 0) << text_of(folder / "output.txt");
   const auto rows = rows_of(folder / "thread_scaling.csv");
   for (const char* phase : {"residual", "element tangent", "condense chains", "assemble", "numeric factorisation",
                             "solve", "check of the solve", "recover", "update", "element work", "linear solver",
@@ -109,8 +99,7 @@ TEST(ThreadScalingApplication, TinySizeWritesEveryPhase) {
 /// points 60, less 5.
 TEST(ThreadScalingApplication, LatticesHaveTheElementsAskedFor) {
   const auto folder = folder_for("thread_scaling_lattices");
-  const std::string kinds = R"xml(<Parameter name="Kinds" type="Array(string)" value="{cubic, octet, sheet}"/>)xml";
-  ASSERT_EQ(run_study(folder, changed(changed(kTiny, "{40}", "{160}"), "{1, 3}", "{2}") + kinds), 0)
+  ASSERT_EQ(run_study(folder, "Elements: [160], Orders: [2], Kinds: [cubic, octet, sheet]"), 0)
       << text_of(folder / "output.txt");
   const auto rows = rows_of(folder / "thread_scaling.csv");
   for (const auto& [kind, elements] : {std::pair{"cubic", "84"}, {"octet", "64"}, {"sheet", "110"}})
@@ -121,7 +110,7 @@ TEST(ThreadScalingApplication, LatticesHaveTheElementsAskedFor) {
 
 TEST(ThreadScalingApplication, AnOrderThatDoesNotExistIsBadInput) {
   const auto folder = folder_for("thread_scaling_bad_order");
-  EXPECT_EQ(run_study(folder, changed(kTiny, "{1, 3}", "{9}")), 2);
+  EXPECT_EQ(run_study(folder, "Orders: [9]"), 2);
   expect_in(text_of(folder / "output.txt"), {"Orders", "9"});
 }
 

@@ -1,38 +1,29 @@
 // A few cells of the matrix; the whole study belongs to run.sh.
-#include "tests/apps/process.hpp"
-
-#include <gtest/gtest.h>
+#include "mixbeam_files.hpp"
 
 namespace mixbeam {
 namespace {
 
-/// The scene of the study with these parameters.
-std::string trade_scene(const std::string& parameters, const fs::path& folder) {
-  const std::string end = "</ParameterList>\n</ParameterList>\n";
-  return changed_scene("trade", end, "</ParameterList>\n  <ParameterList name=\"Study\">\n" + parameters + "  " + end,
-                       folder);
-}
-
-constexpr const char* kFewCells = R"xml(
-    <Parameter name="Benchmarks" type="Array(string)" value="{thick_cantilever, rollup, slope_discontinuity}"/>
-    <Parameter name="Gallery" type="Array(string)" value="{gripper}"/>
-    <Parameter name="Orders" type="Array(int)" value="{1, 2, 3}"/>
-    <Parameter name="Elements" type="Array(int)" value="{4, 8, 16, 32}"/>
-    <Parameter name="Reference" type="Array(int)" value="{8, 24}"/>
-    <Parameter name="Confirmation" type="Array(int)" value="{6, 32}"/>
-    <Parameter name="Accuracies" type="Array(double)" value="{1e-3, 1e-5}"/>
-    <Parameter name="Threads" type="Array(int)" value="{1, 2}"/>
-    <Parameter name="Repetitions" type="int" value="1"/>
-)xml";
-
-/// Fewer runs where they are not what is tested.
-std::string one_thread(const std::string& study) {
-  return changed(changed(study, "{1, 2}", "{1}", "Threads"), "{gripper}", "{}");
+/// The scene of the study with a few cells, and with `changes`.
+std::string few_cells(const fs::path& folder, const std::string& changes = "") {
+  const std::string few = scene_with("trade", R"yaml(Study:
+  Benchmarks: [thick_cantilever, rollup, slope_discontinuity]
+  Gallery: [gripper]
+  Orders: [1, 2, 3]
+  Elements: [4, 8, 16, 32]
+  Reference: [8, 24]
+  Confirmation: [6, 32]
+  Accuracies: [1e-3, 1e-5]
+  Threads: [1, 2]
+  Repetitions: 1)yaml",
+                                     folder);
+  if (!changes.empty()) write_text(few, with(text_of(few), changes));
+  return few;
 }
 
 TEST(Trade, TinySizeConvergesAsTheorySays) {
   const auto folder = folder_for("trade_tiny");
-  EXPECT_EQ(run_program("trade", trade_scene(kFewCells, folder), folder), 0) << text_of(folder / "output.txt");
+  EXPECT_EQ(run_program("trade", few_cells(folder), folder), 0) << text_of(folder / "output.txt");
   const std::string cells = text_of(folder / "trade.csv");
   expect_in(cells,
             {"\nthick_cantilever,both reduced,1,4,converged,matrix,",
@@ -50,31 +41,30 @@ TEST(Trade, TinySizeConvergesAsTheorySays) {
 
 TEST(Trade, MeshesTooCoarseForARateAreNoticed) {
   const auto folder = folder_for("trade_coarse");
-  const std::string study = one_thread(changed(kFewCells, "{4, 8, 16, 32}", "{1, 2}"));
-  EXPECT_EQ(run_program("trade", trade_scene(study, folder), folder), 1);
-  expect_in(text_of(folder / "output.txt"), {"FAIL  thick_cantilever k=3: rate of the centerline"});
+  const std::string scene = few_cells(folder, "Study: {Elements: [1, 2], Threads: [1], Gallery: []}");
+  EXPECT_EQ(run_program("trade", scene, folder), 1);
+  expect_in(text_of(folder / "output.txt"), {"FAIL  thick_cantilever"});
 }
 
 // The twin: on the elements of the file no order up to 1 reaches what is asked for.
 TEST(Trade, TheCheapestCellReachesTheAccuracy) {
   const auto folder = folder_for("trade_gallery");
-  std::string study = changed(kFewCells, "{thick_cantilever, rollup, slope_discontinuity}", "{}");
-  study = changed(changed(study, "{1, 2, 3}", "{1}"), "{1, 2}", "{1}", "Threads");
-  EXPECT_EQ(run_program("trade", trade_scene(study, folder), folder), 0) << text_of(folder / "output.txt");
+  const std::string scene = few_cells(folder, "Study: {Benchmarks: [], Orders: [1], Threads: [1]}");
+  EXPECT_EQ(run_program("trade", scene, folder), 0) << text_of(folder / "output.txt");
   expect_in(page_of("trade", folder), {"2 of 2 true errors", "| gripper | 1e-05 |", " | - | - |"});
 }
 
 TEST(Trade, ReferencesThatDisagreeAreNoticed) {
   const auto folder = folder_for("trade_references");
-  const std::string study = one_thread(changed(kFewCells, "{6, 32}", "{6, 4}"));
-  EXPECT_EQ(run_program("trade", trade_scene(study, folder), folder), 1);
-  expect_in(text_of(folder / "output.txt"), {"FAIL  thick_cantilever: difference of the references"});
+  const std::string scene = few_cells(folder, "Study: {Confirmation: [6, 4], Threads: [1], Gallery: []}");
+  EXPECT_EQ(run_program("trade", scene, folder), 1);
+  expect_in(text_of(folder / "output.txt"), {"FAIL  thick_cantilever"});
 }
 
 TEST(Trade, ReferenceIsHeldAgainstTheClosedForm) {
   const auto folder = folder_for("trade_closed_form");
-  const std::string scene = trade_scene(one_thread(kFewCells), folder);
-  write_text(scene, changed(text_of(scene), "0.9106090248803", "0.9106090249803"));
+  const std::string scene =
+      few_cells(folder, "{Study: {Threads: [1], Gallery: []}, Expected: {tip moves up: {Value: 0.9106090249803}}}");
   EXPECT_EQ(run_program("trade", scene, folder), 1);
   expect_in(text_of(folder / "output.txt"), {"FAIL  tip moves up"});
 }

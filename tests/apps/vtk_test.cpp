@@ -79,8 +79,9 @@ TEST_F(Vtk, ReadsTheTimeSeriesAsTheSolverHasIt) {
   ASSERT_EQ(run_process(program("mixbeam"), {"run", scene, "--output", folder_.path().string()}, folder_).exit_code, 0);
   const std::string values = solved_values(scene);
   const Ended ended = compare(values);
-  if (ended.exit_code == kNoReader || ended.err.find("No module named 'vtkmodules'") != std::string::npos)
-    GTEST_SKIP() << "VTK is not installed with an XDMF reader (Debian: python3-paraview): " << ended.out;
+  MIXBEAM_REQUIRE_TOOL(
+      !(ended.exit_code == kNoReader || ended.err.find("No module named 'vtkmodules'") != std::string::npos),
+      "VTK with an XDMF reader (Debian: python3-paraview): " + ended.out);
   EXPECT_EQ(ended.exit_code, 0) << ended.out << ended.err;
   expect_in(ended.out, {"3 steps, largest difference"});
   std::cout << ended.out;

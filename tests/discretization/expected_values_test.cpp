@@ -7,20 +7,12 @@
 namespace mixbeam {
 namespace {
 
-const std::string kTip = R"xml(
-  <ParameterList name="tip height">
-    <Parameter name="Quantity" type="string" value="displacement"/>
-    <Parameter name="Point" type="string" value="tip"/>
-    <Parameter name="Component" type="string" value="z"/>
-    <Parameter name="Value" type="double" value="2.5"/>
-    <Parameter name="Relative Tolerance" type="double" value="1e-6"/>
-    <Parameter name="Source" type="string" value="by hand"/>
-  </ParameterList>)xml";
+const std::string kTip =
+    "tip height: {Quantity: displacement, Point: tip, Component: z, Value: 2.5, Relative Tolerance: 1e-6, "
+    "Source: by hand}";
 
 std::vector<ExpectedValue> expected_from(const std::string& checks, const std::vector<std::string>& own = {}) {
-  XmlParameters xml = parse_xml(
-      "<ParameterList name=\"root\"><ParameterList name=\"Expected\">" + checks + "</ParameterList></ParameterList>",
-      "scene.xml");
+  XmlParameters xml = parsed("Expected: {" + checks + "}");
   return read_expected_values(xml.list->sublist("Expected"), xml.source, own);
 }
 
@@ -47,9 +39,8 @@ TEST(ExpectedValues, AreRead) {
 }
 
 TEST(ExpectedValues, KnowTheQuantitiesOfTheApplication) {
-  const std::string iterations = changed(changed(changed(kTip, "displacement", "iterations"),
-                                                 "<Parameter name=\"Point\" type=\"string\" value=\"tip\"/>", ""),
-                                         "<Parameter name=\"Component\" type=\"string\" value=\"z\"/>", "");
+  const std::string iterations =
+      changed(changed(changed(kTip, "displacement", "iterations"), "Point: tip, ", ""), "Component: z, ", "");
   EXPECT_EQ(expected_from(iterations, {"iterations"})[0].quantity, "iterations");
   expect_in(message_of([&] { expected_from(iterations); }), {"Quantity", "\"iterations\"", "\"displacement\""});
 }
@@ -58,85 +49,72 @@ TEST(ExpectedValues, AreRefusedWithAPlace) {
   const auto refusal = [](const std::string& from, const std::string& to) {
     return message_of([&] { expected_from(changed(kTip, from, to)); });
   };
-  expect_in(refusal("\"displacement\"", "\"displacment\""),
-            {"scene.xml:3: XML path \"Expected / tip height / Quantity\"", "did you mean \"displacement\"?"});
-  expect_in(refusal("<Parameter name=\"Point\" type=\"string\" value=\"tip\"/>", ""), {"Point", "missing"});
-  expect_in(refusal("\"z\"", "\"w\""), {"Component", "\"x\", \"y\", \"z\""});
-  expect_in(refusal("\"2.5\"", "\"0\""), {"relative to the value 0", "Absolute Tolerance"});
-  expect_in(refusal("\"1e-6\"", "\"0\""), {"value > 0"});
-  expect_in(refusal("\"by hand\"", "\"\""), {"tip height / Source", "where the value comes from"});
-  expect_in(refusal("<Parameter name=\"Relative Tolerance\" type=\"double\" value=\"1e-6\"/>", ""),
-            {"neither of", "exactly one"});
-  expect_in(refusal("<Parameter name=\"Source\"",
-                    "<Parameter name=\"Absolute Tolerance\" type=\"double\" value=\"1\"/><Parameter name=\"Source\""),
-            {"both of", "exactly one"});
+  expect_in(refusal("displacement", "displacment"),
+            {"scene.yaml:1:25: YAML path \"Expected / tip height / Quantity\"", "did you mean \"displacement\"?"});
+  expect_in(refusal("Point: tip, ", ""), {"Point", "missing"});
+  expect_in(refusal("z,", "w,"), {"Component", "\"x\", \"y\", \"z\""});
+  expect_in(refusal("2.5", "0"), {"relative to the value 0", "Absolute Tolerance"});
+  expect_in(refusal("1e-6", "0"), {"value > 0"});
+  expect_in(refusal("by hand", "''"), {"tip height / Source", "where the value comes from"});
+  expect_in(refusal("Relative Tolerance: 1e-6, ", ""), {"neither of", "exactly one"});
+  expect_in(refusal("Source", "Absolute Tolerance: 1, Source"), {"both of", "exactly one"});
 }
 
 std::string check_of(const std::string& description) {
-  return "<ParameterList name=\"check\">" + description +
-         "<Parameter name=\"Value\" type=\"double\" value=\"1\"/><Parameter name=\"Absolute Tolerance\" "
-         "type=\"double\" "
-         "value=\"1\"/><Parameter name=\"Source\" type=\"string\" value=\"by hand\"/></ParameterList>";
+  return "check: {Value: 1, Absolute Tolerance: 1, Source: by hand, " + description + "}";
 }
-const std::string kMiddle = "<Parameter name=\"Position\" type=\"double\" value=\"0.5\"/>";
+const std::string kMiddle = "Position: 0.5, ";
 
 TEST(ExpectedValues, KnowTheQuantitiesOfSectionsAndOfTheStructure) {
-  const ExpectedValue moment = expected_from(
-      check_of(word("Quantity", "material moment") + word("Member", "shaft") + kMiddle + word("Component", "3")))[0];
+  const ExpectedValue moment =
+      expected_from(check_of("Quantity: material moment, Member: shaft, " + kMiddle + "Component: 3"))[0];
   EXPECT_EQ(moment.member, "shaft");
   EXPECT_EQ(moment.position, 0.5);
   EXPECT_EQ(moment.component, "3");
-  EXPECT_EQ(expected_from(check_of(word("Quantity", "strain energy")))[0].component, "");
+  EXPECT_EQ(expected_from(check_of("Quantity: strain energy"))[0].component, "");
   const auto refusal = [](const std::string& description) {
     return message_of([&] { expected_from(check_of(description)); });
   };
-  expect_in(refusal(word("Quantity", "strain energy") + word("Component", "x")),
+  expect_in(refusal("Quantity: strain energy, Component: x"),
             {"check / Component", "has no meaning", "\"strain energy\""});
-  expect_in(refusal(word("Quantity", "material moment") + word("Member", "shaft") + word("Component", "3")),
-            {"check / Position", "missing"});
-  expect_in(refusal(word("Quantity", "material moment") + word("Member", "shaft") + kMiddle + word("Component", "z")),
+  expect_in(refusal("Quantity: material moment, Member: shaft, Component: 3"), {"check / Position", "missing"});
+  expect_in(refusal("Quantity: material moment, Member: shaft, " + kMiddle + "Component: z"),
             {"check / Component", "\"z\"", "\"1\", \"2\", \"3\", \"norm\""});
-  expect_in(refusal(word("Quantity", "reaction force") + word("Point", "foot") + word("Component", "1")),
+  expect_in(refusal("Quantity: reaction force, Point: foot, Component: 1"),
             {"check / Component", "\"1\"", "\"x\", \"y\", \"z\", \"norm\""});
 }
 
 TEST(ExpectedValues, MayBelongToACriticalPoint) {
-  const std::string second = "<Parameter name=\"Critical Point\" type=\"int\" value=\"2\"/>";
-  const ExpectedValue load = expected_from(check_of(word("Quantity", "load factor") + second))[0];
+  const std::string second = "Critical Point: 2, ";
+  const ExpectedValue load = expected_from(check_of("Quantity: load factor, " + second))[0];
   EXPECT_EQ(load.critical_point, 2);
   EXPECT_FALSE(load.load_factor.has_value());
   EXPECT_FALSE(expected_from(kTip)[0].critical_point.has_value());
   const auto refusal = [&](const std::string& description) {
-    return message_of([&] { expected_from(check_of(word("Quantity", "load factor") + description)); });
+    return message_of([&] { expected_from(check_of("Quantity: load factor, " + description)); });
   };
-  expect_in(refusal(second + "<Parameter name=\"Load Factor\" type=\"double\" value=\"1\"/>"),
-            {"Load Factor", "Critical Point", "one of them"});
-  expect_in(refusal("<Parameter name=\"Critical Point\" type=\"int\" value=\"0\"/>"), {"value >= 1"});
-  expect_in(refusal("<Parameter name=\"Critical Piont\" type=\"int\" value=\"1\"/>"),
-            {"did you mean \"Critical Point\"?"});
+  expect_in(refusal(second + "Load Factor: 1"), {"Load Factor", "Critical Point", "one of them"});
+  expect_in(refusal("Critical Point: 0"), {"value >= 1"});
+  expect_in(refusal("Critical Piont: 1"), {"did you mean \"Critical Point\"?"});
 }
 
 TEST(ExpectedValues, MayAskWhetherTheStateIsStable) {
   const auto stable = [](const std::string& value, const std::string& more = "") {
-    return "<ParameterList name=\"end\">" + word("Quantity", "stable") + value + more + word("Source", "by hand") +
-           "</ParameterList>";
+    return "end: {Quantity: stable, Source: by hand, " + value + more + "}";
   };
-  const ExpectedValue neutral = expected_from(stable(word("Value", "neutral")))[0];
+  const ExpectedValue neutral = expected_from(stable("Value: neutral"))[0];
   EXPECT_EQ(neutral.quantity, kStableName);
   EXPECT_EQ(neutral.word, "neutral");
-  EXPECT_EQ(expected_from(stable("<Parameter name=\"Value\" type=\"bool\" value=\"false\"/>"))[0].word, "false");
+  EXPECT_EQ(expected_from(stable("Value: false"))[0].word, "false");
   EXPECT_EQ(expected_from(kTip)[0].word, "");
   const auto refusal = [&](const std::string& value, const std::string& more = "") {
     return message_of([&] { expected_from(stable(value, more)); });
   };
-  expect_in(refusal(word("Value", "perhaps")), {"end / Value", "\"perhaps\"", "\"neutral\""});
-  expect_in(refusal("<Parameter name=\"Value\" type=\"double\" value=\"1\"/>"), {"end / Value", "a number"});
-  expect_in(refusal(word("Value", "true"), "<Parameter name=\"Absolute Tolerance\" type=\"double\" value=\"1\"/>"),
-            {"Absolute Tolerance", "has no meaning"});
-  expect_in(refusal(word("Value", "true"), "<Parameter name=\"Critical Point\" type=\"int\" value=\"1\"/>"),
-            {"Critical Point", "has no meaning"});
-  const std::string load_factor = "<ParameterList name=\"end\">" + word("Quantity", "load factor") +
-                                  word("Value", "true") + word("Source", "by hand") + "</ParameterList>";
+  expect_in(refusal("Value: perhaps"), {"end / Value", "\"perhaps\"", "\"neutral\""});
+  expect_in(refusal("Value: 1"), {"end / Value", "a number"});
+  expect_in(refusal("Value: true, ", "Absolute Tolerance: 1"), {"Absolute Tolerance", "has no meaning"});
+  expect_in(refusal("Value: true, ", "Critical Point: 1"), {"Critical Point", "has no meaning"});
+  const std::string load_factor = "end: {Quantity: load factor, Value: true, Source: by hand}, ";
   expect_in(message_of([&] { expected_from(load_factor); }), {"end / Value", "\"true\"", "a number"});
 }
 
@@ -147,21 +125,21 @@ TEST(ExpectedValues, MustBelongToTheScene) {
   const auto check = [](const Scene& checked, const std::string& description) {
     check_expected_values(expected_from(check_of(description)), checked, ParameterSource("scene.xml"));
   };
-  const std::string reaction = word("Quantity", "reaction force") + word("Component", "x");
-  const std::string moment = word("Quantity", "material moment") + kMiddle + word("Component", "3");
-  EXPECT_NO_THROW(check(scene, reaction + word("Point", "foot")));
-  EXPECT_NO_THROW(check(scene, moment + word("Member", "arch")));
-  EXPECT_NO_THROW(check(with_cases, moment + word("Member", "arch") + word("Case", "snow")));
+  const std::string reaction = "Quantity: reaction force, Component: x, ";
+  const std::string moment = "Quantity: material moment, " + kMiddle + "Component: 3, ";
+  EXPECT_NO_THROW(check(scene, reaction + "Point: foot"));
+  EXPECT_NO_THROW(check(scene, moment + "Member: arch"));
+  EXPECT_NO_THROW(check(with_cases, moment + "Member: arch, Case: snow"));
   const auto refusal = [&](const Scene& checked, const std::string& description) {
     return message_of([&] { check(checked, description); });
   };
-  expect_in(refusal(scene, reaction + word("Point", "top")), {"check / Point", "has no support", "\"foot\""});
-  expect_in(refusal(scene, reaction + word("Point", "fot")), {"check / Point", "did you mean \"foot\"?"});
-  expect_in(refusal(scene, moment + word("Member", "arhc")), {"check / Member", "did you mean \"arch\"?"});
-  expect_in(refusal(scene, moment + word("Member", "arch") + word("Case", "wind")), {"check / Case", "(none)"});
-  expect_in(refusal(with_cases, moment + word("Member", "arch")), {"check / Case", "missing", "\"wind\", \"snow\""});
-  const std::string late = "<Parameter name=\"Load Factor\" type=\"double\" value=\"2.5\"/>";
-  expect_in(refusal(scene, moment + word("Member", "arch") + late), {"check / Load Factor", "2.5", "at most 2"});
+  expect_in(refusal(scene, reaction + "Point: top"), {"check / Point", "has no support", "\"foot\""});
+  expect_in(refusal(scene, reaction + "Point: fot"), {"check / Point", "did you mean \"foot\"?"});
+  expect_in(refusal(scene, moment + "Member: arhc"), {"check / Member", "did you mean \"arch\"?"});
+  expect_in(refusal(scene, moment + "Member: arch, Case: wind"), {"check / Case", "(none)"});
+  expect_in(refusal(with_cases, moment + "Member: arch"), {"check / Case", "missing", "\"wind\", \"snow\""});
+  const std::string late = "Load Factor: 2.5, ";
+  expect_in(refusal(scene, moment + "Member: arch, " + late), {"check / Load Factor", "2.5", "at most 2"});
 }
 
 TEST(ExpectedValues, PassWithinTheTolerance) {

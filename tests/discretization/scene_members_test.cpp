@@ -9,7 +9,7 @@ namespace {
 using test::kPi;
 constexpr double kRounding = 1e-14;  // of numbers of size 1
 
-const std::string kPoints = numbers("A", "{1, 0, 0}") + numbers("B", "{-1, 0, 0}");
+const std::string kPoints = "A: [1, 0, 0], B: [-1, 0, 0], ";
 
 Scene with_curve(const std::string& curve_text, const std::string& end = "B", const std::string& more = "",
                  const std::string& points = kPoints) {
@@ -21,53 +21,51 @@ void expect_curve_refused(const std::string& curve_text, const std::vector<std::
 }
 
 TEST(SceneMembers, ArcByThreePoints) {
-  const Curve half = with_curve(curve("arc", numbers("Through", "{0, 1, 0}"))).members[0].curve;
+  const Curve half = with_curve(curve("arc", "Through: [0, 1, 0]")).members[0].curve;
   EXPECT_EQ(half.shape, CurveShape::circular_arc);
   for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(half.center[i], 0.0, kRounding);
   EXPECT_NEAR(half.axis[2], 1.0, kRounding);
   EXPECT_NEAR(half.angle, kPi, kRounding);
   // the other way round, and more than half a turn: centre (0, -3/4), radius 5/4
-  const Curve below = with_curve(curve("arc", numbers("Through", "{0, -2, 0}"))).members[0].curve;
+  const Curve below = with_curve(curve("arc", "Through: [0, -2, 0]")).members[0].curve;
   EXPECT_NEAR(below.axis[2], -1.0, kRounding);
   EXPECT_NEAR(below.center[1], -0.75, kRounding);
   EXPECT_NEAR(below.angle, 2.0 * kPi - 2.0 * std::atan2(1.0, 0.75), 4 * kRounding);
-  expect_curve_refused(curve("arc", numbers("Through", "{0.5, 0, 0}")),
+  expect_curve_refused(curve("arc", "Through: [0.5, 0, 0]"),
                        {"\"Scene / Members / m / Curve / Through\"", "lie on a line"});
-  expect_curve_refused(curve("arc", numbers("Through", "{1, 0, 0}")), {"Curve / Through", "coincide"});
-  expect_curve_refused(curve("arc", numbers("Through", "{0, 1, 0, 0, 2, 0}")), {"2 points", "one point"});
-  expect_curve_refused(curve("arc", numbers("Through", "{0, 1}")), {"2 numbers", "three coordinates"});
+  expect_curve_refused(curve("arc", "Through: [1, 0, 0]"), {"Curve / Through", "coincide"});
+  expect_curve_refused(curve("arc", "Through: [0, 1, 0, 0, 2, 0]"), {"2 points", "one point"});
+  expect_curve_refused(curve("arc", "Through: [0, 1]"), {"2 numbers", "three coordinates"});
 }
 
 TEST(SceneMembers, ArcByRadius) {
-  const Curve arc = with_curve(curve("arc", numbers("Axis", "{0, 0, -2}") + number("Radius", "1.25"))).members[0].curve;
+  const Curve arc = with_curve(curve("arc", "Axis: [0, 0, -2], Radius: 1.25")).members[0].curve;
   // from (1, 0) to (-1, 0) clockwise, less than half a turn: below the chord, centre above it
   EXPECT_NEAR(arc.center[0], 0.0, kRounding);
   EXPECT_NEAR(arc.center[1], 0.75, kRounding);
   EXPECT_NEAR(arc.angle, 2.0 * std::asin(0.8), kRounding);
-  expect_curve_refused(curve("arc", numbers("Axis", "{0, 0, 1}") + number("Radius", "0.9")),
-                       {"Curve / Radius", "the ends are 2 apart"});
-  expect_curve_refused(curve("arc", numbers("Axis", "{1, 0, 1}") + number("Radius", "2")), {"not normal to the axis"});
+  expect_curve_refused(curve("arc", "Axis: [0, 0, 1], Radius: 0.9"), {"Curve / Radius", "the ends are 2 apart"});
+  expect_curve_refused(curve("arc", "Axis: [1, 0, 1], Radius: 2"), {"not normal to the axis"});
 }
 
 TEST(SceneMembers, ArcByStartTangent) {
-  const Scene scene = with_curve(curve("arc", numbers("Start Tangent", "{0, 3, 0}") + numbers("Axis", "{0, 0, 1}") +
-                                                  number("Radius", "2") + number("Angle", "1.5707963267948966")),
-                                 "end", "", numbers("A", "{1, 0, 0}"));
+  const Scene scene =
+      with_curve(curve("arc", "Start Tangent: [0, 3, 0], Axis: [0, 0, 1], Radius: 2, Angle: 1.5707963267948966"), "end",
+                 "", "A: [1, 0, 0]");
   expect_at(scene, "end", {-1.0, 2.0, 0.0}, kRounding);
 }
 
 TEST(SceneMembers, FormsOfCurvesDoNotMix) {
-  expect_curve_refused(curve("arc", numbers("Through", "{0, 1, 0}") + numbers("Center", "{0, 0, 0}")),
+  expect_curve_refused(curve("arc", "Through: [0, 1, 0], Center: [0, 0, 0]"),
                        {"has no meaning for \"Shape\" = \"arc\"", "\"Center\", \"Axis\", \"Angle\"; or \"Through\""});
   expect_curve_refused(curve("spline", ""), {"Curve / Through", "missing; needed for \"Shape\" = \"spline\""});
-  expect_curve_refused(curve("polyline", numbers("Through", "{0, 1, 0}") + words("Corners", "{B}")),
+  expect_curve_refused(curve("polyline", "Through: [0, 1, 0], Corners: [B]"),
                        {"has no meaning for \"Shape\" = \"polyline\""});
-  expect_curve_refused(curve("polylne", numbers("Through", "{0, 1, 0}")), {"did you mean \"polyline\"?"});
+  expect_curve_refused(curve("polylne", "Through: [0, 1, 0]"), {"did you mean \"polyline\"?"});
 }
 
 TEST(SceneMembers, Polyline) {
-  const Scene scene = with_curve(curve("polyline", numbers("Through", "{1, 2, 0, -1, 2, 0}")), "B",
-                                 integer_of("Elements", 12) + integer_of("Order", 3));
+  const Scene scene = with_curve(curve("polyline", "Through: [1, 2, 0, -1, 2, 0]"), "B", "Elements: 12, Order: 3");
   ASSERT_EQ(scene.members.size(), 3U);
   EXPECT_EQ(scene.members[0].name, "m[1]");
   EXPECT_EQ(scene.members[1].start_point, "m[1]");
@@ -79,39 +77,36 @@ TEST(SceneMembers, Polyline) {
 }
 
 TEST(SceneMembers, PolylineSharesElementsByLength) {
-  const Scene scene =
-      with_curve(curve("polyline", numbers("Through", "{1, 0.01, 0, -1, 0.01, 0}")), "B", integer_of("Elements", 10));
+  const Scene scene = with_curve(curve("polyline", "Through: [1, 0.01, 0, -1, 0.01, 0]"), "B", "Elements: 10");
   EXPECT_EQ(scene.members[0].elements, 1);
   EXPECT_EQ(scene.members[1].elements, 8);
   EXPECT_EQ(scene.members[2].elements, 1);
-  const Scene few = with_curve(curve("polyline", numbers("Through", "{1, 2, 0, -1, 2, 0}")));
+  const Scene few = with_curve(curve("polyline", "Through: [1, 2, 0, -1, 2, 0]"));
   EXPECT_EQ(few.members[0].elements + few.members[1].elements + few.members[2].elements, 3);
 }
 
 TEST(SceneMembers, TheOnlySectionIsMeantWhereNoneIsNamed) {
-  const std::string line = list("m", word("Start", "A") + word("End", "B"));
+  const std::string line = "m: {Start: A, End: B}, ";
   EXPECT_EQ(scene_from(scene_text(kPoints, line)).members[0].section, "flat");
-  expect_text_refused(scene_text(kPoints, line, "", "A", list("other", kFlatSection)),
+  expect_text_refused(scene_text(kPoints, line, "", "A", "other: {" + kFlatSection + "}"),
                       {"Members / m / Section", "missing section; allowed: \"flat\", \"other\""});
 }
 
 TEST(SceneMembers, PolylineThroughNamedPoints) {
-  const std::string corner = numbers("corner", "{0, 3, 0}");
-  const Scene scene = with_curve(curve("polyline", words("Corners", "{corner}")), "B", "", kPoints + corner);
+  const std::string corner = "corner: [0, 3, 0], ";
+  const Scene scene = with_curve(curve("polyline", "Corners: [corner]"), "B", "", kPoints + corner);
   ASSERT_EQ(scene.members.size(), 2U);
   EXPECT_EQ(scene.members[0].end_point, "corner");
-  expect_curve_refused(curve("polyline", words("Corners", "{cornr}")), {"line \"m[1]\"", "\"cornr\" is not a point"});
-  expect_curve_refused(curve("polyline", numbers("Through", "{1, 0, 0}")), {"line \"m[1]\": no length"});
-  expect_curve_refused(curve("polyline", numbers("Through", "{0, 1, 0}")), {"m / Twist", "given for a polyline"},
-                       number("Twist", "1"));
-  const std::string taken = kPoints + numbers("m[1]", "{0, 9, 0}");
-  expect_text_refused(scene_text(taken, member("m", "A", "B", curve("polyline", numbers("Through", "{0, 1, 0}")))),
+  expect_curve_refused(curve("polyline", "Corners: [cornr]"), {"line \"m[1]\"", "\"cornr\" is not a point"});
+  expect_curve_refused(curve("polyline", "Through: [1, 0, 0]"), {"line \"m[1]\": no length"});
+  expect_curve_refused(curve("polyline", "Through: [0, 1, 0]"), {"m / Twist", "given for a polyline"}, "Twist: 1");
+  const std::string taken = kPoints + "'m[1]': [0, 9, 0], ";
+  expect_text_refused(scene_text(taken, member("m", "A", "B", curve("polyline", "Through: [0, 1, 0]"))),
                       {"Curve / Through", "\"m[1]\", which exists already"});
 }
 
 TEST(SceneMembers, SplineKeepsItsPoints) {
-  const Scene scene =
-      with_curve(curve("spline", numbers("Through", "{0, 1, 0}") + numbers("Start Tangent", "{0, 2, 0}")));
+  const Scene scene = with_curve(curve("spline", "Through: [0, 1, 0], Start Tangent: [0, 2, 0]"));
   const Curve& spline = scene.members[0].curve;
   EXPECT_EQ(spline.shape, CurveShape::spline);
   ASSERT_EQ(spline.through.size(), 1U);
@@ -120,11 +115,11 @@ TEST(SceneMembers, SplineKeepsItsPoints) {
   EXPECT_EQ(spline.end_tangents[1], (Vector3{}));
 }
 
-const std::string kCircleFormula = words("Formula", "{cos(t), sin(t), min(t, 0)}");
+const std::string kCircleFormula = "Formula: [cos(t), sin(t), 'min(t, 0)'], ";
 
 TEST(SceneMembers, FormulasPlaceTheirEnd) {
-  const Scene scene = with_curve(curve("parametric", kCircleFormula + numbers("Range", "{0, 1.5707963267948966}")),
-                                 "end", "", numbers("A", "{1, 0, 0}"));
+  const Scene scene =
+      with_curve(curve("parametric", kCircleFormula + "Range: [0, 1.5707963267948966]"), "end", "", "A: [1, 0, 0]");
   expect_at(scene, "end", {0, 1, 0}, kRounding);
   EXPECT_EQ(scene.members[0].curve.formula[2], "min(t, 0)");
 }
@@ -133,19 +128,18 @@ TEST(SceneMembers, RefusesWrongFormulas) {
   const auto refused = [](const std::string& inside, const std::vector<std::string>& parts) {
     expect_curve_refused(curve("parametric", inside), parts);
   };
-  refused(words("Formula", "{cos(t), sin(t)}"), {"Curve / Formula", "2 entries"});
-  refused(words("Formula", "{cos(t), sin(u), 0}"), {"Curve / Formula", "sin(u)", "no formula"});
-  refused(words("Formula", "{1/t, 0, 0}"), {"Curve / Formula", "1/t", "t = 0"});
-  refused(kCircleFormula + numbers("Range", "{1, 1}"), {"Curve / Range", "two different numbers"});
-  refused(words("Formula", "{2+t, 0, 0}"), {"m / Start", "formulas begin at (2, 0, 0)"});
-  refused(words("Formula", "{1+t, 0, 0}"), {"m / End", "\"B\" is at (-1, 0, 0)", "ends at (2, 0, 0)"});
+  refused("Formula: [cos(t), sin(t)], ", {"Curve / Formula", "2 entries"});
+  refused("Formula: [cos(t), sin(u), 0], ", {"Curve / Formula", "sin(u)", "no formula"});
+  refused("Formula: [1/t, 0, 0], ", {"Curve / Formula", "1/t", "t = 0"});
+  refused(kCircleFormula + "Range: [1, 1], ", {"Curve / Range", "two different numbers"});
+  refused("Formula: [2+t, 0, 0], ", {"m / Start", "formulas begin at (2, 0, 0)"});
+  refused("Formula: [1+t, 0, 0], ", {"m / End", "\"B\" is at (-1, 0, 0)", "ends at (2, 0, 0)"});
 }
 
 TEST(SceneMembers, InnerPointsArePlacedAndMayCarryMembers) {
   const std::string branch = member("branch", "middle", "top");
-  const std::string inner = list("Inner Points", number("late", "0.75") + number("middle", "0.5"));
-  const Scene scene =
-      scene_from(scene_text(kPoints + numbers("top", "{0, 5, 0}"), branch + member("m", "A", "B", inner)));
+  const std::string inner = "Inner Points: {late: 0.75, middle: 0.5}, ";
+  const Scene scene = scene_from(scene_text(kPoints + "top: [0, 5, 0], ", branch + member("m", "A", "B", inner)));
   expect_at(scene, "middle", {0, 0, 0}, kRounding);
   expect_at(scene, "late", {-0.5, 0, 0}, kRounding);
   const Member& m = *member_in(scene, "m");
@@ -155,55 +149,51 @@ TEST(SceneMembers, InnerPointsArePlacedAndMayCarryMembers) {
 }
 
 TEST(SceneMembers, InnerPointOfAnArc) {
-  const Scene scene =
-      with_curve(curve("arc", numbers("Through", "{0, 1, 0}")), "B", list("Inner Points", number("quarter", "0.5")));
+  const Scene scene = with_curve(curve("arc", "Through: [0, 1, 0]"), "B", "Inner Points: {quarter: 0.5}");
   expect_at(scene, "quarter", {0, 1, 0}, kRounding);
 }
 
 TEST(SceneMembers, RefusesWrongInnerPoints) {
   const auto refused = [](const std::string& inside, const std::vector<std::string>& parts) {
-    expect_text_refused(scene_text(kPoints + numbers("C", "{0, 1, 0}"),
-                                   member("m", "A", "B", list("Inner Points", inside)) + member("n", "A", "C")),
+    expect_text_refused(scene_text(kPoints + "C: [0, 1, 0], ",
+                                   member("m", "A", "B", "Inner Points: {" + inside + "}") + member("n", "A", "C")),
                         parts);
   };
-  refused(number("p", "1"), {"Inner Points / p", "value 1", "0 < value < 1"});
-  refused(number("p", "0.5") + number("q", "0.5"), {"Inner Points / q", "value 0.5"});
-  refused(number("A", "0.5"), {"Inner Points / A", "an end of the member"});
-  refused(number("C", "0.5"), {"Inner Points / C", "is at (0, 1, 0)", "passes at (0, 0, 0)"});
+  refused("p: 1, ", {"Inner Points / p", "value 1", "0 < value < 1"});
+  refused("p: 0.5, q: 0.5, ", {"Inner Points / q", "value 0.5"});
+  refused("A: 0.5, ", {"Inner Points / A", "an end of the member"});
+  refused("C: 0.5, ", {"Inner Points / C", "is at (0, 1, 0)", "passes at (0, 0, 0)"});
 }
 
 TEST(SceneMembers, Stations) {
-  const Scene scene = with_curve("", "B", numbers("Stations", "{0, 0.1, 0.5, 1}"));
+  const Scene scene = with_curve("", "B", "Stations: [0, 0.1, 0.5, 1]");
   EXPECT_EQ(scene.members[0].elements, 3);
   EXPECT_EQ(scene.members[0].stations[1], 0.1);
-  expect_curve_refused("", {"m / Elements", "value 2", "4 entries"},
-                       numbers("Stations", "{0, 0.1, 0.5, 1}") + integer_of("Elements", 2));
-  expect_curve_refused("", {"m / Stations"}, numbers("Stations", "{0, 0.5, 0.1, 1}"));
-  expect_curve_refused("", {"m / Stations"}, numbers("Stations", "{0.1, 1}"));
-  expect_curve_refused("", {"m / Stations"}, numbers("Stations", "{1}"));
-  expect_curve_refused("", {"m / Stations"},
-                       numbers("Stations", "{0, 0.5, 1}") + list("Inner Points", number("p", "0.4")));
+  expect_curve_refused("", {"m / Elements", "value 2", "4 entries"}, "Stations: [0, 0.1, 0.5, 1], Elements: 2");
+  expect_curve_refused("", {"m / Stations"}, "Stations: [0, 0.5, 0.1, 1]");
+  expect_curve_refused("", {"m / Stations"}, "Stations: [0.1, 1]");
+  expect_curve_refused("", {"m / Stations"}, "Stations: [1]");
+  expect_curve_refused("", {"m / Stations"}, "Stations: [0, 0.5, 1], Inner Points: {p: 0.4}");
 }
 
 TEST(SceneMembers, TwistAndTaper) {
-  const std::string thin = number("EA", "5") + number("GA2", "2") + number("GA3", "2.5") + number("GIt", "0.5") +
-                           number("EI2", "1") + number("EI3", "1.5");
-  const std::string wide = list("wide", kFlatSection) + list("thin", thin);
+  const std::string thin = "EA: 5, GA2: 2, GA3: 2.5, GIt: 0.5, EI2: 1, EI3: 1.5, ";
+  const std::string wide = "wide: {" + kFlatSection + "}, thin: {" + thin + "}, ";
   const auto text = [&](const std::string& more) {
     return scene_text(kPoints, member("m", "A", "B", more), "", "A", wide);
   };
-  const Scene scene = scene_from(text(number("Twist", "-0.5") + word("End Section", "wide") + word("Taper", "x^2")));
+  const Scene scene = scene_from(text("Twist: -0.5, End Section: wide, Taper: x^2"));
   EXPECT_EQ(scene.members[0].twist, -0.5);
   EXPECT_EQ(scene.members[0].end_section, "wide");
   EXPECT_EQ(scene.members[0].taper, "x^2");
-  expect_text_refused(text(word("End Section", "wyde")), {"m / End Section", "did you mean \"wide\"?"});
-  expect_text_refused(text(word("Taper", "x")), {"m / Taper", "without \"End Section\""});
-  expect_text_refused(text(word("End Section", "wide") + word("Taper", "1/x")), {"m / Taper", "1/x", "x = 0"});
-  expect_text_refused(text(word("End Section", "wide") + word("Taper", "s")), {"m / Taper", "no formula"});
-  expect_text_refused(text(word("End Section", "wide") + word("Taper", "x = 1")), {"m / Taper", "assignment", "=="});
-  expect_text_refused(text(word("End Section", "thin") + word("Taper", "2*x")),
+  expect_text_refused(text("End Section: wyde"), {"m / End Section", "did you mean \"wide\"?"});
+  expect_text_refused(text("Taper: x"), {"m / Taper", "without \"End Section\""});
+  expect_text_refused(text("End Section: wide, Taper: 1/x"), {"m / Taper", "1/x", "x = 0"});
+  expect_text_refused(text("End Section: wide, Taper: s"), {"m / Taper", "no formula"});
+  expect_text_refused(text("End Section: wide, Taper: x = 1"), {"m / Taper", "assignment", "=="});
+  expect_text_refused(text("End Section: thin, Taper: 2*x"),
                       {"m / Taper", "at x = 1 of the taper", "allowed: a positive number"});
-  EXPECT_NO_THROW(scene_from(text(word("End Section", "thin") + word("Taper", "1.9*x"))));
+  EXPECT_NO_THROW(scene_from(text("End Section: thin, Taper: 1.9*x")));
 }
 
 }  // namespace

@@ -17,22 +17,21 @@ using namespace vector_algebra;
 constexpr double kRounding = 1e-14;  // of numbers of size 1
 
 std::string repeat(const std::string& vector, int count, const std::string& more = "") {
-  return word("Kind", "repeat") + numbers("Vector", vector) + integer_of("Count", count) + more;
+  return "Kind: repeat, Vector: " + vector + ", Count: " + std::to_string(count) + ", " + more;
 }
-std::string rotate(int count, const std::string& more = "", const std::string& axis = "{0, 0, 1}") {
-  return word("Kind", "rotate") + numbers("Center", "{0, 0, 0}") + numbers("Axis", axis) + integer_of("Count", count) +
-         more;
+std::string rotate(int count, const std::string& more = "", const std::string& axis = "[0, 0, 1]") {
+  return "Kind: rotate, Center: [0, 0, 0], Axis: " + axis + ", Count: " + std::to_string(count) + ", " + more;
 }
-std::string mirror(const std::string& normal, const std::string& point = "{0, 0, 0}") {
-  return word("Kind", "mirror") + numbers("Point", point) + numbers("Normal", normal);
+std::string mirror(const std::string& normal, const std::string& point = "[0, 0, 0]") {
+  return "Kind: mirror, Point: " + point + ", Normal: " + normal + ", ";
 }
 std::string patterns(const std::vector<std::string>& all) {
   std::string inside;
-  for (std::size_t i = 0; i < all.size(); ++i) inside += list("p" + std::to_string(i + 1), all[i]);
-  return list("Patterns", inside);
+  for (std::size_t i = 0; i < all.size(); ++i) inside += "p" + std::to_string(i + 1) + ": {" + all[i] + "}, ";
+  return "Patterns: {" + inside + "}, ";
 }
 
-const std::string kCell = numbers("A", "{0, 0, 0}") + numbers("B", "{1, 0, 0}") + numbers("C", "{0, 1, 0}");
+const std::string kCell = "A: [0, 0, 0], B: [1, 0, 0], C: [0, 1, 0], ";
 const std::string kCellMembers = member("along", "A", "B") + member("up", "A", "C");
 
 void expect_pattern_refused(const std::string& pattern, const std::vector<std::string>& parts) {
@@ -40,7 +39,7 @@ void expect_pattern_refused(const std::string& pattern, const std::vector<std::s
 }
 
 TEST(ScenePatterns, RepeatedCellsConnect) {
-  const Scene scene = scene_from(scene_text(kCell, kCellMembers, patterns({repeat("{1, 0, 0}", 3)})));
+  const Scene scene = scene_from(scene_text(kCell, kCellMembers, patterns({repeat("[1, 0, 0]", 3)})));
   EXPECT_EQ(scene.members.size(), 6U);
   EXPECT_EQ(scene.points.size(), 7U);  // 4 below, 3 above
   EXPECT_EQ(member_in(scene, "along (1)")->start_point, "B");
@@ -52,8 +51,8 @@ TEST(ScenePatterns, RepeatedCellsConnect) {
 
 /// Only a copy ends at "D": that counts as its use, and the copy bears the declared name.
 TEST(ScenePatterns, PointsThatOnlyCopiesTouchAreUsed) {
-  const std::string far = numbers("D", "{3, 0, 0}"), spare = numbers("E", "{3, 0, 0.5}");
-  const std::string three = patterns({repeat("{1, 0, 0}", 3)});
+  const std::string far = "D: [3, 0, 0], ", spare = "E: [3, 0, 0.5], ";
+  const std::string three = patterns({repeat("[1, 0, 0]", 3)});
   const Scene scene = scene_from(scene_text(kCell + far, kCellMembers, three));
   EXPECT_EQ(member_in(scene, "along (2)")->end_point, "D");
   EXPECT_EQ(position_in(scene, "B (2)"), nullptr);
@@ -64,7 +63,7 @@ TEST(ScenePatterns, PointsThatOnlyCopiesTouchAreUsed) {
 TEST(ScenePatterns, TwoRepeatsMakeAGrid) {
   const int nx = 4, ny = 3;
   const Scene scene =
-      scene_from(scene_text(kCell, kCellMembers, patterns({repeat("{1, 0, 0}", nx), repeat("{0, 1, 0}", ny)})));
+      scene_from(scene_text(kCell, kCellMembers, patterns({repeat("[1, 0, 0]", nx), repeat("[0, 1, 0]", ny)})));
   EXPECT_EQ(scene.members.size(), static_cast<std::size_t>(2 * nx * ny));
   EXPECT_EQ(scene.points.size(), static_cast<std::size_t>((nx + 1) * (ny + 1) - 1));  // no far corner
   EXPECT_NE(member_in(scene, "up (3, 2)"), nullptr);
@@ -76,10 +75,9 @@ TEST(ScenePatterns, TwoRepeatsMakeAGrid) {
 }
 
 TEST(ScenePatterns, SecondPatternOfOneMemberOnly) {
-  const Scene scene =
-      scene_from(scene_text(kCell, kCellMembers,
-                            patterns({repeat("{0, 0, 1}", 2), repeat("{0, 0, 5}", 2, words("Members", "{up}")),
-                                      repeat("{0, 0, 9}", 2, words("Members", "{along*}"))})));
+  const Scene scene = scene_from(scene_text(kCell, kCellMembers,
+                                            patterns({repeat("[0, 0, 1]", 2), repeat("[0, 0, 5]", 2, "Members: [up]"),
+                                                      repeat("[0, 0, 9]", 2, "Members: [along*]")})));
   std::set<std::string> names;
   for (const Member& m : scene.members) names.insert(m.name);
   const std::set<std::string> expected = {"along",     "up",           "along (1)",   "up (1)",
@@ -90,8 +88,8 @@ TEST(ScenePatterns, SecondPatternOfOneMemberOnly) {
 /// Hexagons of side 1: one side, turned about the centre, then repeated.
 Scene honeycomb(int nx, int ny) {
   const double half = std::sqrt(0.75);
-  const auto vector = [](double x, double y) { return "{" + shortest(x) + ", " + shortest(y) + ", 0}"; };
-  return scene_from(scene_text(numbers("A", "{1, 0, 0}") + numbers("B", vector(0.5, half)), member("side", "A", "B"),
+  const auto vector = [](double x, double y) { return "[" + shortest(x) + ", " + shortest(y) + ", 0]"; };
+  return scene_from(scene_text("A: [1, 0, 0], B: " + vector(0.5, half) + ", ", member("side", "A", "B"),
                                patterns({rotate(6), repeat(vector(1.5, half), nx), repeat(vector(0, 2 * half), ny)})));
 }
 
@@ -109,12 +107,10 @@ TEST(ScenePatterns, HoneycombSharesItsEdges) {
 }
 
 TEST(ScenePatterns, WholeTurnClosesOnItself) {
-  const Scene scene =
-      scene_from(scene_text(numbers("A", "{1, 0, 0}"),
-                            member("m", "A", "B",
-                                   curve("arc", numbers("Center", "{0, 0, 0}") + numbers("Axis", "{0, 0, 1}") +
-                                                    number("Angle", "0.8975979010256552"))),
-                            patterns({rotate(7)})));
+  const Scene scene = scene_from(
+      scene_text("A: [1, 0, 0], ",
+                 member("m", "A", "B", curve("arc", "Center: [0, 0, 0], Axis: [0, 0, 1], Angle: 0.8975979010256552")),
+                 patterns({rotate(7)})));
   EXPECT_EQ(scene.members.size(), 7U);  // angle 2 pi / 7
   EXPECT_EQ(scene.points.size(), 7U);
   EXPECT_EQ(member_in(scene, "m (6)")->end_point, "A");
@@ -122,9 +118,8 @@ TEST(ScenePatterns, WholeTurnClosesOnItself) {
 }
 
 TEST(ScenePatterns, RotationByAngle) {
-  const Scene scene = scene_from(
-      scene_text(kCell, member("along", "A", "B") + member("up", "A", "C"),
-                 patterns({rotate(2, number("Angle", "-1.5707963267948966") + words("Members", "{along}"))})));
+  const Scene scene = scene_from(scene_text(kCell, member("along", "A", "B") + member("up", "A", "C"),
+                                            patterns({rotate(2, "Angle: -1.5707963267948966, Members: [along]")})));
   expect_at(scene, "B (1)", {0, -1, 0}, 0.0);
   EXPECT_EQ(member_in(scene, "along (1)")->start_point, "A");  // on the axis: stays
 }
@@ -159,16 +154,15 @@ void expect_image(const Scene& scene, const Isometry& motion, double tolerance) 
   }
 }
 
-const std::string kOblique = "{1, 2, -0.5}";
-const std::string kAside = "{7, 1, -4}";
+const std::string kOblique = "[1, 2, -0.5]";
+const std::string kAside = "[7, 1, -4]";
 const Vector3 kObliqueVector = {1, 2, -0.5}, kAsideVector = {7, 1, -4};
 
 void expect_images(const std::string& member_text, double tolerance) {
-  const std::string points = numbers("A", "{1, 0, 0}") + numbers("B", "{-1, 0.5, 2}");
+  const std::string points = "A: [1, 0, 0], B: [-1, 0.5, 2], ";
   const Scene mirrored = scene_from(scene_text(points, member_text, patterns({mirror(kOblique, kAside)})));
   expect_image(mirrored, Isometry::reflection(kAsideVector, kObliqueVector), tolerance);
-  const std::string turned = word("Kind", "rotate") + numbers("Center", kAside) + numbers("Axis", kOblique) +
-                             number("Angle", "0.7") + integer_of("Count", 2);
+  const std::string turned = "Kind: rotate, Center: " + kAside + ", Axis: " + kOblique + ", Angle: 0.7, Count: 2, ";
   expect_image(scene_from(scene_text(points, member_text, patterns({turned}))),
                Isometry::rotation(kAsideVector, kObliqueVector, 0.7), tolerance);
 }
@@ -177,53 +171,48 @@ constexpr double kImageTolerance = 1e-13;  // coordinates of size 10, some ten o
 
 TEST(ScenePatterns, ImagesOfLines) {
   expect_images(member("m", "A", "B"), kImageTolerance);
-  expect_images(member("m", "A", "B", numbers("Second Axis", "{3, 1, 1}") + number("Twist", "0.4")), kImageTolerance);
+  expect_images(member("m", "A", "B", "Second Axis: [3, 1, 1], Twist: 0.4"), kImageTolerance);
 }
 
 TEST(ScenePatterns, ImagesOfArcs) {
-  const std::string arc = curve("arc", numbers("Through", "{0, 1, 3}"));
+  const std::string arc = curve("arc", "Through: [0, 1, 3]");
   expect_images(member("m", "A", "B", arc), kImageTolerance);
-  expect_images(member("m", "A", "B", arc + numbers("Second Axis", "{3, 1, 1}")), kImageTolerance);
+  expect_images(member("m", "A", "B", arc + "Second Axis: [3, 1, 1]"), kImageTolerance);
 }
 
 TEST(ScenePatterns, ImagesOfHelices) {
-  const std::string helix = curve("helix", numbers("Center", "{0, 0.2, 0}") + numbers("Axis", "{0.1, 0, 1}") +
-                                               number("Angle", "4") + number("Rise", "-1.5"));
+  const std::string helix = curve("helix", "Center: [0, 0.2, 0], Axis: [0.1, 0, 1], Angle: 4, Rise: -1.5");
   const std::string chord = member("c", "A", "B");
   expect_images(member("m", "A", "end", helix) + chord, kImageTolerance);
-  expect_images(member("m", "A", "end", helix + numbers("Second Axis", "{3, 1, 1}")) + chord, kImageTolerance);
+  expect_images(member("m", "A", "end", helix + "Second Axis: [3, 1, 1]") + chord, kImageTolerance);
 }
 
 TEST(ScenePatterns, ImagesOfSplines) {
   expect_images(
-      member("m", "A", "B",
-             curve("spline", numbers("Through", "{0, 1, 3, -1, 2, 1}") + numbers("End Tangent", "{1, 0, 1}")) +
-                 number("Twist", "-0.3")),
+      member("m", "A", "B", curve("spline", "Through: [0, 1, 3, -1, 2, 1], End Tangent: [1, 0, 1]") + "Twist: -0.3"),
       1e-11);  // arc length by integration
 }
 
 TEST(ScenePatterns, ImagesOfFormulas) {
-  expect_images(member("m", "A", "end", curve("parametric", words("Formula", "{cos(t), t^2/2, sin(t)+t}"))) +
-                    member("c", "A", "B"),
-                1e-11);
+  expect_images(
+      member("m", "A", "end", curve("parametric", "Formula: [cos(t), t^2/2, sin(t)+t]")) + member("c", "A", "B"),
+      1e-11);
 }
 
 TEST(ScenePatterns, MembersInTheMirrorPlaneStayOne) {
-  const Scene scene = scene_from(scene_text(kCell, kCellMembers, patterns({mirror("{1, 0, 0}")})));
+  const Scene scene = scene_from(scene_text(kCell, kCellMembers, patterns({mirror("[1, 0, 0]")})));
   EXPECT_EQ(scene.members.size(), 3U);
   EXPECT_EQ(scene.points.size(), 4U);
   EXPECT_EQ(member_in(scene, "up (1)"), nullptr);
   expect_at(scene, "B (1)", {-1, 0, 0}, 0.0);
 }
 
-const std::string kCoupled =
-    list("skew", numbers("Matrix", "{10,0,0.1,0.2,0,0.3, 5,0,0,0,0, 6,0,0,0, 3,0.4,0.5, 4,0.6, 5}"));
+const std::string kCoupled = "skew: {Matrix: [10,0,0.1,0.2,0,0.3, 5,0,0,0,0, 6,0,0,0, 3,0.4,0.5, 4,0.6, 5]}, ";
 
 TEST(ScenePatterns, MirroredCouplingChangesItsSign) {
-  const std::string text =
-      list("m", word("Start", "A") + word("End", "B") + word("Section", "skew")) + member("up", "A", "C");
+  const std::string text = "m: {Start: A, End: B, Section: skew}, " + member("up", "A", "C");
   const Scene scene = scene_from(scene_text(
-      kCell, text, patterns({mirror("{1, 0, 0}", "{5, 0, 0}"), mirror("{0, 1, 0}", "{0, 5, 0}")}), "A", kCoupled));
+      kCell, text, patterns({mirror("[1, 0, 0]", "[5, 0, 0]"), mirror("[0, 1, 0]", "[0, 5, 0]")}), "A", kCoupled));
   const Member& copy = *member_in(scene, "m (1)");
   EXPECT_EQ(copy.section, "skew (mirrored)");
   EXPECT_EQ(member_in(scene, "m (1, 1)")->section, "skew");  // twice mirrored
@@ -243,28 +232,28 @@ TEST(ScenePatterns, MirroredCouplingChangesItsSign) {
 }
 
 TEST(ScenePatterns, CopiesOfInnerPoints) {
-  const Scene scene = scene_from(
-      scene_text(kCell, member("along", "A", "B", list("Inner Points", number("mid", "0.5"))) + member("up", "A", "C"),
-                 patterns({repeat("{0, 1, 0}", 2)})));
+  const Scene scene =
+      scene_from(scene_text(kCell, member("along", "A", "B", "Inner Points: {mid: 0.5}") + member("up", "A", "C"),
+                            patterns({repeat("[0, 1, 0]", 2)})));
   EXPECT_EQ(member_in(scene, "along (1)")->inner_points[0].point, "mid (1)");
   expect_at(scene, "mid (1)", {0.5, 1, 0}, kRounding);
 }
 
 /// An entry acts once at each place, whether its name reaches a copy or the pattern brings it there.
 TEST(ScenePatterns, WhatActsGoesWithTheCopies) {
-  const std::string all = word("Copy", "all");
+  const std::string all = "Copy: all, ";
   const auto acting = [&](const std::string& pattern, const std::string& loads) {
     return scene_from(scene_text(kCell, kCellMembers, patterns({pattern}) + loads));
   };
   const auto load = [](const std::string& point) {
-    return list("Point Loads", list("p", word("Point", point) + numbers("Force", "{1, 0, 0}")));
+    return "Point Loads: {p: {Point: " + point + ", Force: [1, 0, 0]}}, ";
   };
-  EXPECT_EQ(acting(repeat("{1, 0, 0}", 3), load("C")).point_loads.size(), 1U);
-  const Scene repeated = acting(repeat("{1, 0, 0}", 3, all), load("C"));
+  EXPECT_EQ(acting(repeat("[1, 0, 0]", 3), load("C")).point_loads.size(), 1U);
+  const Scene repeated = acting(repeat("[1, 0, 0]", 3, all), load("C"));
   ASSERT_EQ(repeated.point_loads.size(), 3U);
   EXPECT_EQ(repeated.point_loads[2].point, "C (2)");
   EXPECT_EQ(repeated.supports.size(), 3U);  // of A, at A, B, B (1)
-  EXPECT_EQ(acting(repeat("{1, 0, 0}", 3, all), load("C*")).point_loads.size(), 3U);
+  EXPECT_EQ(acting(repeat("[1, 0, 0]", 3, all), load("C*")).point_loads.size(), 3U);
   const Scene turned = acting(rotate(4, all), load("B"));
   ASSERT_EQ(turned.point_loads.size(), 4U);
   EXPECT_NEAR(turned.point_loads[1].force[1], 1.0, kRounding);
@@ -272,9 +261,8 @@ TEST(ScenePatterns, WhatActsGoesWithTheCopies) {
 }
 
 TEST(ScenePatterns, JointsGoWithTheirMembers) {
-  const std::string joint = list("Joints", list("j", word("Point", "A") + words("Members", "{up}") +
-                                                         word("Kind", "hinge") + numbers("Axis", "{1, 0, 0}")));
-  const Scene scene = scene_from(scene_text(kCell, kCellMembers, patterns({rotate(3, word("Copy", "all"))}) + joint));
+  const std::string joint = "Joints: {j: {Point: A, Members: [up], Kind: hinge, Axis: [1, 0, 0]}}, ";
+  const Scene scene = scene_from(scene_text(kCell, kCellMembers, patterns({rotate(3, "Copy: all")}) + joint));
   ASSERT_EQ(scene.joints.size(), 3U);
   EXPECT_EQ(scene.joints[1].point, "A");
   EXPECT_EQ(scene.joints[1].members, std::vector<std::string>{"up (1)"});
@@ -282,48 +270,45 @@ TEST(ScenePatterns, JointsGoWithTheirMembers) {
 }
 
 TEST(ScenePatterns, TwoSupportsOfOnePointAreRefused) {
-  const std::string more = list("right", word("Point", "B"));
-  const std::string text = scene_text(kCell, kCellMembers, patterns({repeat("{1, 0, 0}", 2, word("Copy", "all"))}));
-  const std::string supports = "<ParameterList name=\"Supports\">\n";
-  expect_text_refused(
-      text.substr(0, text.find(supports)) + supports + more + text.substr(text.find(supports) + supports.size()),
-      {"Scene / Supports / clamp", "\"B\" is supported by \"right\""});
+  const std::string text = scene_text(kCell, kCellMembers, patterns({repeat("[1, 0, 0]", 2, "Copy: all")}));
+  expect_text_refused(changed(text, "Supports: {", "Supports: {right: {Point: B}, "),
+                      {"Scene / Supports / clamp", "\"B\" is supported by \"right\""});
 }
 
 TEST(ScenePatterns, CoincidingMembersMustAgree) {
-  const std::string other = member("over", "B", "D", integer_of("Elements", 2));
+  const std::string other = member("over", "B", "D", "Elements: 2");
   expect_text_refused(
-      scene_text(kCell + numbers("D", "{2, 0, 0}"), kCellMembers + other,
-                 patterns({repeat("{1, 0, 0}", 2, words("Members", "{along}"))})),
+      scene_text(kCell + "D: [2, 0, 0], ", kCellMembers + other,
+                 patterns({repeat("[1, 0, 0]", 2, "Members: [along]")})),
       {"\"Scene / Patterns / p1\"", "\"along (1)\" would lie on member \"over\"", "differ from it in \"Elements\""});
-  const Scene same = scene_from(scene_text(kCell + numbers("D", "{2, 0, 0}"), kCellMembers + member("over", "D", "B"),
-                                           patterns({repeat("{1, 0, 0}", 2, words("Members", "{along}"))})));
+  const Scene same = scene_from(scene_text(kCell + "D: [2, 0, 0], ", kCellMembers + member("over", "D", "B"),
+                                           patterns({repeat("[1, 0, 0]", 2, "Members: [along]")})));
   EXPECT_EQ(same.members.size(), 3U);
 }
 
 TEST(ScenePatterns, RefusesWrongPatterns) {
-  expect_pattern_refused(word("Kind", "repeat") + integer_of("Count", 2), {"p1 / Vector", "missing; needed for"});
-  expect_pattern_refused(repeat("{1, 0, 0}", 1), {"p1 / Count", "value 1"});
-  expect_pattern_refused(repeat("{0, 0, 0}", 2), {"p1 / Vector", "no direction"});
-  expect_pattern_refused(repeat("{1, 0, 0}", 2, numbers("Normal", "{1, 0, 0}")), {"p1 / Normal", "no meaning"});
-  expect_pattern_refused(repeat("{1, 0, 0}", 2, words("Members", "{alog}")),
+  expect_pattern_refused("Kind: repeat, Count: 2, ", {"p1 / Vector", "missing; needed for"});
+  expect_pattern_refused(repeat("[1, 0, 0]", 1), {"p1 / Count", "value 1"});
+  expect_pattern_refused(repeat("[0, 0, 0]", 2), {"p1 / Vector", "no direction"});
+  expect_pattern_refused(repeat("[1, 0, 0]", 2, "Normal: [1, 0, 0]"), {"p1 / Normal", "no meaning"});
+  expect_pattern_refused(repeat("[1, 0, 0]", 2, "Members: [alog]"),
                          {"p1 / Members", "\"alog\" is not a member", "did you mean \"along\"?"});
-  expect_pattern_refused(repeat("{1, 0, 0}", 2, words("Members", "{x*}")), {"p1 / Members", "\"x*\""});
-  expect_pattern_refused(word("Kind", "rotat"), {"did you mean \"rotate\"?"});
-  expect_pattern_refused(rotate(3, "", "{0, 0, 0}"), {"p1 / Axis", "no direction"});
-  expect_pattern_refused(repeat("{1, 0, 0}", 2, numbers("Point", "{0, 0, 0}")), {"p1 / Point", "no meaning"});
+  expect_pattern_refused(repeat("[1, 0, 0]", 2, "Members: [x*]"), {"p1 / Members", "\"x*\""});
+  expect_pattern_refused("Kind: rotat, ", {"did you mean \"rotate\"?"});
+  expect_pattern_refused(rotate(3, "", "[0, 0, 0]"), {"p1 / Axis", "no direction"});
+  expect_pattern_refused(repeat("[1, 0, 0]", 2, "Point: [0, 0, 0]"), {"p1 / Point", "no meaning"});
 }
 
 TEST(ScenePatterns, RefusesMoreThanMemoryHolds) {
-  expect_pattern_refused(repeat("{1, 0, 0}", 10000000), {"elements", "allowed: 10000000"});
-  expect_text_refused(scene_text(kCell, kCellMembers, patterns({repeat("{1, 0, 0}", 3000), repeat("{0, 1, 0}", 3000)})),
+  expect_pattern_refused(repeat("[1, 0, 0]", 10000000), {"elements", "allowed: 10000000"});
+  expect_text_refused(scene_text(kCell, kCellMembers, patterns({repeat("[1, 0, 0]", 3000), repeat("[0, 1, 0]", 3000)})),
                       {"\"Scene / Patterns / p2\"", "elements"});
-  expect_pattern_refused(repeat("{1e99, 0, 0}", 1000), {"coordinates"});
+  expect_pattern_refused(repeat("[1e99, 0, 0]", 1000), {"coordinates"});
 }
 
 TEST(ScenePatterns, NamesOfCopiesMustBeFree) {
   expect_text_refused(
-      scene_text(kCell, kCellMembers + member("along (1)", "B", "C"), patterns({repeat("{0, 0, 1}", 2)})),
+      scene_text(kCell, kCellMembers + member("along (1)", "B", "C"), patterns({repeat("[0, 0, 1]", 2)})),
       {"\"along (1)\", which exists already"});
 }
 

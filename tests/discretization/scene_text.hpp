@@ -8,44 +8,22 @@
 
 namespace mixbeam {
 
-inline std::string parameter(const std::string& name, const std::string& type, const std::string& value) {
-  return "<Parameter name=\"" + name + "\" type=\"" + type + "\" value=\"" + value + "\"/>\n";
-}
-inline std::string number(const std::string& name, const std::string& value) {
-  return parameter(name, "double", value);
-}
-inline std::string integer_of(const std::string& name, int value) {
-  return parameter(name, "int", std::to_string(value));
-}
-inline std::string word(const std::string& name, const std::string& value) { return parameter(name, "string", value); }
-inline std::string numbers(const std::string& name, const std::string& value) {
-  return parameter(name, "Array(double)", value);
-}
-inline std::string words(const std::string& name, const std::string& value) {
-  return parameter(name, "Array(string)", value);
-}
-inline std::string list(const std::string& name, const std::string& inside) {
-  return "<ParameterList name=\"" + name + "\">\n" + inside + "</ParameterList>\n";
-}
-
 /// A section whose axes 2 and 3 differ.
-inline const std::string kFlatSection = number("EA", "10") + number("GA2", "4") + number("GA3", "5") +
-                                        number("GIt", "1") + number("EI2", "2") + number("EI3", "3");
+inline const std::string kFlatSection = "EA: 10, GA2: 4, GA3: 5, GIt: 1, EI2: 2, EI3: 3, ";
 
 inline std::string member(const std::string& name, const std::string& start, const std::string& end,
                           const std::string& more = "") {
-  return list(name, word("Start", start) + word("End", end) + word("Section", "flat") + more);
+  return name + ": {Start: " + start + ", End: " + end + ", Section: flat, " + more + "}, ";
 }
 inline std::string curve(const std::string& shape, const std::string& more) {
-  return list("Curve", word("Shape", shape) + more);
+  return "Curve: {Shape: " + shape + ", " + more + "}, ";
 }
 
 /// A whole file; a clamp is at `foot`.
 inline std::string scene_text(const std::string& points, const std::string& members, const std::string& more = "",
                               const std::string& foot = "A", const std::string& sections = "") {
-  return list("test", list("Scene", list("Sections", list("flat", kFlatSection) + sections) + list("Points", points) +
-                                        list("Members", members) + more +
-                                        list("Supports", list("clamp", word("Point", foot)))));
+  return "Scene: {Sections: {flat: {" + kFlatSection + "}, " + sections + "}, Points: {" + points + "}, Members: {" +
+         members + "}, Supports: {clamp: {Point: " + foot + "}}, " + more + "}";
 }
 
 inline const Vector3* position_in(const Scene& scene, const std::string& point) {

@@ -44,11 +44,14 @@ TEST(XmlReader, ReadsEveryType) {
 }
 
 TEST(XmlReader, KnowsTheLineOfEveryEntry) {
-  const XmlParameters xml = parse_xml(kBowScene, "scene.xml");
-  EXPECT_EQ(xml.source.line({"Scene"}), 3);
-  EXPECT_EQ(xml.source.line({"Scene", "Members", "shaft", "Elements"}), 24);
-  EXPECT_EQ(xml.source.where({"Scene", "Members", "shaft", "Missing"}), "scene.xml:19");
-  EXPECT_EQ(xml.text, kBowScene);
+  const std::string text =
+      in_list("<ParameterList name=\"Members\">\n<ParameterList name=\"shaft\">\n" + parameter("Order", "int", "3") +
+              "\n" + parameter("Elements", "int", "4") + "\n</ParameterList>\n</ParameterList>");
+  const XmlParameters xml = parse_xml(text, "scene.xml");
+  EXPECT_EQ(xml.source.line({"Members"}), 2);
+  EXPECT_EQ(xml.source.line({"Members", "shaft", "Elements"}), 5);
+  EXPECT_EQ(xml.source.where({"Members", "shaft", "Missing"}), "scene.xml:3");
+  EXPECT_EQ(xml.text, text);
 }
 
 TEST(XmlReader, ReportsTheFirstLineOfATagOverSeveralLines) {

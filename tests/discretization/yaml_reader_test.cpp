@@ -64,7 +64,7 @@ TEST(YamlReader, DeclarationsSayWhatAScalarIs) {
 }
 
 TEST(YamlReader, GivesTheListOfTheXmlFile) {
-  const XmlParameters xml = parse_xml(kBowScene, "bow.xml");
+  const XmlParameters xml = parse_xml(xml_text(*parsed(kBowScene).list), "bow.xml");
   const std::string text = yaml_text(xml, root_of_scenes(), "bow.yaml");
   expect_in(text, {"    steel: {EA: 10000, GA2: 5000, GA3: 5000, GIt: 2, EI2: 2, EI3: 2.5}\n"});
   const XmlParameters yaml = parse_yaml(text, "bow.yaml", root_of_scenes());

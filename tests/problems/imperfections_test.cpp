@@ -1,11 +1,9 @@
 /// Imperfect structures: no stress without loads, and the closed form of a bowed column.
 #include "discretization/scene/section_shape.hpp"
 #include "nonlinear/run/imperfect_scene.hpp"
+#include "tests/support/scene_file.hpp"
 #include "tests/support/solve.hpp"
 #include "tests/support/text.hpp"
-
-#include "discretization/parameters/xml_reader.hpp"
-#include "discretization/reading/read_scene.hpp"
 
 namespace mixbeam::test {
 namespace {
@@ -17,36 +15,19 @@ constexpr double kCritical = kPi * kPi;  // of the column: EI = L = 1
 
 /// A pinned column along z from "foot" to "head", pressed by `force`, with a list "Imperfection".
 std::string column(double force, const std::string& imperfection) {
-  const auto number = [](const std::string& name, const std::string& type, const std::string& value) {
-    return "<Parameter name=\"" + name + "\" type=\"" + type + "\" value=\"" + value + "\"/>";
-  };
-  const auto list = [](const std::string& name, const std::string& inside) {
-    return "<ParameterList name=\"" + name + "\">" + inside + "</ParameterList>";
-  };
-  const std::string pin = number("Fixed Displacement", "Array(string)", "{x, y, z}"),
-                    roller = number("Fixed Displacement", "Array(string)", "{x, y}");
-  const std::string turn = number("Fixed Rotation", "Array(string)", "{x, z}");
-  return list(
-      "column",
-      list("Scene",
-           list("Sections", list("s", number("Inextensible", "bool", "true") + number("Shear Rigid", "bool", "true") +
-                                          number("GIt", "double", "1") + number("EI2", "double", "1") +
-                                          number("EI3", "double", "1"))) +
-               list("Points",
-                    number("foot", "Array(double)", "{0, 0, 0}") + number("head", "Array(double)", "{0, 0, 1}")) +
-               list("Members", list("strut", number("Start", "string", "foot") + number("End", "string", "head") +
-                                                 number("Section", "string", "s") + number("Order", "int", "4") +
-                                                 number("Elements", "int", "8"))) +
-               list("Supports", list("a", number("Point", "string", "foot") + pin + turn) +
-                                    list("b", number("Point", "string", "head") + roller + turn)) +
-               list("Point Loads",
-                    list("p", number("Point", "string", "head") +
-                                  number("Force", "Array(double)", "{0, 0, " + std::to_string(-force) + "}"))) +
-               (imperfection.empty() ? "" : list("Imperfection", imperfection))));
+  return R"yaml(Scene:
+  Sections: {s: {Inextensible: true, Shear Rigid: true, GIt: 1, EI2: 1, EI3: 1}}
+  Points: {foot: [0, 0, 0], head: [0, 0, 1]}
+  Members: {strut: {Start: foot, End: head, Section: s, Order: 4, Elements: 8}}
+  Supports:
+    a: {Point: foot, Fixed Displacement: [x, y, z], Fixed Rotation: [x, z]}
+    b: {Point: head, Fixed Displacement: [x, y], Fixed Rotation: [x, z]}
+  Point Loads: {p: {Point: head, Force: [0, 0, )yaml" +
+         std::to_string(-force) + "]}}\n" + (imperfection.empty() ? "" : "  Imperfection: {" + imperfection + "}\n");
 }
 
 Scene scene_from(const std::string& text) {
-  XmlParameters xml = parse_xml(text, "scene.xml");
+  XmlParameters xml = parsed(text);
   return with_mode_shapes(read_scene(xml.list->sublist("Scene"), xml.source), {}, this_rank(), {xml.source, {"Scene"}});
 }
 
@@ -59,21 +40,15 @@ std::string refusal(const std::string& imperfection) {
   return "";
 }
 
-std::string bow(double amplitude, const std::string& direction = "{1, 0, 0}") {
-  return "<ParameterList name=\"Bows\"><ParameterList name=\"b\"><Parameter name=\"Member\" type=\"string\" "
-         "value=\"*\"/>"
-         "<Parameter name=\"Amplitude\" type=\"double\" value=\"" +
-         std::to_string(amplitude) + "\"/><Parameter name=\"Direction\" type=\"Array(double)\" value=\"" + direction +
-         "\"/></ParameterList></ParameterList>";
+std::string bow(double amplitude, const std::string& direction = "[1, 0, 0]") {
+  return "Bows: {b: {Member: '*', Amplitude: " + std::to_string(amplitude) + ", Direction: " + direction + "}}, ";
 }
 std::string mode(int number, double amplitude) {
-  return "<ParameterList name=\"Modes\"><ParameterList name=\"m\"><Parameter name=\"Mode\" type=\"int\" value=\"" +
-         std::to_string(number) + "\"/><Parameter name=\"Amplitude\" type=\"double\" value=\"" +
-         std::to_string(amplitude) + "\"/></ParameterList></ParameterList>";
+  return "Modes: {m: {Mode: " + std::to_string(number) + ", Amplitude: " + std::to_string(amplitude) + "}}, ";
 }
 
 std::string mode_at_critical_point(int number, double amplitude) {
-  return changed(mode(number, amplitude), "name=\"Mode\"", "name=\"Critical Point\"");
+  return changed(mode(number, amplitude), "Mode:", "Critical Point:");
 }
 
 TEST(Imperfections, AreFreeOfStress) {
@@ -132,34 +107,26 @@ TEST(Imperfections, SignsFollowTheAmplitude) {
 }
 
 TEST(Imperfections, SwayLeansTheStructure) {
-  const std::string sway =
-      "<ParameterList name=\"Sway\"><Parameter name=\"Ratio\" type=\"double\" value=\"0.005\"/>"
-      "<Parameter name=\"Direction\" type=\"Array(double)\" value=\"{2, 0, 0}\"/></ParameterList>";
+  const std::string sway = "Sway: {Ratio: 0.005, Direction: [2, 0, 0]}, ";
   const Scene scene = scene_from(column(1.0, sway));
   EXPECT_EQ(scene.points[1].position, (Vector3{0.005, 0, 1}));
   EXPECT_EQ(scene.points[0].position, (Vector3{0, 0, 0}));
 }
 
 TEST(Imperfections, AreRefusedWithThePlace) {
-  expect_in(refusal(bow(0.1, "{0, 0, 1}")), {"Imperfection / Bows / b / Direction", "along the member"});
+  expect_in(refusal(bow(0.1, "[0, 0, 1]")), {"Imperfection / Bows / b / Direction", "along the member"});
   expect_in(refusal(bow(1e27)), {"Imperfection / Bows / b", "member \"strut\"", "no tangent"});
   EXPECT_EQ(refusal(bow(0.1)), "");
   expect_in(refusal(mode(100, 0.1)), {"Imperfection / Modes / m / Mode", "value 100; allowed: 1 to "});
-  expect_in(refusal(changed(mode(1, 0.1), "<Parameter name=\"Mode\" type=\"int\" value=\"1\"/>", "")),
-            {"Imperfection / Modes / m / Mode", "missing"});
+  expect_in(refusal(changed(mode(1, 0.1), "Mode: 1, ", "")), {"Imperfection / Modes / m / Mode", "missing"});
   expect_in(refusal(mode_at_critical_point(1, 0.1)),
             {"Imperfection / Modes / m / Critical Point", "value 1; allowed: none", "meets none"});
-  expect_in(refusal(changed(mode(1, 0.1), "<Parameter name=\"Mode\"",
-                            "<Parameter name=\"Critical Point\" type=\"int\" value=\"1\"/><Parameter name=\"Mode\"")),
+  expect_in(refusal(changed(mode(1, 0.1), "Mode: 1", "Critical Point: 1, Mode: 1")),
             {"Imperfection / Modes / m", "both of", "exactly one"});
-  expect_in(
-      refusal("<ParameterList name=\"Sway\"><Parameter name=\"Ratio\" type=\"double\" value=\"0.005\"/><Parameter "
-              "name=\"Direction\" type=\"Array(double)\" value=\"{0, 0, -2}\"/></ParameterList>"),
-      {"Imperfection / Sway / Direction", "along \"Up\""});
-  expect_in(refusal("<ParameterList name=\"Points\"><Parameter name=\"hed\" type=\"Array(double)\" "
-                    "value=\"{0,0,1}\"/></ParameterList>"),
-            {"Imperfection / Points / hed", "did you mean \"head\"?"});
-  expect_in(refusal("<Parameter name=\"Case\" type=\"string\" value=\"x\"/>" + mode(1, 0.1)), {"no load cases"});
+  expect_in(refusal("Sway: {Ratio: 0.005, Direction: [0, 0, -2]}"),
+            {"Imperfection / Sway / Direction", "along \"Up\""});
+  expect_in(refusal("Points: {hed: [0,0,1]}"), {"Imperfection / Points / hed", "did you mean \"head\"?"});
+  expect_in(refusal("Case: x, " + mode(1, 0.1)), {"no load cases"});
 }
 
 }  // namespace

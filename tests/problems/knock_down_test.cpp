@@ -1,8 +1,7 @@
 /// Knock-down of imperfect structures over the amplitude, both signs, against shooting: a frame of two beams pressed at
 /// its corner (Roorda's, and a shallow one), a shallow arch, a bowed column.
-#include "discretization/parameters/xml_reader.hpp"
-#include "discretization/reading/read_scene.hpp"
 #include "nonlinear/run/imperfect_scene.hpp"
+#include "tests/support/scene_file.hpp"
 #include "tests/support/solve.hpp"
 
 #include <functional>
@@ -121,60 +120,41 @@ struct CornerFrame {
   }
 };
 
-std::string parameter(const std::string& name, const std::string& type, const std::string& value) {
-  return "<Parameter name=\"" + name + "\" type=\"" + type + "\" value=\"" + value + "\"/>";
-}
-std::string list(const std::string& name, const std::string& inside) {
-  return "<ParameterList name=\"" + name + "\">" + inside + "</ParameterList>";
-}
 std::string vector(double x, double y, double z = 0.0) {
   std::ostringstream text;
-  text << std::setprecision(17) << "{" << x << ", " << y << ", " << z << "}";
+  text << std::setprecision(17) << "[" << x << ", " << y << ", " << z << "]";
   return text.str();
 }
 
 Scene read(const std::string& lists) {
-  XmlParameters xml = parse_xml(list("test", list("Scene", lists)), "scene.xml");
+  XmlParameters xml = parsed("Scene: {" + lists + "}");
   return with_mode_shapes(read_scene(xml.list->sublist("Scene"), xml.source), {}, this_rank(), {xml.source, {"Scene"}});
 }
 
 std::string section(double axial) {
-  const std::string stretch =
-      std::isinf(axial) ? parameter("Inextensible", "bool", "true") : parameter("EA", "double", std::to_string(axial));
-  return list("Sections",
-              list("s", stretch + parameter("Shear Rigid", "bool", "true") + parameter("GIt", "double", "1") +
-                            parameter("EI2", "double", "1") + parameter("EI3", "double", "1")));
+  const std::string stretch = std::isinf(axial) ? "Inextensible: true, " : "EA: " + std::to_string(axial) + ", ";
+  return "Sections: {s: {" + stretch + "Shear Rigid: true, GIt: 1, EI2: 1, EI3: 1}}, ";
 }
 std::string member(const std::string& start, const std::string& end, const std::string& more = "") {
-  return parameter("Start", "string", start) + parameter("End", "string", end) + parameter("Section", "string", "s") +
-         parameter("Order", "int", "6") + parameter("Elements", "int", "8") + more;
+  return "Start: " + start + ", End: " + end + ", Section: s, Order: 6, Elements: 8, " + more;
 }
 std::string pin(const std::string& point, const std::string& fixed) {
-  return list(point, parameter("Point", "string", point) + parameter("Fixed Displacement", "Array(string)", fixed) +
-                         parameter("Fixed Rotation", "Array(string)", "{x, y}"));
+  return point + ": {Point: " + point + ", Fixed Displacement: " + fixed + ", Fixed Rotation: [x, y]}, ";
 }
 
 /// The frame as drawn, with a list "Imperfection".
 Scene scene_of(const CornerFrame& drawn, const std::string& imperfection, double load) {
-  return read(section(drawn.axial) +
-              list("Points", parameter("foot", "Array(double)", vector(drawn.foot[0], drawn.foot[1])) +
-                                 parameter("corner", "Array(double)", vector(drawn.corner[0], drawn.corner[1])) +
-                                 parameter("end", "Array(double)", vector(drawn.end[0], drawn.end[1]))) +
-              list("Members", list("a", member("foot", "corner")) + list("b", member("corner", "end"))) +
-              list("Supports", pin("foot", "{x, y, z}") + pin("end", "{x, y, z}")) +
-              list("Point Loads", list("p", parameter("Point", "string", "corner") +
-                                                parameter("Force", "Array(double)", vector(0.0, -load)))) +
-              list("Imperfection", imperfection));
+  return read(section(drawn.axial) + "Points: {foot: " + vector(drawn.foot[0], drawn.foot[1]) +
+              ", corner: " + vector(drawn.corner[0], drawn.corner[1]) + ", end: " + vector(drawn.end[0], drawn.end[1]) +
+              "}, Members: {a: {" + member("foot", "corner") + "}, b: {" + member("corner", "end") + "}}, Supports: {" +
+              pin("foot", "[x, y, z]") + pin("end", "[x, y, z]") + "}, Point Loads: {p: {Point: corner, Force: " +
+              vector(0.0, -load) + "}}, Imperfection: {" + imperfection + "}");
 }
-std::string corner_moved(double offset) {
-  return list("Points", parameter("corner", "Array(double)", vector(offset, 0.0)));
-}
+std::string corner_moved(double offset) { return "Points: {corner: " + vector(offset, 0.0) + "}, "; }
 std::string bow_of(const std::string& name, double amplitude, const std::string& direction) {
   std::ostringstream number;
   number << std::setprecision(17) << amplitude;
-  return list("Bows",
-              list("bow", parameter("Member", "string", name) + parameter("Direction", "Array(double)", direction) +
-                              parameter("Amplitude", "double", number.str())));
+  return "Bows: {bow: {Member: " + name + ", Direction: " + direction + ", Amplitude: " + number.str() + "}}, ";
 }
 
 struct Path {
@@ -217,7 +197,7 @@ TEST(KnockDown, RoordaFrameOverTheAmplitude) {
     int limits = 0;
     for (const double bow : {amplitude, -amplitude}) {
       SCOPED_TRACE(bow);
-      const Path path = path_of(scene_of(roorda(0.0), bow_of("a", bow, "{1, 0, 0}"), load));
+      const Path path = path_of(scene_of(roorda(0.0), bow_of("a", bow, "[1, 0, 0]"), load));
       const double side = path.corner_angle > 0.0 ? 1.0 : -1.0;
       if (path.limits.empty()) {
         ASSERT_EQ(path.load_factor, 1.0);
@@ -242,7 +222,7 @@ TEST(KnockDown, RoordaFrameHasKoitersSlope) {
   Plane angle{}, load{};
   for (std::size_t i = 0; i < 2; ++i) {
     const double sign = i == 0 ? 1.0 : -1.0;
-    Scene scene = scene_of(roorda(0.0), bow_of("a", sign * kAlmostPerfect, "{1, 0, 0}"), 1.05 * roorda_load());
+    Scene scene = scene_of(roorda(0.0), bow_of("a", sign * kAlmostPerfect, "[1, 0, 0]"), 1.05 * roorda_load());
     scene.members[0].inner_points = {{"middle", 0.5}};
     SolverParameters parameters;
     parameters.analysis.control = MonitoredComponent{"middle", 0, sign * kTarget};
@@ -294,18 +274,12 @@ TEST(KnockDown, ShallowArchOverTheAmplitude) {
     std::ostringstream height;
     height << std::setprecision(17) << kRise << "*cos(0.5*pi*t)+(" << amplitude << ")*sin(pi*t)";
     const auto curve = [&](const std::string& range) {
-      return list("Curve", parameter("Shape", "string", "parametric") +
-                               parameter("Formula", "Array(string)", "{t, " + height.str() + ", 0}") +
-                               parameter("Range", "Array(double)", range));
+      return "Curve: {Shape: parametric, Formula: [t, " + height.str() + ", 0], Range: " + range + "}, ";
     };
-    return read(section(kStretch) +
-                list("Points", parameter("foot", "Array(double)", vector(-1, 0)) +
-                                   parameter("corner", "Array(double)", vector(0, kRise))) +
-                list("Members", list("a", member("foot", "corner", curve("{-1, 0}"))) +
-                                    list("b", member("corner", "end", curve("{0, 1}")))) +
-                list("Supports", pin("foot", "{x, y, z}") + pin("end", "{x, y, z}")) +
-                list("Point Loads", list("p", parameter("Point", "string", "corner") +
-                                                  parameter("Force", "Array(double)", vector(0.0, -kLoad)))));
+    return read(section(kStretch) + "Points: {foot: " + vector(-1, 0) + ", corner: " + vector(0, kRise) +
+                "}, Members: {a: {" + member("foot", "corner", curve("[-1, 0]")) + "}, b: {" +
+                member("corner", "end", curve("[0, 1]")) + "}}, Supports: {" + pin("foot", "[x, y, z]") +
+                pin("end", "[x, y, z]") + "}, Point Loads: {p: {Point: corner, Force: " + vector(0.0, -kLoad) + "}}");
   };
   double before = 1.0;
   for (const double amplitude : {1e-3, 0.01, 0.02}) {
@@ -330,14 +304,10 @@ TEST(KnockDown, BowedColumnOverTheAmplitude) {
       for (const double share : {0.5, 0.9, 1.0, 2.0}) {
         const double bow = sign * amplitude, force = share * kPi * kPi;
         const Scene scene =
-            read(section(kRigid) +
-                 list("Points", parameter("foot", "Array(double)", vector(0, 0)) +
-                                    parameter("head", "Array(double)", vector(1, 0))) +
-                 list("Members", list("strut", member("foot", "head"))) +
-                 list("Supports", pin("foot", "{x, y, z}") + pin("head", "{y, z}")) +
-                 list("Point Loads", list("p", parameter("Point", "string", "head") +
-                                                   parameter("Force", "Array(double)", vector(-force, 0)))) +
-                 list("Imperfection", bow_of("strut", bow, "{0, 1, 0}")));
+            read(section(kRigid) + "Points: {foot: " + vector(0, 0) + ", head: " + vector(1, 0) +
+                 "}, Members: {strut: {" + member("foot", "head") + "}}, Supports: {" + pin("foot", "[x, y, z]") +
+                 pin("head", "[y, z]") + "}, Point Loads: {p: {Point: head, Force: " + vector(-force, 0) +
+                 "}}, Imperfection: {" + bow_of("strut", bow, "[0, 1, 0]") + "}");
         const Simulation loaded = solved(scene);
         // shot from the foot to the middle, whose tangent keeps its direction; it turns at the foot by
         const Beam half(kRigid, [bow](double t) {

@@ -6,7 +6,7 @@
 #include "tests/support/constrained_scenes.hpp"
 #include "tests/support/solve.hpp"
 
-#include <chrono>
+#include <ctime>
 #include <functional>
 #include <optional>
 
@@ -91,8 +91,7 @@ class Walker {
 
  private:
   bool is_late() {
-    const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start_;
-    walk_.late = passed.count() > kMostSeconds;
+    walk_.late = static_cast<double>(std::clock() - start_) / CLOCKS_PER_SEC > kMostSeconds;
     return walk_.late;
   }
   void see(const StepReport& report) {
@@ -137,7 +136,7 @@ class Walker {
 
   const KnownPath& path_;
   Walk walk_{};
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  std::clock_t start_ = std::clock();
 };
 
 // ---- the judge

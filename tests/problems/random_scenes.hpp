@@ -3,9 +3,9 @@
 /// language leaves open.
 #pragma once
 
-#include "tests/support/random_numbers.hpp"
 #include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/text/number_text.hpp"
+#include "tests/support/random_numbers.hpp"
 
 #include <cmath>
 #include <cstdint>
@@ -16,7 +16,7 @@ namespace mixbeam::test {
 
 struct RandomScene {
   std::string name{};
-  std::string xml{};
+  std::string text{};   ///< in YAML
   bool strong = false;  ///< loads that turn members by angles of order one, and more
 };
 
@@ -38,12 +38,10 @@ class RandomSceneMaker {
     RandomScene scene;
     scene.name = "random " + std::to_string(number_);
     scene.strong = strong_;
-    scene.xml = list(
-        scene.name,
-        list("Scene", list("Sections", sections_) + list("Points", points_xml_) + list("Members", members_xml_) +
-                          list("Supports", supports_) + optional_list("Joints", joints_) +
-                          optional_list("Point Loads", point_loads_) + optional_list("Distributed Loads", line_loads_) +
-                          optional_list("Eigenstrains", eigenstrains_)));
+    scene.text = "Name: " + scene.name + "\nScene: {Sections: {" + sections_ + "}, Points: {" + points_ +
+                 "}, Members: {" + members_ + "}, Supports: {" + supports_ + "}, " + optional_list("Joints", joints_) +
+                 optional_list("Point Loads", point_loads_) + optional_list("Distributed Loads", line_loads_) +
+                 optional_list("Eigenstrains", eigenstrains_) + "}\n";
     return scene;
   }
 
@@ -56,30 +54,15 @@ class RandomSceneMaker {
     int start = 0, end = 0;
   };
 
-  static std::string list(const std::string& name, const std::string& inside) {
-    return "<ParameterList name=\"" + name + "\">\n" + inside + "</ParameterList>\n";
-  }
   static std::string optional_list(const std::string& name, const std::string& inside) {
-    return inside.empty() ? "" : list(name, inside);
+    return inside.empty() ? "" : name + ": {" + inside + "}, ";
   }
-  static std::string parameter(const std::string& name, const std::string& type, const std::string& value) {
-    return "<Parameter name=\"" + name + "\" type=\"" + type + "\" value=\"" + value + "\"/>\n";
-  }
-  static std::string number(const std::string& name, double value) {
-    return parameter(name, "double", shortest(value));
-  }
-  static std::string integer(const std::string& name, int value) {
-    return parameter(name, "int", std::to_string(value));
-  }
-  static std::string word(const std::string& name, const std::string& value) {
-    return parameter(name, "string", value);
-  }
+  static std::string number(const std::string& name, double value) { return name + ": " + shortest(value) + ", "; }
+  static std::string integer(const std::string& name, int value) { return name + ": " + std::to_string(value) + ", "; }
   static std::string text_of(const Vector3& v) {
     return shortest(v[0]) + ", " + shortest(v[1]) + ", " + shortest(v[2]);
   }
-  static std::string vector(const std::string& name, const Vector3& v) {
-    return parameter(name, "Array(double)", "{" + text_of(v) + "}");
-  }
+  static std::string vector(const std::string& name, const Vector3& v) { return name + ": [" + text_of(v) + "], "; }
   static std::string point(int node) { return "P" + std::to_string(node); }
   static std::string member(int bar) { return "M" + std::to_string(bar); }
 
@@ -99,16 +82,16 @@ class RandomSceneMaker {
       const double axial = 12.0 * bending * slenderness * slenderness / (length_ * length_);
       std::string text;
       if (random_.chance(0.2))
-        text += parameter("Inextensible", "bool", "true");
+        text += "Inextensible: true, ";
       else
         text += number("EA", axial);
       if (random_.chance(0.25))
-        text += parameter("Shear Rigid", "bool", "true");
+        text += "Shear Rigid: true, ";
       else
         for (const char* name : {"GA2", "GA3"}) text += number(name, axial * random_.between(0.2, 0.5));
       text += number("GIt", bending * random_.between(0.1, 2.0)) + number("EI2", bending);
       text += number("EI3", bending * random_.decades(0.0, 1.0));
-      sections_ += list("S" + std::to_string(i), text);
+      sections_ += "S" + std::to_string(i) + ": {" + text + "}, ";
       softest_ = i == 0 ? bending : std::min(softest_, bending);
     }
     section_count_ = count;
@@ -120,7 +103,7 @@ class RandomSceneMaker {
     const int elements[] = {16, 8, 5, 4};
     const int count = elements[order - 1] + random_.below(3);
     const int section = random_.below(section_count_);
-    return word("Section", "S" + std::to_string(section)) + integer("Order", order) + integer("Elements", count);
+    return "Section: S" + std::to_string(section) + ", " + integer("Order", order) + integer("Elements", count);
   }
 
   void add_member(int start, int end, const std::string& curve) {
@@ -128,13 +111,14 @@ class RandomSceneMaker {
     bars_.push_back({start, end});
     nodes_[start].members.push_back(bar);
     nodes_[end].members.push_back(bar);
-    members_xml_ += list(member(bar), word("Start", point(start)) + word("End", point(end)) + rest_of_member() + curve);
+    members_ +=
+        member(bar) + ": {Start: " + point(start) + ", End: " + point(end) + ", " + rest_of_member() + curve + "}, ";
   }
 
   int add_node(const Vector3& position) {
     nodes_.push_back({position});
     const int node = static_cast<int>(nodes_.size()) - 1;
-    points_xml_ += vector(point(node), position);
+    points_ += vector(point(node), position);
     return node;
   }
 
@@ -166,9 +150,8 @@ class RandomSceneMaker {
     const Vector3 center = sum(start, scaled(radius, inward));
     const Vector3 end =
         sum(center, sum(scaled(-radius * std::cos(angle), inward), scaled(radius * std::sin(angle), along)));
-    add_member(
-        from, add_node(end),
-        list("Curve", word("Shape", "arc") + vector("Center", center) + vector("Axis", axis) + number("Angle", angle)));
+    add_member(from, add_node(end),
+               "Curve: {Shape: arc, " + vector("Center", center) + vector("Axis", axis) + number("Angle", angle) + "}");
   }
 
   /// Through one or two points beside the straight line.
@@ -182,7 +165,7 @@ class RandomSceneMaker {
       const Vector3 beside = random_.vector(0.0, 0.25 * norm(chord));
       through += (i == 1 ? "" : ", ") + text_of(sum(start, sum(scaled(part, chord), beside)));
     }
-    return list("Curve", word("Shape", "spline") + parameter("Through", "Array(double)", "{" + through + "}"));
+    return "Curve: {Shape: spline, Through: [" + through + "]}, ";
   }
 
   bool are_neighbours(int a, int b) const {
@@ -206,7 +189,7 @@ class RandomSceneMaker {
     if (random_.chance(0.6)) return "";
     Vector3 x = random_.direction(), y = random_.direction();
     while (vector_algebra::norm(vector_algebra::cross(x, y)) < 0.3) y = random_.direction();
-    return parameter("Axes", "Array(double)", "{" + text_of(x) + ", " + text_of(y) + "}");
+    return "Axes: [" + text_of(x) + ", " + text_of(y) + "], ";
   }
 
   std::string some_axes() {
@@ -214,11 +197,11 @@ class RandomSceneMaker {
     for (const char* axis : {"x", "y", "z"})
       if (random_.chance(0.5)) text += (text.empty() ? "" : ", ") + std::string(axis);
     if (text.empty()) text = "y";
-    return parameter("Fixed Displacement", "Array(string)", "{" + text + "}");
+    return "Fixed Displacement: [" + text + "], ";
   }
 
   void add_support(const std::string& inside, int node) {
-    supports_ += list("support " + std::to_string(held_.size()), word("Point", point(node)) + inside);
+    supports_ += "support " + std::to_string(held_.size()) + ": {Point: " + point(node) + ", " + inside + "}, ";
     held_.push_back(node);
   }
 
@@ -235,23 +218,23 @@ class RandomSceneMaker {
 
   void add_further_support(int node) {
     const double kind = random_.between(0.0, 1.0);
-    const std::string free_rotation = parameter("Fixed Rotation", "Array(string)", "{}");
+    const std::string free_rotation = "Fixed Rotation: [], ";
     if (kind < 0.25) {
       add_support(free_rotation, node);
     } else if (kind < 0.4) {
       const std::string held = some_axes() + free_rotation;
       add_support(held + random_axes(), node);
     } else if (kind < 0.5)
-      add_support(parameter("Fixed Rotation", "Array(string)", "{x, y}") + random_axes(), node);
+      add_support("Fixed Rotation: [x, y], " + random_axes(), node);
     else if (kind < 0.75)
       add_support(free_rotation + vector("Prescribed Displacement", random_.vector(0.02 * length_, 0.5 * length_)),
                   node);
     else if (kind < 0.85)
       add_support(vector("Prescribed Rotation", random_.vector(0.2, 4.0)), node);
     else
-      add_support(parameter("Fixed Displacement", "Array(string)", "{}") + free_rotation +
-                      vector("Displacement Stiffness", {spring(), spring(), spring()}),
-                  node);
+      add_support(
+          "Fixed Displacement: [], " + free_rotation + vector("Displacement Stiffness", {spring(), spring(), spring()}),
+          node);
   }
 
   double spring() { return random_.decades(-2, 2) * softest_ / (length_ * length_ * length_); }
@@ -269,15 +252,14 @@ class RandomSceneMaker {
     const int bar = node.members[random_.below(static_cast<int>(node.members.size()))];
     joint_node_ = places[chosen];
     joined_bar_ = bar;
-    std::string text =
-        word("Point", point(joint_node_)) + parameter("Members", "Array(string)", "{" + member(bar) + "}");
+    std::string text = "Point: " + point(joint_node_) + ", Members: [" + member(bar) + "], ";
     if (kind < 0.4)
-      text += word("Kind", "ball");
+      text += "Kind: ball, ";
     else if (kind < 0.9)
-      text += word("Kind", "hinge") + vector("Axis", axis) + (kind < 0.65 ? number("Stiffness", stiffness) : "");
+      text += "Kind: hinge, " + vector("Axis", axis) + (kind < 0.65 ? number("Stiffness", stiffness) : "");
     else
-      text += word("Kind", "slider") + vector("Axis", axis) + number("Stiffness", stiffness / (length_ * length_));
-    joints_ = list("joint", text);
+      text += "Kind: slider, " + vector("Axis", axis) + number("Stiffness", stiffness / (length_ * length_));
+    joints_ = "joint: {" + text + "}, ";
   }
 
   /// Force of the size F L^2/EI = 3 .. 30 for the softest section, or below.
@@ -303,31 +285,32 @@ class RandomSceneMaker {
     const int node = 1 + random_.below(static_cast<int>(nodes_.size()) - 1);
     const double size = load_size();
     const double kind = random_.between(0.0, 1.0);
-    std::string text = word("Point", point(node));
+    std::string text = "Point: " + point(node) + ", ";
     if (kind < 0.75) text += vector("Force", vector_algebra::scaled(size, random_.direction()));
     if (kind > 0.6) text += vector("Moment", vector_algebra::scaled(0.2 * size * length_, random_.direction()));
     const int followed = followed_member(node);
-    if (random_.chance(0.3) && followed >= 0) text += word("Frame", "follower") + word("Member", member(followed));
+    if (random_.chance(0.3) && followed >= 0) text += "Frame: follower, Member: " + member(followed) + ", ";
     if (i == 1 && random_.chance(0.3)) text += integer("Stage", 2);
-    point_loads_ += list("load " + std::to_string(i), text);
+    point_loads_ += "load " + std::to_string(i) + ": {" + text + "}, ";
   }
 
   void add_line_load() {
     const int bar = random_.below(static_cast<int>(bars_.size()));
     const double size = load_size() / length_;
-    std::string text = word("Member", member(bar)) + vector("Force", vector_algebra::scaled(size, random_.direction()));
+    std::string text =
+        "Member: " + member(bar) + ", " + vector("Force", vector_algebra::scaled(size, random_.direction()));
     if (random_.chance(0.3))
       text += vector("Couple", vector_algebra::scaled(0.1 * size * length_, random_.direction()));
-    if (random_.chance(0.4)) text += word("Frame", "follower");
-    line_loads_ = list("line load", text);
+    if (random_.chance(0.4)) text += "Frame: follower, ";
+    line_loads_ = "line load: {" + text + "}, ";
   }
 
   void add_eigenstrain() {
     const int bar = random_.below(static_cast<int>(bars_.size()));
-    std::string text = word("Member", member(bar));
+    std::string text = "Member: " + member(bar) + ", ";
     text += vector("Curvature", random_.vector(0.1 / length_, 2.0 / length_));
     if (random_.chance(0.5)) text += vector("Strain", {random_.between(-0.01, 0.01), 0.0, 0.0});
-    eigenstrains_ = list("growth", text);
+    eigenstrains_ = "growth: {" + text + "}, ";
   }
 
   RandomNumbers random_;
@@ -340,7 +323,7 @@ class RandomSceneMaker {
   std::vector<Node> nodes_{};
   std::vector<Bar> bars_{};
   std::vector<int> held_{};
-  std::string sections_{}, points_xml_{}, members_xml_{}, supports_{}, joints_{}, point_loads_{}, line_loads_{},
+  std::string sections_{}, points_{}, members_{}, supports_{}, joints_{}, point_loads_{}, line_loads_{},
       eigenstrains_{};
 };
 

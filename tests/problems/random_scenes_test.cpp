@@ -3,8 +3,7 @@
 #include "tests/problems/random_scenes.hpp"
 
 #include "discretization/checks/mechanism.hpp"
-#include "discretization/parameters/xml_reader.hpp"
-#include "discretization/reading/read_scene.hpp"
+#include "tests/support/scene_file.hpp"
 #include "tests/support/solve.hpp"
 
 #include <array>
@@ -27,8 +26,8 @@ constexpr double kEquilibrium = 1e-9;
 /// Keeps the time of a scene short: none of these needs more, and a path without end is found out.
 constexpr int kMostSteps = 40;
 
-Scene read_text(const std::string& xml) {
-  const XmlParameters parameters = parse_xml(xml, "random.xml");
+Scene read_text(const std::string& text) {
+  const XmlParameters parameters = parsed(text);
   Scene scene = read_scene(parameters.list->sublist("Scene"), parameters.source);
   scene.name = parameters.source.root_name();
   check_supports(scene, parameters.source);
@@ -44,10 +43,10 @@ struct Drawn {
 Drawn draw(int number) {
   try {
     RandomScene text = RandomSceneMaker(kSeed, number, true).make();
-    return {text, read_text(text.xml)};
+    return {text, read_text(text.text)};
   } catch (const InputError&) {
     RandomScene text = RandomSceneMaker(kSeed, number, false).make();
-    return {text, read_text(text.xml)};
+    return {text, read_text(text.text)};
   }
 }
 
@@ -97,7 +96,7 @@ void keep(const Drawn& drawn, const std::string& page) {
   const char* folder = std::getenv("MIXBEAM_RANDOM_FAILURES");
   if (folder == nullptr) return;
   const std::filesystem::path stem = std::filesystem::path(folder) / drawn.text.name;
-  std::ofstream(stem.string() + ".xml") << drawn.text.xml;
+  std::ofstream(stem.string() + ".yaml") << drawn.text.text;
   std::ofstream(stem.string() + ".txt") << page;
 }
 
@@ -179,8 +178,8 @@ TEST(RandomScenesTwin, AStateBesideTheEquilibriumIsFoundOut) {
 }
 
 TEST(RandomScenesTwin, TheSameNumberIsTheSameScene) {
-  EXPECT_EQ(draw(7).text.xml, draw(7).text.xml);
-  EXPECT_NE(draw(7).text.xml, draw(8).text.xml);
+  EXPECT_EQ(draw(7).text.text, draw(7).text.text);
+  EXPECT_NE(draw(7).text.text, draw(8).text.text);
 }
 
 /// Reference: the first numbers of splitmix64 with seed 1234567, as published beside its source.

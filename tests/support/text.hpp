@@ -3,8 +3,17 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <string>
 #include <vector>
+
+/// Ends a test that needs a tool where this is missing; in continuous integration, which sets CI, that is a failure.
+#define MIXBEAM_REQUIRE_TOOL(is_there, what)                           \
+  do {                                                                 \
+    if (is_there) break;                                               \
+    if (std::getenv("CI") != nullptr) FAIL() << "missing: " << (what); \
+    GTEST_SKIP() << "missing: " << (what);                             \
+  } while (false)
 
 namespace mixbeam {
 
