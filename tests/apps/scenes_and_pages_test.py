@@ -1,0 +1,182 @@
+#!/usr/bin/python3
+"""Scenes and pages of the repository: those of the gallery and of verification run and reproduce their expected values;
+every whole scene in the pages is accepted, every link leads somewhere, and the README quotes what stands on the pages.
+
+usage: scenes_and_pages_test.py MIXBEAM [CLASS]...
+"""
+
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+PROGRAM = str(Path(sys.argv.pop(1)).resolve())
+ROOT = Path(__file__).resolve().parents[2]
+APPS = ROOT / "apps"
+LARGEST_PICTURE = 150000  # bytes, so that the pages stay light
+MOST_LINES_OF_README, MOST_LINES_OF_YAML = 150, 20
+
+
+def pages():
+    return [*sorted((APPS / "docs").glob("*.md")), ROOT / "README.md", APPS / "plots/README.md"]
+
+
+class WithProgram(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def mixbeam(self, command, scene, *options):
+        return subprocess.run([PROGRAM, command, str(scene), *options], cwd=self.folder, capture_output=True, text=True)
+
+    def run_quietly(self, scene, text=None):
+        """A scene file; with a text, a file of this name that holds it."""
+        if text is not None:
+            scene = self.folder / scene
+            scene.write_text(text)
+        return self.mixbeam("run", scene, "--quiet", "--threads", "1", "--output", str(self.folder))
+
+
+class Gallery(WithProgram):
+    def test_scenes_reproduce_their_values(self):
+        for scene in sorted((APPS / "gallery").glob("*.xml")):
+            with self.subTest(scene.stem):
+                ended = self.run_quietly(scene)
+                self.assertEqual(ended.returncode, 0, ended.stdout + ended.stderr)
+                # one file for each load case, where there are some
+                self.assertTrue(list(self.folder.glob(f"{scene.stem}*.h5")))
+                if '"Expected"' in scene.read_text():
+                    self.assertIn("checks passed", ended.stdout)
+
+    def test_scenes_are_on_the_page_with_a_small_picture(self):
+        page = (APPS / "docs/gallery.md").read_text()
+        for scene in (APPS / "gallery").glob("*.xml"):
+            self.assertIn(f"gallery/{scene.stem}.xml", page)
+            self.assertIn(f"gallery/{scene.stem}.png", page)
+            self.assertLessEqual((APPS / f"docs/gallery/{scene.stem}.png").stat().st_size, LARGEST_PICTURE)
+
+
+class Verification(WithProgram):
+    """Reference values from outside the paper, each from a plain scene file."""
+
+    def test_scenes_give_their_reference_values_and_notice_others(self):
+        value = re.compile(r'(name="Value" type="double" value=")([^"]*)')
+        scenes = sorted((APPS / "verification").glob("*.xml"))
+        self.assertGreater(len(scenes), 10)
+        for scene in scenes:
+            with self.subTest(scene.stem):
+                ended = self.run_quietly(scene)
+                self.assertEqual(ended.returncode, 0, ended.stdout + ended.stderr)
+                # the first expected value changed in its eighth digit or before
+                text = scene.read_text()
+                other, changes = value.subn(lambda m: f"{m[1]}{float(m[2]) * (1 + 1e-7):.15g}", text, count=1)
+                self.assertEqual(changes, 1)
+                self.assertEqual(self.run_quietly("other.xml", other).returncode, 1)
+
+
+def whole_scenes(page, form="xml"):
+    """Blocks ```xml or ```yaml of a page that are whole scenes."""
+    scene = '<ParameterList name="Scene">' if form == "xml" else "\nScene:\n"
+    return [block for block in re.findall(f"```{form}\n(.*?)```", page.read_text(), re.S) if scene in block]
+
+
+def anchors_of(page):
+    """What links call the headings of a page: small letters, hyphens for blanks, no other marks."""
+    prose = re.sub(r"^```.*?^```", "", page.read_text(), flags=re.M | re.S)
+    return {re.sub(r"[^a-z0-9_-]", "", heading.lower().replace(" ", "-")) for heading in re.findall(r"^#+ (.*)", prose, re.M)}
+
+
+def dead_links(page, text):
+    dead = set()
+    for file, anchor in re.findall(r"\]\(([^)\s#]*)#?([^)\s]*)\)", text):
+        target = page.parent / file if file else page
+        if "://" not in file and (not target.exists() or (anchor and anchor not in anchors_of(target))):
+            dead.add(f"{file}#{anchor}")
+    return dead
+
+
+def quoted_rows(readme):
+    """Of the README's table of verification: benchmark, a quantity in words of its own, "| values | worst | allowed |"."""
+    return re.findall(r"\n(\| [\w/]+ \|)[^|\n]*(\| \d+ \| [^|\n]* \| [^|\n]* \|)[^|\n]*\|(?=\n)", readme)
+
+
+def is_on_page(row, page):
+    return any(line.startswith(row[0]) and row[1] in line for line in page.splitlines())
+
+
+class Pages(WithProgram):
+    def test_their_scenes_are_accepted(self):
+        checked = 0
+        for page in pages():
+            for scene in whole_scenes(page):
+                ended = self.run_quietly("scene.xml", scene)
+                self.assertEqual(ended.returncode, 0, f"{page}\n{ended.stdout}{ended.stderr}{scene}")
+                self.assertIn("stable: true", ended.stdout)
+                checked += 1
+        self.assertGreaterEqual(checked, 4)  # of scenes.md
+
+    def test_the_scene_in_yaml_is_the_first_one_in_xml(self):
+        page = APPS / "docs/scenes.md"
+        (yaml,) = whole_scenes(page, "yaml")
+        self.assertLessEqual(yaml.count("\n"), MOST_LINES_OF_YAML)
+
+        def tip_of(file, text):
+            ended = self.run_quietly(file, text)
+            self.assertEqual(ended.returncode, 0, ended.stderr)
+            return re.search("  tip .*", ended.stdout)[0]
+
+        expected = tip_of("first.xml", whole_scenes(page)[0])
+        self.assertEqual(tip_of("first.yaml", yaml), expected)
+        self.assertIn("-10", yaml)
+        self.assertNotEqual(tip_of("other.yaml", yaml.replace("-10", "-11", 1)), expected)
+
+    def test_a_wrong_scene_would_be_noticed(self):
+        scene = whole_scenes(APPS / "docs/scenes.md")[0]
+        self.assertIn('"Diameter"', scene)
+        (self.folder / "scene.xml").write_text(scene.replace('"Diameter"', '"Diametre"', 1))
+        self.assertEqual(self.mixbeam("check", self.folder / "scene.xml").returncode, 2)
+
+    def test_every_link_leads_somewhere(self):
+        for page in pages():
+            self.assertEqual(dead_links(page, page.read_text()), set(), page)
+
+    def test_a_dead_link_would_be_noticed(self):
+        text = ("[a](nowhere.md) ![b](gallery/nothing.png) [c](scenes.md#no-such-heading) [d](#state) [e](#estate)"
+                "[f](scenes.md#members-and-their-curves) [g](https://trilinos.github.io) [h](../../README.md)")
+        self.assertEqual(dead_links(APPS / "docs/results.md", text),
+                         {"nowhere.md#", "gallery/nothing.png#", "scenes.md#no-such-heading", "#estate"})
+
+    def test_the_readme_quotes_the_page_of_verification(self):
+        rows, page = quoted_rows((ROOT / "README.md").read_text()), (APPS / "docs/verification.md").read_text()
+        self.assertEqual(len(rows), 10)
+        for row in rows:
+            self.assertTrue(is_on_page(row, page), f"not, or no longer, in verification.md: {row}")
+
+    def test_a_wrong_quotation_would_be_noticed(self):
+        (row,) = quoted_rows("text\n| helix | angle | 4 | 1e-13 | at most 1e-11 | formula |\n\n")
+        self.assertTrue(is_on_page(row, "\n| helix | tip, angle | 4 | 1e-13 | at most 1e-11 | yes | a formula |\n"))
+        self.assertFalse(is_on_page(row, "\n| helix | tip, angle | 4 | 2e-13 | at most 1e-11 | yes | a formula |\n"))
+        self.assertFalse(is_on_page(row, "\n| rollup | tip, angle | 4 | 1e-13 | at most 1e-11 | yes | a formula |\n"))
+
+    def test_the_readme_is_short(self):
+        self.assertLessEqual((ROOT / "README.md").read_text().count("\n"), MOST_LINES_OF_README)
+
+    def test_the_citation_names_this_version(self):
+        version = re.search(r"project\(mixbeam VERSION ([0-9.]+)", (ROOT / "CMakeLists.txt").read_text())[1]
+        self.assertIn(f"\nversion: {version}\n", (ROOT / "CITATION.cff").read_text())
+
+    def test_run_draws_what_every_benchmark_has(self):
+        script, plots = (ROOT / "run.sh").read_text(), (APPS / "plots/plot_all.py").read_text()
+        for name in ("default_benchmarks", "when_named"):
+            words = re.search(rf"{name}=\((.*?)\)", script, re.S)[1].split()
+            self.assertTrue(words)
+            for word in words:
+                self.assertIn(f'"{word}"', plots)
+        self.assertNotIn('"mixbeam"', plots, "a name that is found whatever is looked for")
+
+
+if __name__ == "__main__":
+    unittest.main()
