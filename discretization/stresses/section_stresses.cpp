@@ -41,7 +41,7 @@ class PointStressField final : public StressField {
   }
 
   std::array<double, 2> shear(const ShearLoad& load, double /*x2*/, double /*x3*/) const override {
-    return {std::abs(load.torque) * shear_of_torque_, 0.0};
+    return {std::abs(load[0]) * shear_of_torque_, 0.0};
   }
   bool contains(double x2, double x3) const override {
     return std::any_of(points_.begin(), points_.end(), [&](const auto& p) { return p.at == SectionPoint{x2, x3}; });
@@ -102,24 +102,18 @@ SectionStresses::SectionStresses(const SectionShape& shape) : SectionStresses(fi
 SectionStresses::SectionStresses(const Section& section) : SectionStresses(field_of(section)) {}
 
 SectionStresses::SectionStresses(std::shared_ptr<const StressField> field) : field_(std::move(field)) {
-  const std::array<ShearLoad, 3> units = {ShearLoad{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
-  for (std::size_t i = 0; i < units.size(); ++i) unit_shear_[i] = field_->largest_von_mises({}, units[i]);
-}
-
-/// sqrt(3) times it. One force alone scales what the unit force makes.
-LargestStress SectionStresses::largest_shear(const SectionForces& forces) const {
-  const ShearLoad load = shear_load(forces);
-  const int only = load.only_one();
-  if (only < 0) return field_->largest_von_mises({}, load);
-  const LargestStress& unit = unit_shear_[static_cast<std::size_t>(only)];
-  return {unit.value * std::abs(load.of(only)), unit.point};
+  for (std::size_t i = 0; i < 3; ++i) {
+    ShearLoad unit{};
+    unit[i] = 1.0;
+    unit_shear_[i] = field_->largest_von_mises({}, unit);
+  }
 }
 
 PointStress SectionStresses::at(const SectionForces& forces, const SectionPoint& point) const {
   PointStress stress;
   stress.normal = field_->normal(forces).at(point[0], point[1]);
   const ShearLoad load = shear_load(forces);
-  if (!load.is_zero()) stress.shear = field_->shear(load, point[0], point[1]);
+  if (load != ShearLoad{}) stress.shear = field_->shear(load, point[0], point[1]);
   return stress;
 }
 
@@ -130,11 +124,18 @@ LargestStresses SectionStresses::largest(const SectionForces& forces) const {
   LargestStresses largest;
   largest.normal = largest_normal(*field_, normal);
   const ShearLoad load = shear_load(forces);
-  if (load.is_zero()) {
+  if (load == ShearLoad{}) {
     largest.von_mises = {std::abs(largest.normal.value), largest.normal.point};
     return largest;
   }
-  largest.shear = largest_shear(forces);
+  const auto is_there = [](double component) { return component != 0.0; };
+  if (std::count_if(load.begin(), load.end(), is_there) > 1) {
+    largest.shear = field_->largest_von_mises({}, load);  // sqrt(3) times it
+  } else {                                                // scales what the unit force makes
+    const auto only = std::find_if(load.begin(), load.end(), is_there);
+    largest.shear = unit_shear_[static_cast<std::size_t>(only - load.begin())];
+    largest.shear.value *= std::abs(*only);
+  }
   largest.von_mises = normal.constant == 0.0 && normal.slope2 == 0.0 && normal.slope3 == 0.0
                           ? largest.shear
                           : field_->largest_von_mises(normal, load);

@@ -90,10 +90,9 @@ class SectionStresses {
 
  private:
   explicit SectionStresses(std::shared_ptr<const StressField> field);
-  LargestStress largest_shear(const SectionForces& forces) const;
 
   std::shared_ptr<const StressField> field_;   ///< immutable, so copies share it
-  std::array<LargestStress, 3> unit_shear_{};  ///< of unit T, Q2, Q3
+  std::array<LargestStress, 3> unit_shear_{};  ///< of unit T, Q2, Q3, times sqrt(3)
 };
 
 }  // namespace mixbeam

@@ -4,26 +4,37 @@
 #include "discretization/scene/section_shape.hpp"
 #include "discretization/stresses/section_stresses.hpp"
 
+#include <cmath>
 #include <memory>
 
 namespace mixbeam {
 
-/// Shear forces and torque of a section: what makes shear stresses.
-struct ShearLoad {
-  double torque = 0.0, force2 = 0.0, force3 = 0.0;
-  bool is_zero() const { return torque == 0.0 && force2 == 0.0 && force3 == 0.0; }
-  /// Which of T, Q2, Q3 is the only one; -1: none or several.
-  int only_one() const {
-    if ((torque != 0.0) + (force2 != 0.0) + (force3 != 0.0) != 1) return -1;
-    return torque != 0.0 ? 0 : force2 != 0.0 ? 1 : 2;
-  }
-  double of(int component) const { return component == 0 ? torque : component == 1 ? force2 : force3; }
-};
+/// T, Q2, Q3 of a section: what makes shear stresses.
+using ShearLoad = std::array<double, 3>;
 
 /// sigma = constant + slope2 x2 + slope3 x3
 struct NormalStress {
   double constant = 0.0, slope2 = 0.0, slope3 = 0.0;
   double at(double x2, double x3) const { return constant + slope2 * x2 + slope3 * x3; }
+};
+
+/// Largest sqrt(sigma^2 + 3 tau^2) of those that are added; of equal ones the first. `equal`: by what share values may
+/// differ in rounding.
+class LargestVonMises {
+ public:
+  explicit LargestVonMises(double equal) : equal_(equal) {}
+  void add(double square, const SectionPoint& point) {
+    if (square <= square_ * (1.0 + equal_)) return;
+    square_ = square;
+    point_ = point;
+  }
+  double square() const { return square_; }
+  LargestStress found() const { return {std::sqrt(square_), point_}; }
+
+ private:
+  double equal_;
+  double square_ = 0.0;
+  SectionPoint point_{};
 };
 
 class StressField {

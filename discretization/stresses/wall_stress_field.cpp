@@ -1,6 +1,8 @@
 // I and box: shear stresses along walls.
 #include "discretization/stresses/stress_field.hpp"
 
+#include <gsl/gsl_poly.h>
+
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -37,8 +39,8 @@ struct Wall {
 
   /// Along the wall, at `across` from its middle.
   Parabola shear(const ShearLoad& load, double across) const {
-    Parabola p = sum_of_parabolas(load.force2, of_force2, load.force3, of_force3);
-    p.c0 += load.torque * (circulating + twisting * across);
+    Parabola p = sum_of_parabolas(load[1], of_force2, load[2], of_force3);
+    p.c0 += load[0] * (circulating + twisting * across);
     return p;
   }
   /// Normal stress along the wall as c0 + c1 x, at `across` from its middle.
@@ -58,38 +60,23 @@ struct Wall {
 bool inner_maximum(const Parabola& sigma, const Parabola& tau, double h, double& x) {
   const double r = tau.c2 * h * h, q = tau.c1 * h, p = tau.c0, a = sigma.c0, b = sigma.c1 * h;
   if (r == 0.0) return false;  // convex
-  const double lead = 12.0 * r * r, c2 = 18.0 * q * r / lead, c1 = (2.0 * b * b + 6.0 * q * q + 12.0 * p * r) / lead,
-               c0 = (2.0 * a * b + 6.0 * p * q) / lead;
-  const double shift = c2 / 3.0, m = c1 - c2 * shift, n = 2.0 * shift * shift * shift - shift * c1 + c0;
-  if (!(4.0 * m * m * m + 27.0 * n * n < 0.0)) return false;  // one real root, a minimum
-  const double size = std::sqrt(-m / 3.0);
-  const double cosine = std::clamp(-0.5 * n / (size * size * size), -1.0, 1.0);
-  constexpr double kThird = 2.0943951023931954923;  // 2 pi / 3
-  x = h * (2.0 * size * std::cos(std::acos(cosine) / 3.0 - kThird) - shift);
-  return std::isfinite(x);
+  const double lead = 12.0 * r * r;
+  std::array<double, 3> root{};
+  const int roots = gsl_poly_solve_cubic(18.0 * q * r / lead, (2.0 * b * b + 6.0 * q * q + 12.0 * p * r) / lead,
+                                         (2.0 * a * b + 6.0 * p * q) / lead, &root[0], &root[1], &root[2]);
+  x = h * root[1];
+  return roots == 3 && std::isfinite(x);  // one real root: a minimum
 }
 
-/// The larger of what is known and what is found; of equal ones the first.
-class LargestOnWalls {
- public:
-  void add(double sigma, double tau, const SectionPoint& point) {
-    const double square = sigma * sigma + 3.0 * tau * tau;
-    if (square <= square_ * (1.0 + kEqual)) return;
-    square_ = square;
-    point_ = point;
-  }
-  LargestStress found() const { return {std::sqrt(square_), point_}; }
+constexpr double kEqualOnWalls = 1e-13;  // rounding of a dozen operations
 
- private:
-  static constexpr double kEqual = 1e-13;  // rounding of a dozen operations
-  double square_ = 0.0;
-  SectionPoint point_{};
-};
-
-void add_face(LargestOnWalls& largest, const Wall& wall, double across, const NormalStress& normal,
+void add_face(LargestVonMises& largest, const Wall& wall, double across, const NormalStress& normal,
               const ShearLoad& load) {
   const Parabola sigma = wall.normal(normal, across), tau = wall.shear(load, across);
-  const auto add = [&](double x, double place) { largest.add(sigma.at(place), tau.at(x), wall.point(place, across)); };
+  const auto add = [&](double x, double place) {
+    const double s = sigma.at(place), along = tau.at(x);
+    largest.add(s * s + 3.0 * along * along, wall.point(place, across));
+  };
   for (const auto& [end, outward] : {std::pair{wall.from, -1.0}, std::pair{wall.to, 1.0}}) {
     add(end, end);
     if (across * wall.middle > 0.0 && wall.corner > 0.0) add(end, end + outward * wall.corner);
@@ -133,7 +120,7 @@ class WallStressField : public StressField {
 
   /// Across a wall stresses are linear, so the sum of their squares is largest on its faces.
   LargestStress largest_von_mises(const NormalStress& normal, const ShearLoad& load) const override {
-    LargestOnWalls largest;
+    LargestVonMises largest(kEqualOnWalls);
     for (const Wall& wall : walls_)
       for (const double side : {0.5, -0.5}) add_face(largest, wall, side * wall.thickness, normal, load);
     return largest.found();
