@@ -2,9 +2,9 @@
 #pragma once
 
 #include "discretization/quantities/end_layers.hpp"
+#include "discretization/quantities/quantity.hpp"
 
 #include <functional>
-#include <string>
 #include <vector>
 
 namespace mixbeam {
@@ -12,7 +12,6 @@ namespace mixbeam {
 /// A number made of the fields at one point of a member (index in the scene of the model). Where it is the component of
 /// a field that records hold, that is read from them.
 struct FieldAlongMember {
-  std::string name{};  ///< fields of one name are the same, and evaluated once however many ask for them
   std::function<double(const PointSample& sample, int member)> at{};
   std::vector<Vector3> MemberSamples::*recorded = nullptr;
   std::size_t component = 0;
@@ -29,16 +28,16 @@ struct MemberExtreme {
 struct ExtremeRequest {
   std::vector<int> members{};
   FieldAlongMember field{};
-  double sign = 1.0;  ///< by which the field is multiplied
+  Take take = Take::largest;  ///< largest, smallest, or largest_size
 };
 
-/// The largest value of each field, times its sign, along its members, to rounding where the field is as smooth as the
-/// polynomials of its elements. `samples`: of all members of this rank as in a record, which spares taking them; null:
-/// there are none. `layers`: of a richer space, whose closed forms count beside the elements, and forces by
-/// their spatial components; null: none. Collective.
-std::vector<MemberExtreme> largest_along_members(const Model& model, const State& state,
-                                                 const std::vector<ExtremeRequest>& requests,
-                                                 const SampledMembers* samples = nullptr,
-                                                 const std::vector<EndLayer>* layers = nullptr);
+/// Extremes of each field along its members, to 1e-8 of the value where the field is as smooth as the polynomials of
+/// its elements. `samples`: of all members of this rank as in a record, which spares taking them; null: there are none.
+/// `layers`: of a richer space, whose closed forms count beside the elements, and forces by their spatial components;
+/// null: none. Collective.
+std::vector<MemberExtreme> extremes_along_members(const Model& model, const State& state,
+                                                  const std::vector<ExtremeRequest>& requests,
+                                                  const SampledMembers* samples = nullptr,
+                                                  const std::vector<EndLayer>* layers = nullptr);
 
 }  // namespace mixbeam

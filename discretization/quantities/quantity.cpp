@@ -2,7 +2,7 @@
 
 #include "discretization/parameters/binding.hpp"
 #include "discretization/parameters/validate.hpp"
-#include "discretization/quantities/stress_lookup.hpp"
+#include "discretization/quantities/quantity_kind.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/result_names.hpp"
 
@@ -13,38 +13,38 @@ namespace mixbeam {
 
 namespace {
 
-const Form kAtPoint{{"Point"}, {"Component", "Take", "Side", "Limit"}};
-const Form kAtPlaceOfMember{{"Member", "Position"}, {"Side", "Component", "Take", "Limit"}};
-const Form kOfWholeMember{{"Member", "Take", "Component"}, {"Limit"}};
-const Form kOfReaction{{"Point"}, {"Component", "Take", "Limit"}};
-const Form kPlain{{}, {"Limit"}};
-
-std::map<std::string, std::vector<Form>> forms_of_kinds() {
-  std::map<std::string, std::vector<Form>> forms = {
-      {"reaction force", {kOfReaction}},
-      {"reaction moment", {kOfReaction}},
-      {"distance", {{{"Point", "Other Point"}, {"Limit"}}}},
-      {"angle", {{{"Point", "Other Point", "Corner"}, {"Limit"}}}},
-      {"length", {{{"Member"}, {"Take", "Limit"}}}},
-      {"formula", {{{"Formula"}, {"Limit"}}}},
-      {"triad", {{{"Point"}, {"Component", "Side"}}, {{"Member", "Position"}, {"Component", "Side"}}}}};
-  for (const char* kind :
-       {"displacement", "position", "rotation", "material force", "material moment", "material strain",
-        "material curvature", "spatial force", "spatial moment", "spatial strain", "spatial curvature"})
-    forms[kind] = {kAtPoint, kAtPlaceOfMember, kOfWholeMember};
-  const Form at_point{{"Point"}, {"Take", "Side", "Limit"}},
-      in_member{{"Member", "Position"}, {"Side", "Take", "Limit"}};
-  for (const char* kind : {"normal stress", "shear stress", "von Mises stress", "utilisation"})
-    forms[kind] = {at_point, in_member, {{"Member", "Take"}, {"Limit"}}};
-  for (const char* kind :
-       {"strain energy", "force energy", "moment energy", "load factor", "negative eigenvalues", "jumps"})
-    forms[kind] = {kPlain};
-  return forms;
+std::vector<Form> forms_of(const QuantityKind& kind) {
+  switch (kind.source) {
+    case QuantitySource::motion:
+    case QuantitySource::section:
+      return {{{"Point"}, {"Component", "Take", "Side", "Limit"}},
+              {{"Member", "Position"}, {"Side", "Component", "Take", "Limit"}},
+              {{"Member", "Take", "Component"}, {"Limit"}}};
+    case QuantitySource::triad:
+      return {{{"Point"}, {"Component", "Side"}}, {{"Member", "Position"}, {"Component", "Side"}}};
+    case QuantitySource::stress:
+      return {{{"Point"}, {"Take", "Side", "Limit"}},
+              {{"Member", "Position"}, {"Side", "Take", "Limit"}},
+              {{"Member", "Take"}, {"Limit"}}};
+    case QuantitySource::reaction:
+      return {{{"Point"}, {"Component", "Take", "Limit"}}};
+    case QuantitySource::between:
+      if (kind.name == "distance") return {{{"Point", "Other Point"}, {"Limit"}}};
+      return {{{"Point", "Other Point", "Corner"}, {"Limit"}}};
+    case QuantitySource::length:
+      return {{{"Member"}, {"Take", "Limit"}}};
+    case QuantitySource::structure:
+      return {{{}, {"Limit"}}};
+    case QuantitySource::formula:
+      break;
+  }
+  return {{{"Formula"}, {"Limit"}}};
 }
 
 BoundList<Quantity> declared_quantity_parameters() {
   BoundList<Quantity> one("A number, or a vector, that is followed over the steps.");
-  const auto forms = forms_of_kinds();
+  std::map<std::string, std::vector<Form>> forms;
+  for (const QuantityKind& kind : quantity_kinds()) forms[kind.name] = forms_of(kind);
   std::vector<std::string> kinds;
   for (const auto& [kind, allowed] : forms) kinds.push_back(kind);
   one.bind(
@@ -89,12 +89,10 @@ const BoundList<Quantity>& quantity_parameters() {
   return parameters;
 }
 
-bool is_material(const std::string& kind) { return kind.rfind("material ", 0) == 0; }
-
 void check_component(const Quantity& quantity, const InputPlace& place) {
   if (quantity.component.empty()) return;
   std::vector<std::string> allowed = {"x", "y", "z", "norm"};
-  if (is_material(quantity.kind)) allowed = {"1", "2", "3", "norm"};
+  if (quantity_kind(quantity.kind).is_material()) allowed = {"1", "2", "3", "norm"};
   if (quantity.kind == "triad") allowed = {"g1", "g2", "g3"};
   if (std::find(allowed.begin(), allowed.end(), quantity.component) != allowed.end()) return;
   throw place["Component"].error("value \"" + quantity.component + "\" of the quantity \"" + quantity.kind +

@@ -2,7 +2,6 @@
 
 #include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/quantities/member_extreme.hpp"
-#include "discretization/quantities/quantity_fields.hpp"
 #include "discretization/quantities/quantity_place.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
@@ -24,10 +23,47 @@ using vector_algebra::to_array;
 
 constexpr const char* kArcLength = ".arc_length";
 
+/// A scalar stands in the first entry, a vector in the first three; a triad is g1, g2, g3.
+using Numbers = std::array<double, 9>;
+
+/// In place of one of them: the norm of the vector.
+constexpr int kNorm = -1;
+
 Numbers not_there() {
   Numbers numbers;
   numbers.fill(std::numeric_limits<double>::quiet_NaN());
   return numbers;
+}
+Numbers numbers_from(const Vector3& v) { return {v[0], v[1], v[2]}; }
+/// The columns of a rotation matrix.
+Numbers numbers_from(const Mat3<double>& axes) {
+  Numbers numbers{};
+  for (int i = 0; i < 9; ++i) numbers[static_cast<std::size_t>(i)] = axes(i % 3, i / 3);
+  return numbers;
+}
+double picked(const Numbers& numbers, int which) {
+  return which == kNorm ? std::hypot(numbers[0], numbers[1], numbers[2]) : numbers[static_cast<std::size_t>(which)];
+}
+
+/// Which of Numbers a quantity asks for.
+std::vector<int> asked_numbers(const Quantity& quantity) {
+  static const std::map<std::string, std::vector<int>> of_component = {
+      {"x", {0}}, {"y", {1}},        {"z", {2}},        {"1", {0}},        {"2", {1}},
+      {"3", {2}}, {"norm", {kNorm}}, {"g1", {0, 1, 2}}, {"g2", {3, 4, 5}}, {"g3", {6, 7, 8}}};
+  if (!quantity.component.empty()) return of_component.at(quantity.component);
+  const QuantityKind& kind = quantity_kind(quantity.kind);
+  if (kind.is(QuantitySource::triad)) return {0, 1, 2, 3, 4, 5, 6, 7, 8};
+  if (kind.is_vector()) return {0, 1, 2};
+  return {0};
+}
+
+/// Behind the name of the quantity, of each of asked_numbers().
+std::vector<std::string> endings_of(const Quantity& quantity) {
+  const std::size_t count = asked_numbers(quantity).size();
+  if (count == 1) return {""};
+  if (count == 9) return {".g1.x", ".g1.y", ".g1.z", ".g2.x", ".g2.y", ".g2.z", ".g3.x", ".g3.y", ".g3.z"};
+  if (quantity_kind(quantity.kind).is_material()) return {".1", ".2", ".3"};
+  return {".x", ".y", ".z"};
 }
 
 bool is_better(Take take, double value, double than) {
@@ -63,26 +99,29 @@ std::string identifier(std::string name) {
 
 /// A quantity of which every name has been found.
 struct QuantitySet::Resolved {
-  Quantity asked{};
+  Resolved(const Quantity& quantity) : asked(quantity), kind(quantity_kind(quantity.kind)) {}
+
+  Quantity asked;
+  const QuantityKind& kind;
   std::vector<QuantityPlace> places{};
   std::vector<QuantityPlace> others{}, corners{};    ///< of distance and angle: one each
   std::vector<std::vector<std::size_t>> supports{};  ///< of each place, for reactions
   std::vector<int> members{};                        ///< of extremes along whole ones
   std::vector<int> numbers{};
-  Field field = nullptr;
   Expression formula{};
 
   bool is_along_members() const { return !members.empty(); }
   bool is_of_whole() const { return places.empty() || !others.empty(); }  ///< or of two and three places together
   Numbers at(std::size_t place, const QuantityState& at) const;
   Numbers at_place(const QuantityPlace& place, const QuantityState& at) const;
-  Numbers field_at(const QuantityState& at, int member, double position, const PointSample& sample) const;
+  Numbers section_at(const QuantityState& at, int member, double position, const PointSample& sample) const;
+  double stress_at(const QuantityState& at, int member, const PointSample& sample) const;
+  ExtremeRequest request(const QuantityState& at) const;
   Numbers whole(const QuantityState& at) const;
   Numbers taken(const QuantityState& at) const;
   /// See hidden_in_layers().
   bool is_hidden(const QuantityState& at) const;
   bool is_clamped(std::size_t place, const QuantityState& at) const;
-  MemberExtreme extreme(const QuantityState& at, std::vector<MemberExtreme>::const_iterator& found) const;
 };
 
 QuantitySet::QuantitySet() : resolved_(std::make_shared<std::vector<Resolved>>()) {}
@@ -114,8 +153,8 @@ std::vector<std::string> QuantitySet::units(const std::string& scene_units) cons
   std::vector<std::string> found;
   for (const Column& column : columns_) {
     const bool is_length = !column.is_value && column.name.rfind(kArcLength) != std::string::npos;
-    const std::string kind = column.is_value ? (*resolved_)[column.quantity].asked.kind : "";
-    found.push_back(is_length ? length : unit_of(kind, length, force));
+    const QuantityKind& kind = (*resolved_)[column.quantity].kind;
+    found.push_back(is_length ? length : column.is_value ? kind.unit_of(length, force) : "");
   }
   return found;
 }
@@ -124,8 +163,9 @@ void QuantitySet::find_in_members(const Quantity& quantity, const QuantityPlaces
                                   Resolved& one) {
   for (const int member : found.members(quantity.member, place["Member"])) {
     QuantityPlace at = found.at(member, quantity.position.value_or(0.0));
-    if (quantity.kind == "length") at.label = at.label.substr(0, at.label.rfind('@'));
-    if (quantity.kind == "length" || quantity.position)
+    const bool is_whole = one.kind.is(QuantitySource::length);
+    if (is_whole) at.label = at.label.substr(0, at.label.rfind('@'));
+    if (is_whole || quantity.position)
       one.places.push_back(at);
     else
       one.members.push_back(member);
@@ -141,25 +181,25 @@ void QuantitySet::require_stresses(const Scene& scene, const InputPlace& place, 
   one.places.erase(std::remove_if(one.places.begin(), one.places.end(),
                                   [&](const QuantityPlace& at) { return is_without(at.member); }),
                    one.places.end());
+  const bool needs_strength = one.kind.needs_strength();
   if (one.members.empty() && one.places.empty())
     throw place.error("no member there has a section of known shape" +
-                      std::string(one.asked.kind == "utilisation" ? " and strength" : "") + ", so no " +
-                      one.asked.kind +
+                      std::string(needs_strength ? " and strength" : "") + ", so no " + one.kind.name +
                       "; allowed: sections given by \"Shape\" and \"Material\", or with \"Stress Points\"" +
-                      (one.asked.kind == "utilisation" ? ", and \"Strength\"" : ""));
+                      (needs_strength ? ", and \"Strength\"" : ""));
 }
 
 /// Finds the places and members that a quantity names.
 void QuantitySet::find_places(const Quantity& quantity, const Scene& scene, const QuantityPlaces& found,
                               const InputPlace& place, Resolved& one) {
   const bool is_of_two = !quantity.other_point.empty();
-  if (is_reaction(quantity.kind)) {
+  if (one.kind.is(QuantitySource::reaction)) {
     one.places = found.supported(quantity.point, place["Point"]);
     std::map<std::string, std::vector<std::size_t>> at_point;
     for (std::size_t i = 0; i < scene.supports.size(); ++i) at_point[scene.supports[i].point].push_back(i);
     for (const QuantityPlace& point : one.places) one.supports.push_back(at_point.at(point.point));
   } else if (!quantity.point.empty()) {
-    const bool is_of_section = !is_motion(quantity.kind) && !is_of_two;
+    const bool is_of_section = one.kind.is(QuantitySource::section) || one.kind.is(QuantitySource::stress);
     one.places = is_of_section ? found.places_in_members(quantity.point, place["Point"])
                                : found.places(quantity.point, place["Point"]);
   }
@@ -172,15 +212,14 @@ void QuantitySet::find_places(const Quantity& quantity, const Scene& scene, cons
       throw place[parameter].error("stands for several places; allowed for the quantity \"" + quantity.kind +
                                    "\": one");
   if (!quantity.member.empty()) find_in_members(quantity, found, place, one);
-  if (is_stress(quantity.kind)) require_stresses(scene, place[quantity.member.empty() ? "Point" : "Member"], one);
+  if (one.kind.is(QuantitySource::stress))
+    require_stresses(scene, place[quantity.member.empty() ? "Point" : "Member"], one);
 }
 
 void QuantitySet::resolve(const Quantity& quantity, std::size_t index, const Scene& scene, const QuantityPlaces& found,
                           const InputPlace& place) {
-  Resolved one;
-  one.asked = quantity;
-  one.numbers = numbers_of(quantity);
-  one.field = field_of(quantity.kind);
+  Resolved one(quantity);
+  one.numbers = asked_numbers(quantity);
   find_places(quantity, scene, found, place, one);
   if (quantity.take != Take::each || one.is_of_whole())
     add_columns(quantity, index, "");
@@ -206,8 +245,7 @@ void QuantitySet::add_formula(const Quantity& quantity, std::size_t index, const
       throw place.error("two quantities above it would both be " + variables.back() +
                         " in a formula; allowed: names that differ in letters and digits");
   }
-  Resolved one;
-  one.asked = quantity;
+  Resolved one(quantity);
   one.numbers = {0};
   one.formula = checked_formula(quantity.formula, variables, place["Formula"]);
   add_columns(quantity, index, "");
@@ -215,15 +253,22 @@ void QuantitySet::add_formula(const Quantity& quantity, std::size_t index, const
 }
 
 /// By the rank that has the member there.
-Numbers QuantitySet::Resolved::field_at(const QuantityState& at, int member, double position,
-                                        const PointSample& sample) const {
+Numbers QuantitySet::Resolved::section_at(const QuantityState& at, int member, double position,
+                                          const PointSample& sample) const {
   Numbers mine{}, all{};
   if (answers_for(at.model, member, position, asked.before_vertex))
-    mine = numbers_from(field(sample, at.model.mesh().members[member]));
+    mine = numbers_from(kind.field(sample, at.model.mesh().members[member]));
   const Teuchos::Comm<int>& comm = *at.model.map()->getComm();
   if (comm.getSize() == 1) return mine;
   Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, static_cast<int>(mine.size()), mine.data(), all.data());
   return all;
+}
+
+double QuantitySet::Resolved::stress_at(const QuantityState& at, int member, const PointSample& sample) const {
+  const KnownSection section = at.stresses->of(static_cast<std::size_t>(member)).at(sample.arc_length);
+  if (!section.stresses) return std::numeric_limits<double>::quiet_NaN();
+  return kind.stress(section.stresses->largest({to_array(sample.force), to_array(sample.moment)}),
+                     section.strength.value_or(0.0));
 }
 
 Numbers QuantitySet::Resolved::at_place(const QuantityPlace& place, const QuantityState& at) const {
@@ -239,16 +284,16 @@ Numbers QuantitySet::Resolved::at_place(const QuantityPlace& place, const Quanti
                                        at.layers == nullptr ? ForceComponents::material : ForceComponents::spatial);
     if (const EndLayer* const layer = layer_at(at, member, sample.arc_length, asked.before_vertex))
       sample = layer->sample;
-    if (is_stress(asked.kind)) return {at.stresses->of(asked.kind, sample, member)};
-    if (field != nullptr) return field_at(at, member, position, sample);
-    return asked.kind == "triad" ? numbers_from(rotation_matrix(sample.triad))
-                                 : numbers_from(to_array(sample.position));
+    if (kind.is(QuantitySource::stress)) return {stress_at(at, member, sample)};
+    if (kind.field != nullptr) return section_at(at, member, position, sample);
+    return kind.is(QuantitySource::triad) ? numbers_from(rotation_matrix(sample.triad))
+                                          : numbers_from(to_array(sample.position));
   }
   const int vertex = vertex_of(at.model.mesh(), at.prefix_of_points + place.point);
   const std::array<double, 6> motion = vertex_motion(at.model, at.state, vertex);
-  if (asked.kind == "displacement") return {motion[0], motion[1], motion[2]};
-  if (asked.kind == "rotation") return {motion[3], motion[4], motion[5]};
-  if (asked.kind == "triad")
+  if (kind.name == "displacement") return {motion[0], motion[1], motion[2]};
+  if (kind.name == "rotation") return {motion[3], motion[4], motion[5]};
+  if (kind.is(QuantitySource::triad))
     return numbers_from(rotation_matrix(exp_quaternion(Vec3<double>{{motion[3], motion[4], motion[5]}})));
   const Vector3 reference = reference_position(at.model, vertex);
   return {reference[0] + motion[0], reference[1] + motion[1], reference[2] + motion[2]};
@@ -263,15 +308,15 @@ bool QuantitySet::Resolved::is_clamped(std::size_t place, const QuantityState& a
 }
 
 Numbers QuantitySet::Resolved::at(std::size_t place, const QuantityState& at) const {
-  if (asked.kind == "length") return {deformed_length(at.model, at.state, at.first_member + places[place].member)};
-  if (!is_reaction(asked.kind)) return at_place(places[place], at);
+  if (kind.is(QuantitySource::length))
+    return {deformed_length(at.model, at.state, at.first_member + places[place].member)};
+  if (!kind.is(QuantitySource::reaction)) return at_place(places[place], at);
   Numbers sum{};
   for (const std::size_t support : supports[place]) {
-    const RecordedReaction& reaction = at.reactions[at.first_support + support];
-    const Vector3& v = asked.kind == "reaction force" ? reaction.force : reaction.moment;
+    const Vector3& v = at.reactions[at.first_support + support].*kind.reaction;
     for (int i = 0; i < 3; ++i) sum[i] += v[i];
   }
-  if (asked.kind != "reaction moment" || at.layers == nullptr || !is_clamped(place, at)) return sum;
+  if (kind.reaction != &RecordedReaction::moment || at.layers == nullptr || !is_clamped(place, at)) return sum;
   const int vertex = vertex_of(at.model.mesh(), at.prefix_of_points + places[place].point);
   for (const EndLayer& layer : *at.layers)
     for (int i = 0; i < 3; ++i)
@@ -281,48 +326,31 @@ Numbers QuantitySet::Resolved::at(std::size_t place, const QuantityState& at) co
 
 /// Of kinds that have no place, or two or three.
 Numbers QuantitySet::Resolved::whole(const QuantityState& at) const {
-  if (asked.kind == "strain energy") return {at.energy.force + at.energy.moment};
-  if (asked.kind == "force energy") return {at.energy.force};
-  if (asked.kind == "moment energy") return {at.energy.moment};
-  if (asked.kind == "load factor") return {at.load_factor};
-  if (asked.kind == "jumps") return {static_cast<double>(at.jumps)};
-  if (asked.kind == "negative eigenvalues")
-    return {at.negative < 0 ? std::numeric_limits<double>::quiet_NaN() : static_cast<double>(at.negative)};
+  if (kind.of_structure != nullptr) return {kind.of_structure(at)};
   const auto position = [&](const QuantityPlace& place) {
     const Numbers p = at_place(place, at);
     return Vector3{p[0], p[1], p[2]};
   };
   using namespace vector_algebra;
-  if (asked.kind == "distance") return {norm(difference(position(others[0]), position(places[0])))};
+  if (corners.empty()) return {norm(difference(position(others[0]), position(places[0])))};
   const Vector3 corner = position(corners[0]);
   const Vector3 a = difference(position(places[0]), corner), b = difference(position(others[0]), corner);
   return {std::atan2(norm(cross(a, b)), dot(a, b))};
 }
 
-namespace {
-
-/// One search for each extreme along members, two for the one of largest size.
-void ask_for_extremes(const QuantityState& at, const Quantity& quantity, const std::vector<int>& members, Field field,
-                      int number, std::vector<ExtremeRequest>& requests) {
+ExtremeRequest QuantitySet::Resolved::request(const QuantityState& at) const {
   ExtremeRequest request;
   for (const int member : members) request.members.push_back(at.first_member + member);
-  request.field.name = quantity.kind + " " + std::to_string(number);
-  request.field.at = [&at, &quantity, &mesh = at.model.mesh(), field, number](const PointSample& sample, int member) {
-    if (field == nullptr) return at.stresses->of(quantity.kind, sample, member);
-    return picked(numbers_from(field(sample, mesh.members[member])), number);
+  request.take = asked.take;
+  request.field.at = [this, &at](const PointSample& sample, int member) {
+    if (kind.field == nullptr) return stress_at(at, member, sample);
+    return picked(numbers_from(kind.field(sample, at.model.mesh().members[member])), numbers[0]);
   };
-  if (number != kNorm) {
-    request.field.recorded = recorded_field(quantity.kind);
-    request.field.component = static_cast<std::size_t>(number);
-  }
-  for (const double sign : {1.0, -1.0}) {
-    if (quantity.take == (sign > 0.0 ? Take::smallest : Take::largest)) continue;
-    request.sign = sign;
-    requests.push_back(request);
-  }
+  if (numbers[0] == kNorm) return request;
+  request.field.recorded = kind.recorded;
+  request.field.component = static_cast<std::size_t>(numbers[0]);
+  return request;
 }
-
-}  // namespace
 
 /// Of several places, what is taken of them.
 Numbers QuantitySet::Resolved::taken(const QuantityState& state) const {
@@ -337,23 +365,10 @@ Numbers QuantitySet::Resolved::taken(const QuantityState& state) const {
   return total;
 }
 
-/// Takes the answers to ask_for_extremes().
-MemberExtreme QuantitySet::Resolved::extreme(const QuantityState& at,
-                                             std::vector<MemberExtreme>::const_iterator& found) const {
-  MemberExtreme best = *found++;
-  if (asked.take == Take::smallest) best.value = -best.value;
-  if (asked.take == Take::largest_size) {
-    const MemberExtreme lowest = *found++;
-    if (lowest.value > best.value) best = {-lowest.value, lowest.member, lowest.arc_length, lowest.side};
-  }
-  best.member -= at.first_member;
-  return best;
-}
-
 /// At the end of an element with a layer that no formula tells, or inside of any element with one.
 bool QuantitySet::Resolved::is_hidden(const QuantityState& at) const {
-  const bool is_of_section = is_stress(asked.kind) || (field != nullptr && !is_motion(asked.kind));
-  if (!is_of_section && asked.kind != "reaction moment") return false;
+  const bool is_of_section = kind.is(QuantitySource::section) || kind.is(QuantitySource::stress);
+  if (!is_of_section && kind.reaction != &RecordedReaction::moment) return false;
   const Mesh& mesh = at.model.mesh();
   return std::any_of(at.layers->begin(), at.layers->end(), [&](const EndLayer& layer) {
     const int member = layer.member - at.first_member;
@@ -378,7 +393,7 @@ std::vector<unsigned char> QuantitySet::hidden_in_layers(const QuantityState& at
     const bool is_of_last = !hidden.empty() && columns_[hidden.size() - 1].quantity == column.quantity;
     if (is_of_last)
       hidden.push_back(hidden.back());
-    else if (one.asked.kind == "formula")
+    else if (one.kind.is(QuantitySource::formula))
       hidden.push_back(std::count(hidden.begin(), hidden.end(), 1) > 0);
     else
       hidden.push_back(one.is_hidden(at));
@@ -389,25 +404,24 @@ std::vector<unsigned char> QuantitySet::hidden_in_layers(const QuantityState& at
 std::vector<double> QuantitySet::values(const QuantityState& state) const {
   if (empty()) return {};
   QuantityState at = state;
-  at.stresses = std::make_shared<StressLookup>(at.model.scene(), at.model.mesh());
+  at.stresses = std::make_shared<StressedSections>(at.model.scene(), at.model.mesh());
   std::vector<ExtremeRequest> requests;
   for (const Resolved& one : *resolved_)
-    if (one.is_along_members()) ask_for_extremes(at, one.asked, one.members, one.field, one.numbers[0], requests);
-  std::vector<MemberExtreme> extremes;
-  if (!requests.empty()) extremes = largest_along_members(at.model, at.state, requests, at.samples, at.layers);
-  auto found = extremes.cbegin();
+    if (one.is_along_members()) requests.push_back(one.request(at));
+  const auto extremes = extremes_along_members(at.model, at.state, requests, at.samples, at.layers);
+  auto found = extremes.begin();
   std::vector<double> values;
   values.reserve(columns_.size());
   const auto add = [&values](const Resolved& one, const Numbers& numbers) {
     for (const int which : one.numbers) values.push_back(picked(numbers, which));
   };
   for (const Resolved& one : *resolved_) {
-    if (one.asked.kind == "formula") {
+    if (one.kind.is(QuantitySource::formula)) {
       values.push_back(one.formula(values));
     } else if (one.is_along_members()) {
-      const MemberExtreme best = one.extreme(at, found);
-      values.insert(values.end(),
-                    {best.value, static_cast<double>(best.member), best.arc_length, static_cast<double>(best.side)});
+      const MemberExtreme& best = *found++;
+      values.insert(values.end(), {best.value, static_cast<double>(best.member - at.first_member), best.arc_length,
+                                   static_cast<double>(best.side)});
     } else if (one.is_of_whole()) {
       add(one, one.whole(at));
     } else if (one.asked.take == Take::each) {

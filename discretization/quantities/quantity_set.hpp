@@ -3,7 +3,7 @@
 
 #include "discretization/quantities/end_layers.hpp"
 #include "discretization/quantities/quantity.hpp"
-#include "discretization/quantities/stress_lookup.hpp"
+#include "discretization/quantities/quantity_kind.hpp"
 #include "discretization/state/sampling.hpp"
 #include "discretization/text/expression.hpp"
 
@@ -31,7 +31,7 @@ struct QuantityState {
   /// Which section forces and stresses at ends of members, and extremes, take into account, with forces by their
   /// spatial components, as the state of a richer space does; null: neither.
   const std::vector<EndLayer>* layers = nullptr;
-  std::shared_ptr<StressLookup> stresses{};  ///< made by QuantitySet::values()
+  std::shared_ptr<StressedSections> stresses{};  ///< made by QuantitySet::values()
 };
 
 class QuantityPlaces;

@@ -1,6 +1,5 @@
 #include "discretization/state/member_stresses.hpp"
 
-#include "discretization/scene/section_law.hpp"
 #include "kernels/execution/execution_space.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
@@ -12,6 +11,34 @@
 
 namespace mixbeam {
 
+KnownSection::KnownSection(const Section& section) {
+  if (!has_stresses(section)) return;
+  stresses.emplace(section);
+  strength = strength_of(section);
+  open_walls = section.shape && section.shape->kind == SectionShapeKind::i_section;
+}
+
+KnownSection SectionAlong::at(double arc_length) const {
+  return plain != nullptr ? *plain : KnownSection(law.section(std::clamp(arc_length / length, 0.0, 1.0)));
+}
+
+StressedSections::StressedSections(const Scene& scene, const Mesh& mesh) : scene_(scene), mesh_(mesh) {
+  for (const Section& section : scene.sections) sections_.emplace(section.name, &section);
+}
+
+const SectionAlong& StressedSections::of(std::size_t index) {
+  if (member_ == index) return along_;
+  member_ = index;
+  const Member& member = scene_.members[index];
+  const Section& section = *sections_.at(member.section);
+  along_ = {nullptr, {}, mesh_.member_length[index], section.largest_strain};
+  if (member.end_section.empty())
+    along_.plain = &known_.try_emplace(member.section, section).first->second;
+  else
+    along_.law = SectionLaw(scene_, member);
+  return along_;
+}
+
 namespace {
 
 /// Fewer samples of a member are not worth the start of threads.
@@ -21,57 +48,6 @@ constexpr std::size_t kSamplesForThreads = 64;
 constexpr double kAllOfStrength = 1.0;
 
 constexpr double kNoStress = std::numeric_limits<double>::quiet_NaN();
-
-/// Stresses of one section, as far as they are known.
-struct KnownSection {
-  std::optional<SectionStresses> stresses{};
-  std::optional<double> strength{};
-  bool open_walls = false;  ///< an I
-
-  KnownSection() = default;
-  explicit KnownSection(const Section& section) {
-    if (!has_stresses(section)) return;
-    stresses.emplace(section);
-    strength = strength_of(section);
-    open_walls = section.shape && section.shape->kind == SectionShapeKind::i_section;
-  }
-};
-
-/// The section of a member at any place: one for all, or from its taper.
-struct SectionAlong {
-  const KnownSection* plain = nullptr;
-  SectionLaw law{};
-  double length = 0.0, largest_strain = 0.0;
-
-  KnownSection at(double arc_length) const {
-    return plain != nullptr ? *plain : KnownSection(law.section(std::clamp(arc_length / length, 0.0, 1.0)));
-  }
-};
-
-class SectionsOfScene {
- public:
-  SectionsOfScene(const Scene& scene, const Mesh& mesh) : scene_(scene), mesh_(mesh) {
-    for (const Section& section : scene.sections) known_.emplace(section.name, KnownSection(section));
-    for (const Section& section : scene.sections) largest_strain_.emplace(section.name, section.largest_strain);
-  }
-  SectionAlong of(std::size_t m) const {
-    const Member& member = scene_.members[m];
-    SectionAlong along;
-    along.length = mesh_.member_length[m];
-    along.largest_strain = largest_strain_.at(member.section);
-    if (member.end_section.empty())
-      along.plain = &known_.at(member.section);
-    else
-      along.law = SectionLaw(scene_, member);
-    return along;
-  }
-
- private:
-  const Scene& scene_;
-  const Mesh& mesh_;
-  std::map<std::string, KnownSection> known_;
-  std::map<std::string, double> largest_strain_;
-};
 
 /// Force strains, and the strain at the edge of the section.
 double largest_strain(const KnownSection& section, const Vector3& force, const Vector3& moment) {
@@ -219,7 +195,7 @@ StressSummary over_ranks(const Teuchos::Comm<int>& comm, const Scene& scene, con
 }  // namespace
 
 StressSummary sample_stresses(const Scene& scene, const Mesh& mesh, const Communicator& comm, SampledMembers& members) {
-  const SectionsOfScene sections(scene, mesh);
+  StressedSections sections(scene, mesh);
   StressSummary summary;
   for (MemberSamples& member : members)
     fill_member(sections.of(member.number), mesh.members[member.number].curve, member, summary);

@@ -3,7 +3,12 @@
 
 #include "discretization/mesh/communicator.hpp"
 #include "discretization/mesh/mesh.hpp"
+#include "discretization/scene/section_law.hpp"
 #include "discretization/state/member_samples.hpp"
+
+#include <map>
+#include <optional>
+#include <string>
 
 namespace mixbeam {
 
@@ -12,6 +17,42 @@ inline constexpr std::size_t kMostStressed = 5;
 
 /// Error of the bending stress of a curved member that is worth a warning.
 inline constexpr double kCurvatureError = 0.05;
+
+/// Stresses of one section, as far as they are known.
+struct KnownSection {
+  std::optional<SectionStresses> stresses{};
+  std::optional<double> strength{};
+  bool open_walls = false;  ///< an I
+
+  KnownSection() = default;
+  explicit KnownSection(const Section& section);
+};
+
+/// The section of a member at any place: one for all, or from its taper.
+struct SectionAlong {
+  const KnownSection* plain = nullptr;
+  SectionLaw law{};
+  double length = 0.0, largest_strain = 0.0;
+
+  KnownSection at(double arc_length) const;
+};
+
+/// Sections of the members of a scene, made when they are first asked for. Scene and mesh must outlive it; not for
+/// concurrent threads.
+class StressedSections {
+ public:
+  StressedSections(const Scene& scene, const Mesh& mesh);
+  /// Of a member (index in the scene), until the next one is asked for.
+  const SectionAlong& of(std::size_t member);
+
+ private:
+  const Scene& scene_;
+  const Mesh& mesh_;
+  std::map<std::string, const Section*> sections_{};
+  std::map<std::string, KnownSection> known_{};
+  std::optional<std::size_t> member_{};
+  SectionAlong along_{};
+};
 
 /// Fills the stresses of all samples that this rank holds, of the section where they are (tapers), and finds the
 /// largest ones of the structure. A few microseconds for each sample, in parallel; the same bits for any number of
