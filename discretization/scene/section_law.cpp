@@ -5,6 +5,8 @@
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 
+#include <Teuchos_LAPACK.hpp>
+
 #include <cmath>
 #include <stdexcept>
 #include <vector>
@@ -74,50 +76,27 @@ Matrix6 scaled_matrix(const Section& section, const std::vector<int>& elastic, c
   return scaled;
 }
 
-/// Cholesky factor, lower triangle, of the leading n x n part; throws where a pivot is not positive.
-Matrix6 cholesky(const Section& section, const Matrix6& a, std::size_t n) {
-  Matrix6 l{};
-  for (std::size_t j = 0; j < n; ++j) {
-    double pivot = a[j][j];
-    for (std::size_t k = 0; k < j; ++k) pivot -= l[j][k] * l[j][k];
-    if (!(pivot > kSmallestPivot))
+/// Inverse of the leading n x n part by its Cholesky factor; throws where a pivot is not positive.
+Matrix6 positive_inverse(const Section& section, Matrix6 a, int n) {
+  int info = 0;
+  double* const entries = a[0].data();
+  Teuchos::LAPACK<int, double>().POTRF('U', n, entries, kComponents, &info);  // by columns: the lower triangle
+  for (int j = 0; j < n; ++j)
+    if (info == j + 1 || !(a[j][j] * a[j][j] > kSmallestPivot))
       throw std::invalid_argument(in_section(section) +
                                   "the matrix is not positive definite: some strain of its first " +
                                   std::to_string(j + 1) + " elastic components has no positive energy");
-    l[j][j] = std::sqrt(pivot);
-    for (std::size_t i = j + 1; i < n; ++i) {
-      double sum = a[i][j];
-      for (std::size_t k = 0; k < j; ++k) sum -= l[i][k] * l[j][k];
-      l[i][j] = sum / l[j][j];
-    }
-  }
-  return l;
-}
-
-/// (L L^T)^-1 for the leading n x n part, symmetric to the last bit.
-Matrix6 inverse_from_cholesky(const Matrix6& l, std::size_t n) {
-  Matrix6 g{}, inverse{};  // g = L^-1
-  for (std::size_t j = 0; j < n; ++j) {
-    g[j][j] = 1.0 / l[j][j];
-    for (std::size_t i = j + 1; i < n; ++i) {
-      double sum = 0.0;
-      for (std::size_t k = j; k < i; ++k) sum -= l[i][k] * g[k][j];
-      g[i][j] = sum / l[i][i];
-    }
-  }
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = 0; j <= i; ++j) {
-      for (std::size_t k = i; k < n; ++k) inverse[i][j] += g[k][i] * g[k][j];
-      inverse[j][i] = inverse[i][j];
-    }
-  return inverse;
+  Teuchos::LAPACK<int, double>().POTRI('U', n, entries, kComponents, &info);
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < i; ++j) a[j][i] = a[i][j];
+  return a;
 }
 
 Matrix6 inverse_of_matrix(const Section& section) {
   const std::vector<int> elastic = elastic_components(section);
   const std::size_t n = elastic.size();
   const std::vector<double> scale = scales(section, elastic);
-  const Matrix6 inverse = inverse_from_cholesky(cholesky(section, scaled_matrix(section, elastic, scale), n), n);
+  const Matrix6 inverse = positive_inverse(section, scaled_matrix(section, elastic, scale), static_cast<int>(n));
   Matrix6 compliance{};
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = 0; j < n; ++j) compliance[elastic[i]][elastic[j]] = inverse[i][j] / (scale[i] * scale[j]);
@@ -134,13 +113,13 @@ const Section& find_section(const Scene& scene, const Member& member, const std:
                    did_you_mean(name, names));
 }
 
-double mixed(double weight, double start, double end) { return (1.0 - weight) * start + weight * end; }
+double interpolated(double weight, double start, double end) { return (1.0 - weight) * start + weight * end; }
 
 /// (1 - w) start + w end; equal values stay as they are, infinite ones too.
-std::array<double, kComponents> mixed_diagonal(double weight, const Section& start, const Section& end) {
+std::array<double, kComponents> interpolated_diagonal(double weight, const Section& start, const Section& end) {
   const auto a = diagonal(start), b = diagonal(end);
   std::array<double, kComponents> result{};
-  for (int i = 0; i < kComponents; ++i) result[i] = std::isinf(a[i]) ? a[i] : mixed(weight, a[i], b[i]);
+  for (int i = 0; i < kComponents; ++i) result[i] = std::isinf(a[i]) ? a[i] : interpolated(weight, a[i], b[i]);
   return result;
 }
 
@@ -152,16 +131,16 @@ Matrix6 stiffness_matrix(const Section& section) {
   return matrix;
 }
 
-Section mixed_stiffness(double weight, const Section& start, const Section& end) {
+Section interpolated_stiffness(double weight, const Section& start, const Section& end) {
   Section section;
   section.name = start.name;
-  set_diagonal(section, mixed_diagonal(weight, start, end));
-  section.mass = mixed(weight, start.mass, end.mass);
+  set_diagonal(section, interpolated_diagonal(weight, start, end));
+  section.mass = interpolated(weight, start.mass, end.mass);
   if (!start.matrix && !end.matrix) return section;
   const Matrix6 a = stiffness_matrix(start), b = stiffness_matrix(end);
   section.matrix.emplace();
   for (int i = 0; i < kComponents; ++i)
-    for (int j = 0; j < kComponents; ++j) (*section.matrix)[i][j] = mixed(weight, a[i][j], b[i][j]);
+    for (int j = 0; j < kComponents; ++j) (*section.matrix)[i][j] = interpolated(weight, a[i][j], b[i][j]);
   return section;
 }
 
@@ -169,19 +148,20 @@ double shear_modulus(const SectionShape& shape) {
   return shape.shear_modulus ? *shape.shear_modulus : shape.youngs_modulus / (2.0 * (1.0 + shape.poisson_ratio));
 }
 
-Section mixed_shape(double weight, const Section& start, const Section& end) {
+Section interpolated_shape(double weight, const Section& start, const Section& end) {
   const SectionShape &a = *start.shape, &b = *end.shape;
   SectionShape shape = a;
   if (!b.strength) shape.strength.reset();
   for (double SectionShape::*number :
        {&SectionShape::size2, &SectionShape::size3, &SectionShape::wall, &SectionShape::web,
         &SectionShape::youngs_modulus, &SectionShape::poisson_ratio, &SectionShape::density})
-    shape.*number = mixed(weight, a.*number, b.*number);
-  if (a.shear_modulus || b.shear_modulus) shape.shear_modulus = mixed(weight, shear_modulus(a), shear_modulus(b));
-  if (a.strength && b.strength) shape.strength = mixed(weight, *a.strength, *b.strength);
+    shape.*number = interpolated(weight, a.*number, b.*number);
+  if (a.shear_modulus || b.shear_modulus)
+    shape.shear_modulus = interpolated(weight, shear_modulus(a), shear_modulus(b));
+  if (a.strength && b.strength) shape.strength = interpolated(weight, *a.strength, *b.strength);
   for (int i = 0; i < 2; ++i)
     if (a.shear_correction[i] && b.shear_correction[i])
-      shape.shear_correction[i] = mixed(weight, *a.shear_correction[i], *b.shear_correction[i]);
+      shape.shear_correction[i] = interpolated(weight, *a.shear_correction[i], *b.shear_correction[i]);
   Section section = make_section(start.name, shape);
   auto values = diagonal(section);
   const auto of_start = diagonal(start);
@@ -255,7 +235,7 @@ Section SectionLaw::section(double x) const {
 
 Section SectionLaw::section_of_weight(double weight) const {
   if (!tapered_) return start_;
-  return by_shape_ ? mixed_shape(weight, start_, end_) : mixed_stiffness(weight, start_, end_);
+  return by_shape_ ? interpolated_shape(weight, start_, end_) : interpolated_stiffness(weight, start_, end_);
 }
 
 Matrix6 SectionLaw::compliance(double x) const {
