@@ -67,64 +67,54 @@ Vec3<double> start_tangent(const PolynomialCurve& curve) {
 }
 
 ArcLengthCurve::ArcLengthCurve(PolynomialCurve curve, const Quaternion<double>& start_triad)
-    : curve_(std::make_shared<PolynomialCurve>(std::move(curve))), next_triad_(start_triad) {
+    : curve_(std::make_shared<PolynomialCurve>(std::move(curve))), start_triad_(start_triad) {
   for (const PolynomialPiece& piece : curve_->pieces) add_panels(piece, piece.first(), piece.last(), 0);
 }
 
-ArcLengthCurve::Panel ArcLengthCurve::panel_from(const PolynomialPiece& piece, double first, double last, double start,
-                                                 const Quaternion<double>& triad) {
-  const double forward = last > first ? 1.0 : -1.0;
-  Panel panel{&piece, first, last, start, start, forward * unit(piece.velocity(first)), triad};
-  panel.triad = normalized(smallest_rotation(first_axis(triad), panel.tangent) * triad);
-  panel.end = start + integrate(panel, last).length;
-  return panel;
+ArcLengthCurve::Panel::Panel(const PolynomialPiece& of, double from, double to, double at,
+                             const Quaternion<double>& triad_before)
+    : piece(&of), first(from), last(to), start(at), tangent(forward() * unit(of.velocity(from))) {
+  triad = normalized(smallest_rotation(first_axis(triad_before), tangent) * triad_before);
+  whole = integrate(last);
+  end_triad = carried_triad(last, whole.angle);
 }
 
-ArcLengthCurve::Integrals ArcLengthCurve::integrate(const Panel& panel, double t) {
+ArcLengthCurve::Integrals ArcLengthCurve::Panel::integrate(double t) const {
   Integrals sum;
-  const double half = 0.5 * (t - panel.first), forward = panel.forward();
+  const double half = 0.5 * (t - first);
   for (int q = 0; q < kGaussPoints; ++q) {
-    const double here = panel.first + half * (1.0 + rule().points[q]), weight = std::abs(half) * rule().weights[q];
-    const Vec3<double> velocity = panel.piece->velocity(here);
+    const double here = first + half * (1.0 + rule().points[q]), weight = std::abs(half) * rule().weights[q];
+    const Vec3<double> velocity = piece->velocity(here);
     const double speed = norm(velocity);
-    const Vec3<double> g1 = (forward / speed) * velocity;
-    const double cosine = dot(panel.tangent, g1);
-    const Vec3<double> turning = (1.0 / speed) * cross(g1, panel.piece->acceleration(here));  // g1 x dg1/dt
+    const Vec3<double> g1 = (forward() / speed) * velocity;
+    const double cosine = dot(tangent, g1);
+    const Vec3<double> turning = (1.0 / speed) * cross(g1, piece->acceleration(here));  // g1 x dg1/dt
     sum.length += weight * speed;
-    sum.angle += weight * dot(panel.tangent, turning) / (1.0 + cosine);
+    sum.angle += weight * dot(tangent, turning) / (1.0 + cosine);
     sum.smallest_cosine = std::min(sum.smallest_cosine, cosine);
     sum.largest_speed = std::max(sum.largest_speed, speed);
   }
   return sum;
 }
 
-Quaternion<double> ArcLengthCurve::carried_triad(const Panel& panel, double t) {
-  const Vec3<double> g1 = panel.forward() * unit(panel.piece->velocity(t));
-  return normalized(smallest_rotation(panel.tangent, g1) * panel.triad * turn_about_tangent(integrate(panel, t).angle));
-}
-
-/// Whether a panel and its halves agree in length and triad; false when anything is not a number.
-bool ArcLengthCurve::is_resolved(const Panel& whole, const Panel& half, const Panel& other_half) {
-  for (const Panel* panel : {&half, &other_half})
-    if (!(integrate(*panel, panel->last).smallest_cosine >= kSmallestCosine)) return false;
-  const double length = other_half.end - half.start;
-  if (!(std::abs(whole.end - whole.start - length) <= kPanelTolerance * length)) return false;
-  const Quaternion<double> once = carried_triad(whole, whole.last), twice = carried_triad(other_half, other_half.last);
-  return norm(log_quaternion(conjugate(once) * twice)) <= kPanelTolerance;
+Quaternion<double> ArcLengthCurve::Panel::carried_triad(double t, double angle) const {
+  const Vec3<double> g1 = forward() * unit(piece->velocity(t));
+  return normalized(smallest_rotation(tangent, g1) * triad * turn_about_tangent(angle));
 }
 
 void ArcLengthCurve::add_panels(const PolynomialPiece& piece, double first, double last, int halvings) {
-  const double start = panels_.empty() ? 0.0 : panels_.back().end, middle = 0.5 * (first + last);
-  const Panel whole = panel_from(piece, first, last, start, next_triad_);
-  const double speed = integrate(whole, last).largest_speed;
+  const double start = panels_.empty() ? 0.0 : panels_.back().end(), middle = 0.5 * (first + last);
+  const Quaternion<double> triad = panels_.empty() ? start_triad_ : panels_.back().end_triad;
+  const Panel whole(piece, first, last, start, triad), half(piece, first, middle, start, triad);
   for (const double t : {first, last})
-    if (!(norm(piece.velocity(t)) > kSmallestSpeed * speed)) throw no_tangent(t);
-  const Panel half = panel_from(piece, first, middle, start, next_triad_);
-  const Panel other_half = panel_from(piece, middle, last, half.end, carried_triad(half, middle));
-  if (is_resolved(whole, half, other_half)) {
-    panels_.push_back(half);
-    panels_.push_back(other_half);
-    next_triad_ = carried_triad(other_half, last);
+    if (!(norm(piece.velocity(t)) > kSmallestSpeed * whole.whole.largest_speed)) throw no_tangent(t);
+  const Panel other_half(piece, middle, last, half.end(), half.end_triad);
+  // agreement of the panel and its halves; false when anything is not a number
+  const double length = other_half.end() - half.start;
+  if (half.whole.smallest_cosine >= kSmallestCosine && other_half.whole.smallest_cosine >= kSmallestCosine &&
+      std::abs(whole.end() - whole.start - length) <= kPanelTolerance * length &&
+      norm(log_quaternion(conjugate(whole.end_triad) * other_half.end_triad)) <= kPanelTolerance) {
+    panels_.insert(panels_.end(), {half, other_half});
     return;
   }
   if (halvings == kMostHalvings) throw no_tangent(middle);
@@ -139,17 +129,17 @@ const ArcLengthCurve::Panel& ArcLengthCurve::panel_at(double s) const {
   return *(after - 1);
 }
 
-/// t of an arc length: Newton's method, and bisection where it leaves the bracket.
-double ArcLengthCurve::parameter(const Panel& panel, double s) {
-  const double wanted = std::clamp(s - panel.start, 0.0, panel.end - panel.start);
-  const double tolerance = kInversionTolerance * (panel.end - panel.start);
-  double low = panel.first, high = panel.last;  // in the direction of growing s
-  double t = low + (high - low) * (wanted / (panel.end - panel.start));
+/// Newton's method, and bisection where it leaves the bracket.
+double ArcLengthCurve::Panel::parameter(double s) const {
+  const double size = end() - start, wanted = std::clamp(s - start, 0.0, size);
+  const double tolerance = kInversionTolerance * size;
+  double low = first, high = last;  // in the direction of growing s
+  double t = low + (high - low) * (wanted / size);
   for (int i = 0; i < kMostIterations; ++i) {
-    const double error = integrate(panel, t).length - wanted;
+    const double error = integrate(t).length - wanted;
     if (std::abs(error) <= tolerance) break;
     (error > 0.0 ? high : low) = t;
-    const double next = t - panel.forward() * error / norm(panel.piece->velocity(t));
+    const double next = t - forward() * error / norm(piece->velocity(t));
     const bool is_inside = (next - low) * (next - high) < 0.0;
     const double before = std::exchange(t, is_inside ? next : 0.5 * (low + high));
     if (t == before) break;
@@ -159,17 +149,17 @@ double ArcLengthCurve::parameter(const Panel& panel, double s) {
 
 Vec3<double> ArcLengthCurve::position(double s) const {
   const Panel& panel = panel_at(s);
-  return curve_->origin + panel.piece->position(parameter(panel, s));
+  return curve_->origin + panel.piece->position(panel.parameter(s));
 }
 
 Vec3<double> ArcLengthCurve::tangent(double s) const {
   const Panel& panel = panel_at(s);
-  return panel.forward() * unit(panel.piece->velocity(parameter(panel, s)));
+  return panel.forward() * unit(panel.piece->velocity(panel.parameter(s)));
 }
 
 Vec3<double> ArcLengthCurve::tangent_slope(double s) const {
   const Panel& panel = panel_at(s);
-  const double t = parameter(panel, s);
+  const double t = panel.parameter(s);
   const Vec3<double> velocity = panel.piece->velocity(t), acceleration = panel.piece->acceleration(t);
   const double square = dot(velocity, velocity);
   return (1.0 / square) * (acceleration - (dot(velocity, acceleration) / square) * velocity);
@@ -177,7 +167,8 @@ Vec3<double> ArcLengthCurve::tangent_slope(double s) const {
 
 Quaternion<double> ArcLengthCurve::triad(double s) const {
   const Panel& panel = panel_at(s);
-  return carried_triad(panel, parameter(panel, s));
+  const double t = panel.parameter(s);
+  return panel.carried_triad(t, panel.integrate(t).angle);
 }
 
 }  // namespace mixbeam

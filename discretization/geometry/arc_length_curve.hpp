@@ -23,22 +23,13 @@ class ArcLengthCurve {
   /// std::invalid_argument where the curve has no tangent: where it stops or turns back.
   ArcLengthCurve(PolynomialCurve curve, const Quaternion<double>& start_triad);
 
-  double length() const { return panels_.back().end; }
+  double length() const { return panels_.back().end(); }
   Vec3<double> position(double s) const;
   Vec3<double> tangent(double s) const;        ///< of unit length
   Vec3<double> tangent_slope(double s) const;  ///< g1', the vector of curvature: normal to the tangent, 1/length
   Quaternion<double> triad(double s) const;
 
  private:
-  struct Panel {
-    const PolynomialPiece* piece;
-    double first, last;  ///< t
-    double start, end;   ///< s
-    Vec3<double> tangent;
-    Quaternion<double> triad;  ///< at the start
-
-    double forward() const { return last > first ? 1.0 : -1.0; }
-  };
   /// Integrals from the start of a panel.
   struct Integrals {
     double length = 0.0;
@@ -46,18 +37,29 @@ class ArcLengthCurve {
     double smallest_cosine = 1.0;  ///< between the first and the other tangents
     double largest_speed = 0.0;    ///< |dr/dt|
   };
+  struct Panel {
+    const PolynomialPiece* piece;
+    double first, last;  ///< t
+    double start;        ///< s
+    Vec3<double> tangent;
+    Quaternion<double> triad;  ///< at the start
+    Integrals whole;
+    Quaternion<double> end_triad;
 
-  static Integrals integrate(const Panel& panel, double t);
-  static Quaternion<double> carried_triad(const Panel& panel, double t);
-  static bool is_resolved(const Panel& whole, const Panel& half, const Panel& other_half);
-  static Panel panel_from(const PolynomialPiece& piece, double first, double last, double start,
-                          const Quaternion<double>& triad);
+    Panel(const PolynomialPiece& piece, double first, double last, double start, const Quaternion<double>& triad);
+    double forward() const { return last > first ? 1.0 : -1.0; }
+    double end() const { return start + whole.length; }
+    Integrals integrate(double t) const;
+    /// `angle`: theta there.
+    Quaternion<double> carried_triad(double t, double angle) const;
+    double parameter(double s) const;  ///< t of an arc length
+  };
+
   void add_panels(const PolynomialPiece& piece, double first, double last, int halvings);
   const Panel& panel_at(double s) const;
-  static double parameter(const Panel& panel, double s);
 
   std::shared_ptr<const PolynomialCurve> curve_;  ///< panels point into it
-  Quaternion<double> next_triad_;                 ///< at the end of the last panel, while panels are added
+  Quaternion<double> start_triad_;
   std::vector<Panel> panels_;
 };
 
