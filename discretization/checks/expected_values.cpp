@@ -9,7 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <utility>
 
 namespace mixbeam {
 
@@ -20,14 +20,14 @@ const std::vector<std::string> kMaterial = {"1", "2", "3", "norm"};
 const std::vector<std::string> kComponents = {"x", "y", "z", "1", "2", "3", "norm"};
 
 /// What a quantity needs to be told.
-struct QuantityKind {
+struct ExpectedKind {
   std::vector<std::string> needs;       ///< of "Point", "Member", "Position", "Component"; no others are allowed
   std::vector<std::string> components;  ///< allowed ones
 };
 
-const QuantityKind kOfPoint = {{"Point", "Component"}, kSpatial};
-const QuantityKind kOfSection = {{"Member", "Position", "Component"}, kMaterial};
-const std::map<std::string, QuantityKind> kKinds = {
+const ExpectedKind kOfPoint = {{"Point", "Component"}, kSpatial};
+const ExpectedKind kOfSection = {{"Member", "Position", "Component"}, kMaterial};
+const std::vector<std::pair<std::string, ExpectedKind>> kKinds = {
     {"displacement", kOfPoint},      {"position", kOfPoint},        {"rotation", kOfPoint},
     {"reaction force", kOfPoint},    {"reaction moment", kOfPoint}, {"material force", kOfSection},
     {"material moment", kOfSection}, {"strain energy", {{}, {}}},   {"force energy", {{}, {}}},
@@ -50,9 +50,10 @@ void check_quantity(std::vector<std::string> known, const std::vector<std::strin
 /// Quantities of an application are its own affair, one of the list "Quantities" says all of itself.
 void check_description(const Teuchos::ParameterList& list, const ExpectedValue& expected, const InputPlace& place) {
   const std::string& quantity = expected.quantity;
-  const auto found = kKinds.find(quantity);
+  const auto found =
+      std::find_if(kKinds.begin(), kKinds.end(), [&](const auto& kind) { return kind.first == quantity; });
   if (found == kKinds.end() && !expected.is_asked) return;
-  const QuantityKind kind = expected.is_asked ? QuantityKind{} : found->second;
+  const ExpectedKind kind = expected.is_asked ? ExpectedKind{} : found->second;
   for (const std::string parameter : {"Point", "Member", "Position", "Component"}) {
     const bool needed = contains(kind.needs, parameter);
     if (needed == list.isParameter(parameter)) continue;
@@ -171,10 +172,11 @@ void check_supported(const ExpectedValue& value, const Scene& scene, const Input
 }  // namespace
 
 const std::vector<std::string>& common_quantities() {
-  static const std::vector<std::string> quantities = {
-      "displacement",   "position",        "rotation",      "reaction force", "reaction moment",
-      "material force", "material moment", "strain energy", "force energy",   "moment energy",
-      "load factor",    "jumps",           kStableName};
+  static const std::vector<std::string> quantities = [] {
+    std::vector<std::string> names;
+    for (const auto& [name, kind] : kKinds) names.push_back(name);
+    return names;
+  }();
   return quantities;
 }
 

@@ -3,6 +3,7 @@
 #include "discretization/checks/rigid_parts.hpp"
 #include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/parameters/spec.hpp"
+#include "discretization/scene/joined_ends.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 
@@ -65,36 +66,28 @@ void add_support_rows(const RigidAssembly& assembly, const Scene& scene, Rows& r
   }
 }
 
-/// Three orthonormal directions, the last one along an axis.
-Axes frame_along(const Vector3& axis) {
-  const Vector3 a = scaled(1.0 / norm(axis), axis);
-  Vector3 across{};
-  across[std::abs(a[0]) <= std::min(std::abs(a[1]), std::abs(a[2])) ? 0
-         : std::abs(a[1]) <= std::abs(a[2])                         ? 1
-                                                                    : 2] = 1.0;
-  const Vector3 normal = cross(a, across), b = scaled(1.0 / norm(normal), normal);
-  return {b, cross(a, b), a};
-}
-
 /// What each joint sees of the relative motion of its two parts.
 void add_joint_rows(const RigidAssembly& assembly, const Scene& scene, Rows& rows) {
   const std::size_t n = 6 * assembly.parts.size();
   for (const RigidLink& link : assembly.links) {
-    const Joint& joint = scene.joints[link.joint];
+    Joint joint = scene.joints[link.joint];
     const RigidPart &master = assembly.parts[link.master], &slave = assembly.parts[link.slave];
     const double size = std::min(master.size, slave.size);  // rotations are stored times the size of their part
-    const Axes frame = frame_along(joint.kind == JointKind::ball ? Vector3{0, 0, 1} : joint.axis);
-    const bool is_slider = joint.kind == JointKind::slider, has_spring = joint.stiffness > 0.0;
-    for (std::size_t i = 0; i < 3; ++i) {
-      if (!is_slider || i < 2 || has_spring) {
-        Row& row = rows.emplace_back(n, 0.0);
-        add_displacement(row, 1.0, slave, link.slave, link.position, frame[i]);
-        add_displacement(row, -1.0, master, link.master, link.position, frame[i]);
-      }
-      if (is_slider || (joint.kind == JointKind::hinge && (i < 2 || has_spring))) {
-        Row& row = rows.emplace_back(n, 0.0);
-        add_rotation(row, size / slave.size, link.slave, frame[i]);
-        add_rotation(row, -size / master.size, link.master, frame[i]);
+    if (joint.kind == JointKind::ball) joint.axis = {0, 0, 1};
+    const Axes frame = joint_frame(joint);
+    const int sprung = !(joint.stiffness > 0.0) || joint.kind == JointKind::ball ? -1
+                       : joint.kind == JointKind::slider                         ? 2
+                                                                                 : 5;
+    for (const int c : {0, 3, 1, 4, 2, 5}) {
+      if (!joint_holds(joint.kind, c) && c != sprung) continue;
+      Row& row = rows.emplace_back(n, 0.0);
+      const Vector3& axis = frame[static_cast<std::size_t>(c % 3)];
+      if (c < 3) {
+        add_displacement(row, 1.0, slave, link.slave, link.position, axis);
+        add_displacement(row, -1.0, master, link.master, link.position, axis);
+      } else {
+        add_rotation(row, size / slave.size, link.slave, axis);
+        add_rotation(row, -size / master.size, link.master, axis);
       }
     }
   }

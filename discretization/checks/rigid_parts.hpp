@@ -33,7 +33,8 @@ struct RigidAssembly {
   std::vector<RigidLink> links;
 };
 
-/// Throws as build_mesh does for members without a place and joints that join nothing.
+/// None where a member has numbers that make no curve. Throws as build_mesh does for members without a place and joints
+/// that join nothing.
 std::vector<RigidAssembly> rigid_assemblies(const Scene& scene);
 
 }  // namespace mixbeam

@@ -79,19 +79,13 @@ VertexSupport vertex_support(const Support& support, int stages, int index, int 
   return result;
 }
 
-/// A right-handed frame whose third direction is the axis; the first two do not depend on its length.
-Mat joint_frame(const Joint& joint) {
-  const Vec axis = to_vec3(joint.axis);
-  const double length = norm(axis);
-  if (!(length > 0.0)) throw std::invalid_argument("joint \"" + joint.name + "\": its axis has no direction");
-  const Vec a = (1.0 / length) * axis;
-  int smallest = 0;
-  for (int i = 1; i < 3; ++i)
-    if (std::abs(a[i]) < std::abs(a[smallest])) smallest = i;
-  Vec across{{0.0, 0.0, 0.0}};
-  across[smallest] = 1.0;
-  const Vec normal = cross(a, across), b1 = (1.0 / norm(normal)) * normal, b2 = cross(a, b1);
-  return {{{b1[0], b1[1], b1[2]}, {b2[0], b2[1], b2[2]}, {a[0], a[1], a[2]}}};
+/// With the directions as rows.
+Mat frame_matrix(const Joint& joint) {
+  const Axes frame = joint_frame(joint);
+  Mat rows;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) rows(i, j) = frame[i][j];
+  return rows;
 }
 
 }  // namespace
@@ -126,7 +120,7 @@ Conditions build_conditions(const Scene& scene, const Mesh& mesh, const Structur
     const int master = partition.place(joint.master);
     if (master < 0) continue;
     conditions.joints.push_back(
-        {master, partition.place(joint.slave), described.kind, joint_frame(described), described.stiffness});
+        {master, partition.place(joint.slave), described.kind, frame_matrix(described), described.stiffness});
     if (is_counted(described)) conditions.joints.back().angle.place = static_cast<int>(scene.supports.size() + i);
   }
   if (counts) conditions.counted_angles = static_cast<int>(scene.supports.size() + mesh.joints.size());

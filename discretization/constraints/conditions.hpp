@@ -3,6 +3,7 @@
 
 #include "discretization/mesh/structure.hpp"
 #include "discretization/scene/amplitude.hpp"
+#include "discretization/scene/joined_ends.hpp"
 
 #include <vector>
 
@@ -51,10 +52,7 @@ struct VertexJoint {
   CountedAngle angle{};  ///< of a hinge
 
   /// Whether row `component` of the slave is a constraint.
-  bool holds(int component) const {
-    if (kind == JointKind::slider) return component != 2;
-    return component < (kind == JointKind::hinge ? 5 : 3);
-  }
+  bool holds(int component) const { return joint_holds(kind, component); }
 };
 
 /// Everything that acts on vertices from outside.

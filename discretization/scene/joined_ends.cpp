@@ -1,5 +1,8 @@
 #include "discretization/scene/joined_ends.hpp"
 
+#include "discretization/geometry/vector_algebra.hpp"
+
+#include <cmath>
 #include <stdexcept>
 #include <unordered_map>
 
@@ -65,6 +68,21 @@ JointTable joined_ends(const Scene& scene) {
              "all members there are joined on their own; at least one must be left that supports and loads of the "
              "point act on");
   return table;
+}
+
+Axes joint_frame(const Joint& joint) {
+  const Vec3<double> axis = vector_algebra::to_vec3(joint.axis);
+  const double length = norm(axis);
+  if (!(length > 0.0)) throw std::invalid_argument("joint \"" + joint.name + "\": its axis has no direction");
+  const Vec3<double> a = (1.0 / length) * axis;
+  int smallest = 0;
+  for (int i = 1; i < 3; ++i)
+    if (std::abs(a[i]) < std::abs(a[smallest])) smallest = i;
+  Vec3<double> across{{0.0, 0.0, 0.0}};
+  across[smallest] = 1.0;
+  const Vec3<double> normal = cross(a, across), b1 = (1.0 / norm(normal)) * normal, b2 = cross(a, b1);
+  using vector_algebra::to_array;
+  return {to_array(b1), to_array(b2), to_array(a)};
 }
 
 }  // namespace mixbeam

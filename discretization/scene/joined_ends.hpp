@@ -22,4 +22,14 @@ using JointTable = std::map<std::string, std::vector<JoinedEnd>>;
 /// at the point, or that another joint has there already, and when no member is left for the rest of the point.
 JointTable joined_ends(const Scene& scene);
 
+/// A right-handed orthonormal frame whose third direction is the axis; the first two do not depend on its length.
+/// Throws std::invalid_argument where the axis is zero.
+Axes joint_frame(const Joint& joint);
+
+/// Whether a joint holds a relative displacement (0 to 2) or rotation (3 to 5) in its frame.
+inline bool joint_holds(JointKind kind, int component) {
+  if (kind == JointKind::slider) return component != 2;
+  return component < (kind == JointKind::hinge ? 5 : 3);
+}
+
 }  // namespace mixbeam
