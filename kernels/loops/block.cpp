@@ -109,43 +109,26 @@ KOKKOS_INLINE_FUNCTION void add_cap_compliance(const GeneralSection<>& section, 
 
 template <int K, bool General>
 struct CapComplianceLoop {
-  KernelView<const double**> reference, compliance;
-  KernelView<const int*> section;
-  KernelView<const SectionConstants*> sections;
+  ElementBlock block;
+  StructureViews structure;
   KernelView<const double*> increment;
   KernelView<double*> rows;
-  InteriorLayout layout;
-  ElementTables<K> tables;
-  size_t increment_offset;
+  ElementTables<K> tables{block.force_integration};
 
-  CapComplianceLoop(const ElementBlock& block, const StructureViews& structure, const KernelView<const double*>& d,
-                    const KernelView<double*>& out)
-      : reference(block.reference),
-        compliance(block.compliance),
-        section(block.section),
-        sections(structure.sections),
-        increment(d),
-        rows(out),
-        layout(block.interior),
-        tables(block.force_integration),
-        increment_offset(block.increment_offset) {}
-
-  KOKKOS_INLINE_FUNCTION size_t first_row(int e) const {
-    return increment_offset + static_cast<size_t>(e) * layout.increments();
-  }
-  KOKKOS_INLINE_FUNCTION void operator()(int e) const { compute(e, rows.data() + first_row(e)); }
+  KOKKOS_INLINE_FUNCTION void operator()(int e) const { compute(e, rows.data() + block.increments_at()(e)); }
   KOKKOS_INLINE_FUNCTION void compute(int e, double* out) const {
-    const double* d = increment.data() + first_row(e);
-    for (int i = 0; i < layout.increments(); ++i) out[i] = 0.0;
-    const SectionConstants& constants = sections(section(e));
+    const double* d = increment.data() + block.increments_at()(e);
+    const double length = block.reference(e, 0);
+    for (int i = 0; i < block.interior.increments(); ++i) out[i] = 0.0;
+    const SectionConstants& constants = structure.sections(block.section(e));
     if constexpr (General) {
-      const GeneralSection<> general{&compliance(e, 0),
-                                     {layout.order, layout.force_points},
+      const GeneralSection<> general{&block.compliance(e, 0),
+                                     {block.interior.order, block.interior.force_points},
                                      constants.force_stiffness_limit,
                                      constants.moment_stiffness_limit};
-      add_cap_compliance<K>(general, layout, tables, reference(e, 0), d, out);
+      add_cap_compliance<K>(general, block.interior, tables, length, d, out);
     } else {
-      add_cap_compliance<K>(constants, layout, tables, reference(e, 0), d, out);
+      add_cap_compliance<K>(constants, block.interior, tables, length, d, out);
     }
   }
 };
@@ -159,8 +142,8 @@ struct LargestCapRowLoop {
   KOKKOS_INLINE_FUNCTION void operator()(int e, double& largest) const {
     double row[InteriorLayout{K, ElementTables<K>::kMaximumForcePoints}.increments()];
     cap.compute(e, row);
-    scale_interior_rows(cap.layout, scales, cap.reference(e, 0), false, row);
-    for (int i = 0; i < cap.layout.relative_rotation(1); ++i) {
+    scale_interior_rows(cap.block.interior, scales, cap.block.reference(e, 0), false, row);
+    for (int i = 0; i < cap.block.interior.relative_rotation(1); ++i) {
       const double a = row[i] < 0.0 ? -row[i] : row[i];
       if (!(a <= largest)) largest = a == a ? a : HUGE_VAL;
     }

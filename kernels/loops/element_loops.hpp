@@ -15,63 +15,32 @@ inline constexpr double kNoField[3 * ElementTables<kMaximumOrder>::kMaximumForce
 /// Views of one block. Captured by value: inside a kernel no View is copied.
 template <int K, bool General, int W>
 struct ElementGather {
-  KernelView<const double**> reference;
-  KernelView<const int* [2]> vertices;
-  KernelView<const int*> section;
-  KernelView<const double* [3]> vertex_displacement;
-  KernelView<const double*[4]> vertex_rotation, element_triad;
-  KernelView<const double*> interior;
-  KernelView<const SectionConstants*> sections;
-  KernelView<const double**> compliance;
-  KernelView<const int* [kLineFields]> field_row;
-  KernelView<const double* [3]> field_value;
-  InteriorLayout layout;
-  ReferenceLayout reference_layout;
+  ElementBlock block;
+  StructureViews structure;  ///< without sections: they are not asked for
+  StateViews state;
   ElementTables<K> tables;
-  int count, first_element, response_size;
-  size_t interior_offset, increment_offset, response_offset;
+  int response_size;
 
-  /// `structure` without sections: they are not asked for.
   // always inlined, as eliminate_rows()
-  KOKKOS_FORCEINLINE_FUNCTION ElementGather(const ElementBlock& block, const StructureViews& structure,
-                                            const StateViews& state)
-      : reference(block.reference),
-        vertices(block.vertices),
-        section(block.section),
-        vertex_displacement(state.vertex_displacement),
-        vertex_rotation(state.vertex_rotation),
-        element_triad(state.element_triad),
-        interior(state.interior),
-        sections(structure.sections),
-        compliance(block.compliance),
-        field_row(block.field_row),
-        field_value(block.field_value),
-        layout(block.interior),
-        reference_layout(block.reference_layout),
-        tables(block.force_integration),
-        count(block.count),
-        first_element(block.first_element),
-        response_size(block.response_size()),
-        interior_offset(block.interior_offset),
-        increment_offset(block.increment_offset),
-        response_offset(block.response_offset) {}
+  KOKKOS_FORCEINLINE_FUNCTION ElementGather(const ElementBlock& elements, const StructureViews& constants,
+                                            const StateViews& values)
+      : block(elements),
+        structure(constants),
+        state(values),
+        tables(elements.force_integration),
+        response_size(elements.response_size()) {}
 
-  KOKKOS_INLINE_FUNCTION const double* interior_of(int e) const {
-    return interior.data() + interior_offset + static_cast<size_t>(e) * layout.unknowns();
-  }
   /// First number of element e in arrays of increments and of interior residuals.
-  KOKKOS_INLINE_FUNCTION size_t increment_of(int e) const {
-    return increment_offset + static_cast<size_t>(e) * layout.increments();
-  }
+  KOKKOS_INLINE_FUNCTION size_t increment_of(int e) const { return block.increments_at()(e); }
   /// The same in what the tangent keeps of the interiors.
   KOKKOS_INLINE_FUNCTION size_t response_of(int e) const {
-    return response_offset + static_cast<size_t>(e) * response_size;
+    return block.response_offset + static_cast<size_t>(e) * response_size;
   }
-  KOKKOS_INLINE_FUNCTION bool has_fields() const { return field_row.extent(0) > 0; }
+  KOKKOS_INLINE_FUNCTION bool has_fields() const { return block.field_row.extent(0) > 0; }
   KOKKOS_INLINE_FUNCTION ElementFields<> fields(int e) const {
     ElementFields<> result;
     for (int i = 0; i < kLineFields; ++i)
-      if (field_row(e, i) >= 0) result.values[i] = &field_value(field_row(e, i), 0);
+      if (block.field_row(e, i) >= 0) result.values[i] = &block.field_value(block.field_row(e, i), 0);
     return result;
   }
 };
@@ -88,22 +57,23 @@ struct ElementPack {
   SectionOf<General, Real> section;
   ElementFields<Real> fields;
 
-  KOKKOS_FORCEINLINE_FUNCTION ElementPack(const Gather& gather, int pack) : lanes(pack, gather.count) {
+  KOKKOS_FORCEINLINE_FUNCTION ElementPack(const Gather& gather, int pack) : lanes(pack, gather.block.count) {
     Real x[4];
     for (int end = 0; end < 2; ++end) {
-      const auto vertex = [&](int e) { return gather.vertices(e, end); };
-      lanes.load([&](int e) { return &gather.vertex_displacement(vertex(e), 0); }, 3, x);
+      const auto vertex = [&](int e) { return gather.block.vertices(e, end); };
+      lanes.load([&](int e) { return &gather.state.vertex_displacement(vertex(e), 0); }, 3, x);
       in.displacement[end] = load_vector(x);
-      lanes.load([&](int e) { return &gather.vertex_rotation(vertex(e), 0); }, 4, x);
+      lanes.load([&](int e) { return &gather.state.vertex_rotation(vertex(e), 0); }, 4, x);
       in.vertex_rotation[end] = load_quaternion(x);
     }
-    lanes.load([&](int e) { return &gather.element_triad(gather.first_element + e, 0); }, 4, x);
+    lanes.load([&](int e) { return &gather.state.element_triad(gather.block.first_element + e, 0); }, 4, x);
     in.triad = load_quaternion(x);
-    lanes.load([&](int e) { return gather.interior_of(e); }, gather.layout.unknowns(), interior_);
-    lanes.load([&](int e) { return &gather.reference(e, 0); }, gather.reference_layout.size(), reference_);
+    lanes.load([&](int e) { return gather.state.interior.data() + gather.block.unknowns_at()(e); },
+               gather.block.interior.unknowns(), interior_);
+    lanes.load([&](int e) { return &gather.block.reference(e, 0); }, gather.block.reference_layout.size(), reference_);
     in.interior = interior_;
     in.reference = reference_;
-    if (gather.sections.extent(0) > 0) load_section(gather);
+    if (gather.structure.sections.extent(0) > 0) load_section(gather);
     if (gather.has_fields()) {
       const RowsInLanes<W> rows = lanes;
       load_fields(gather, rows, field_, fields);
@@ -116,10 +86,12 @@ struct ElementPack {
   Real field_[kLineFields][3 * kForcePoints];
 
   KOKKOS_FORCEINLINE_FUNCTION void load_section(const Gather& gather) {
-    const auto constants = [&](int e) -> const SectionConstants& { return gather.sections(gather.section(e)); };
+    const auto constants = [&](int e) -> const SectionConstants& {
+      return gather.structure.sections(gather.block.section(e));
+    };
     if constexpr (General) {
-      section.layout = {gather.layout.order, gather.layout.force_points};
-      lanes.load([&](int e) { return &gather.compliance(e, 0); }, section.layout.size(), compliance_);
+      section.layout = {gather.block.interior.order, gather.block.interior.force_points};
+      lanes.load([&](int e) { return &gather.block.compliance(e, 0); }, section.layout.size(), compliance_);
       section.compliance = compliance_;
       lanes.load([&](int e) { return &constants(e).force_stiffness_limit; }, 1, &section.force_stiffness_limit);
       lanes.load([&](int e) { return &constants(e).moment_stiffness_limit; }, 1, &section.moment_stiffness_limit);
@@ -133,13 +105,13 @@ struct ElementPack {
                                                                     ElementFields<Real>& fields) {
     for (int i = 0; i < kLineFields; ++i) {
       bool some_have_it = false;
-      for (const int e : rows.row) some_have_it = some_have_it || gather.field_row(e, i) >= 0;
+      for (const int e : rows.row) some_have_it = some_have_it || gather.block.field_row(e, i) >= 0;
       if (!some_have_it) continue;
       const auto values_of = [&](int e) {
-        const int row = gather.field_row(e, i);
-        return row < 0 ? kNoField : &gather.field_value(row, 0);
+        const int row = gather.block.field_row(e, i);
+        return row < 0 ? kNoField : &gather.block.field_value(row, 0);
       };
-      const int points = line_field_points(static_cast<LineField>(i), K, gather.layout.force_points);
+      const int points = line_field_points(static_cast<LineField>(i), K, gather.block.interior.force_points);
       rows.load(values_of, 3 * points, numbers[i]);
       fields.values[i] = numbers[i];
     }
@@ -154,20 +126,20 @@ struct ResidualLoop {
   KOKKOS_INLINE_FUNCTION void operator()(int number) const {
     using Real = Pack<W>;
     const ElementPack<K, General, W> pack(gather, number);
-    const ElementKinematics<K, Real> kinematics(pack.in, gather.layout);
+    const ElementKinematics<K, Real> kinematics(pack.in, gather.block.interior);
     ElementGradient<K, Real> gradient;
-    element_gradient(pack.in, kinematics, gather.tables, gather.layout, gather.reference_layout, pack.section,
-                     gradient);
+    element_gradient(pack.in, kinematics, gather.tables, gather.block.interior, gather.block.reference_layout,
+                     pack.section, gradient);
     if (gather.has_fields()) add_field_gradient(pack.fields, kinematics, gather.tables, gradient);
     Real interior_row[pack.kIncrements], vertex_row[12];
-    store_residual(gradient, kinematics, gather.layout, interior_row, vertex_row);
+    store_residual(gradient, kinematics, gather.block.interior, interior_row, vertex_row);
     if (to.scales_interior)
-      scale_interior_rows(gather.layout, to.interior_scales, kinematics.length, false, interior_row);
+      scale_interior_rows(gather.block.interior, to.interior_scales, kinematics.length, false, interior_row);
     const auto interior_of = [&](int e) { return &to.interior_residual(gather.increment_of(e)); };
-    pack.lanes.store(interior_row, 0, gather.layout.increments(), interior_of);
-    pack.lanes.store(vertex_row, 0, 12, [&](int e) { return &to.residual(gather.first_element + e, 0); });
+    pack.lanes.store(interior_row, 0, gather.block.interior.increments(), interior_of);
+    pack.lanes.store(vertex_row, 0, 12, [&](int e) { return &to.residual(gather.block.first_element + e, 0); });
     for (int lane = 0; lane < pack.lanes.active; ++lane)
-      to.largest_end_angle(gather.first_element + pack.lanes.row[lane]) = gradient.largest_end_angle[lane];
+      to.largest_end_angle(gather.block.first_element + pack.lanes.row[lane]) = gradient.largest_end_angle[lane];
   }
 };
 
@@ -193,15 +165,15 @@ struct TangentLoop {
 
   KOKKOS_INLINE_FUNCTION void operator()(int number) const {
     const Elements pack(gather, number);
-    const Kinematics kinematics(pack.in, gather.layout);
+    const Kinematics kinematics(pack.in, gather.block.interior);
     Condensed element;
     clear(element.gradient);
     if (!own_gradient())
       load_given_gradient(pack.lanes, kinematics, element.gradient);
     else if (gather.has_fields())
       add_field_gradient(pack.fields, kinematics, gather.tables, element.gradient);
-    element.build(gather.tables, gather.layout, gather.reference_layout, pack.in, kinematics, pack.section,
-                  own_gradient());
+    element.build(gather.tables, gather.block.interior, gather.block.reference_layout, pack.in, kinematics,
+                  pack.section, own_gradient());
     InteriorSigns signs[kCount];
     MeanRows<K> mean_rows[kCount];
     solve_in_lanes(element.system, element.response, element.condensed, counts() ? signs : nullptr);
@@ -215,7 +187,7 @@ struct TangentLoop {
     const auto store = [&](int first, int count, const Real* numbers) {
       pack.lanes.store(numbers, first, count, response_of);
     };
-    element.store_response(gather.tables, gather.layout, kinematics, pack.section, store);
+    element.store_response(gather.tables, gather.block.interior, kinematics, pack.section, store);
     store_condensed(pack.lanes, kinematics, element);
     if (!has_potential) {
       const Kinematics copy = kinematics;
@@ -226,9 +198,11 @@ struct TangentLoop {
  private:
   KOKKOS_INLINE_FUNCTION bool own_gradient() const { return given_rhs.extent(0) == 0; }
   KOKKOS_INLINE_FUNCTION bool counts() const { return to.interior_negative.extent(0) > 0; }
-  KOKKOS_INLINE_FUNCTION double* tangent_of(int e) const { return &to.condensed_tangent(gather.first_element + e, 0); }
+  KOKKOS_INLINE_FUNCTION double* tangent_of(int e) const {
+    return &to.condensed_tangent(gather.block.first_element + e, 0);
+  }
   KOKKOS_INLINE_FUNCTION double* residual_of(int e) const {
-    return &to.condensed_residual(gather.first_element + e, 0);
+    return &to.condensed_residual(gather.block.first_element + e, 0);
   }
   KOKKOS_INLINE_FUNCTION bool has_no_potential(int e) const {
     return gather.has_fields() && gather.fields(e).have_no_potential();
@@ -237,11 +211,11 @@ struct TangentLoop {
   KOKKOS_FORCEINLINE_FUNCTION void load_given_gradient(const RowsInLanes<W>& lanes, const Kinematics& kinematics,
                                                        ElementGradient<K, Real>& gradient) const {
     Real rhs[Elements::kIncrements];
-    lanes.load([&](int e) { return &given_rhs(gather.increment_of(e)); }, gather.layout.increments(), rhs);
-    add_given_gradient(rhs, kinematics, gather.layout, gradient);
+    lanes.load([&](int e) { return &given_rhs(gather.increment_of(e)); }, gather.block.interior.increments(), rhs);
+    add_given_gradient(rhs, kinematics, gather.block.interior, gradient);
   }
   KOKKOS_INLINE_FUNCTION void store_signs(int e, const InteriorSigns& signs) const {
-    to.interior_negative(gather.first_element + e) = signs.uncertain ? kUncertainCount : signs.negative;
+    to.interior_negative(gather.block.first_element + e) = signs.uncertain ? kUncertainCount : signs.negative;
   }
   KOKKOS_FORCEINLINE_FUNCTION void store_condensed(const RowsInLanes<W>& lanes, const Kinematics& kinematics,
                                                    const Condensed& element) const {
@@ -317,14 +291,14 @@ struct RecoverLoop {
   KOKKOS_INLINE_FUNCTION void operator()(int number) const {
     using Elements = ElementPack<K, General, W>;
     const Elements pack(gather, number);
-    const ElementKinematics<K, Real> kinematics(pack.in, gather.layout);
+    const ElementKinematics<K, Real> kinematics(pack.in, gather.block.interior);
     Real ends[2][6], out[Elements::kIncrements];
     for (int end = 0; end < 2; ++end)
-      pack.lanes.load([&](int e) { return &vertex_increment(gather.vertices(e, end), 0); }, 6, ends[end]);
+      pack.lanes.load([&](int e) { return &vertex_increment(gather.block.vertices(e, end), 0); }, 6, ends[end]);
     ReducedIncrement<K, Real> d(kinematics, ends[0], ends[1]);
     const auto response_of = [&](int e) { return response.data() + gather.response_of(e); };
     if constexpr (General) {
-      for (int r = 0; r < gather.layout.increments(); ++r) {
+      for (int r = 0; r < gather.block.interior.increments(); ++r) {
         Real row[kResponseColumns];
         pack.lanes.load([&](int e) { return response_of(e) + r * kResponseColumns; }, kResponseColumns, row);
         out[r] = d.respond_in_row(row);
@@ -332,9 +306,11 @@ struct RecoverLoop {
     } else {
       Real kept[ResponseLayout{K, Elements::kForcePoints}.size()];
       pack.lanes.load(response_of, gather.response_size, kept);
-      recover_element(pack.in, kinematics, gather.tables, gather.layout, gather.reference_layout, d, kept, out);
+      recover_element(pack.in, kinematics, gather.tables, gather.block.interior, gather.block.reference_layout, d, kept,
+                      out);
     }
-    pack.lanes.store(out, 0, gather.layout.increments(), [&](int e) { return &increment(gather.increment_of(e)); });
+    pack.lanes.store(out, 0, gather.block.interior.increments(),
+                     [&](int e) { return &increment(gather.increment_of(e)); });
   }
 };
 
