@@ -136,7 +136,7 @@ TEST_F(SideBySide, FilesPrintsSummaryAndCodeAreThoseOfOneAfterAnother) {
 }
 
 TEST_F(SideBySide, AFailureIsToldAsOneAfterAnother) {
-  write_text(folder_ / "scene.yaml", scene_of(2, "{0, 1e200, 0}"));
+  write_text(folder_ / "scene.yaml", scene_of(2, "[0, 1e200, 0]"));
   const Ended in_turn = run("turn", 1), ended = run("jobs", 2);
   EXPECT_EQ(in_turn.exit_code, kNoConvergence);
   EXPECT_EQ(ended.exit_code, kNoConvergence);
