@@ -1,9 +1,9 @@
 #include "discretization/checks/survey.hpp"
 
 #include "discretization/geometry/point_grid.hpp"
-#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,11 @@
 #include "discretization/checks/survey.hpp"
-#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/mesh/reference_element.hpp"
 #include "discretization/scene/division.hpp"
 #include "discretization/scene/formula_pieces.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -219,8 +219,7 @@ void add_load_warnings(const SceneSurvey& survey, WarningList& list) {
   const StiffnessRange stiffness = stiffness_range(survey);
   warn_of_large(found, stiffness, survey.size, list);
   warn_of_narrow_formulas(survey, list);
-  const bool is_moved =
-      !scene.eigenstrains.empty() || std::any_of(scene.supports.begin(), scene.supports.end(), prescribes_motion);
+  const bool is_moved = imposes_deformation(scene);
   if (found.forces.empty() && !is_moved)
     list.add("scenes", "nothing acts: no loads, eigenstrains or prescribed motions");
   if (!is_moved) warn_of_small(found, stiffness, list);

@@ -1,11 +1,11 @@
 #include "discretization/checks/mechanism.hpp"
 
 #include "discretization/checks/rigid_parts.hpp"
-#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/parameters/spec.hpp"
 #include "discretization/scene/joined_ends.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <algorithm>
 #include <array>

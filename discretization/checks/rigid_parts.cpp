@@ -1,8 +1,8 @@
 #include "discretization/checks/rigid_parts.hpp"
 
-#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/mesh/mesh.hpp"
 #include "discretization/text/member_error.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <algorithm>
 #include <numeric>

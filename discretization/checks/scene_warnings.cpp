@@ -1,10 +1,11 @@
 #include "discretization/checks/scene_warnings.hpp"
 
 #include "discretization/checks/survey.hpp"
-#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/scene/amplitude.hpp"
+#include "discretization/scene/what_acts.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -214,10 +215,7 @@ void add_unused_warnings(const Scene& scene, WarningList& list) {
                warned_place("Points", point.name) +
                    "imported, but no member starts, ends or passes there; usually members are missing");
   std::set<std::string> cases;
-  for (const PointLoad& load : scene.point_loads) cases.insert(load.load_case);
-  for (const DistributedLoad& load : scene.distributed_loads) cases.insert(load.load_case);
-  for (const Eigenstrain& strain : scene.eigenstrains) cases.insert(strain.load_case);
-  for (const Support& support : scene.supports) cases.insert(support.load_case);
+  for_each_acting(scene, [&](const auto& load, auto) { cases.insert(load.load_case); });
   for (const std::string& name : scene.load_cases)
     if (cases.count(name) == 0)
       list.add("load cases without loads",
@@ -237,10 +235,7 @@ std::vector<std::string> warnings(const Scene& scene) {
   add_geometry_warnings(survey, list);
   add_load_warnings(survey, list);
   add_range_warning(survey, list);
-  add_amplitude_warnings(scene.point_loads, "Point Loads", list);
-  add_amplitude_warnings(scene.distributed_loads, "Distributed Loads", list);
-  add_amplitude_warnings(scene.eigenstrains, "Eigenstrains", list);
-  add_amplitude_warnings(scene.supports, "Supports", list);
+  for_each_kind([&](auto kind) { add_amplitude_warnings(scene.*kind.list, kind.name, list); });
   add_unused_warnings(scene, list);
   return list.finished();
 }

@@ -222,14 +222,9 @@ double Amplitude::slope(double load_factor) const {
 
 LoadClock::LoadClock(const Scene& scene) : stages_(scene.stages) {
   std::set<std::pair<Stage, std::string>> different;
-  const auto add = [&](const auto& all) {
-    for (const auto& acting : all) different.insert({acting.stage, acting.amplitude});
-  };
-  add(scene.point_loads);
-  add(scene.distributed_loads);
-  add(scene.eigenstrains);
-  for (const Support& support : scene.supports)
-    if (prescribes_motion(support)) different.insert({support.stage, support.amplitude});
+  for_each_acting(scene, [&](const auto& load, auto kind) {
+    if (kind.acts(load)) different.insert({load.stage, load.amplitude});
+  });
   if (std::all_of(different.begin(), different.end(), [](const auto& d) { return d.second.empty(); })) return;
   std::vector<LoadTurn> all;
   for (const auto& [stage, formula] : different) {

@@ -3,6 +3,7 @@
 #include "discretization/geometry/polynomial_curve.hpp"
 #include "discretization/scene/names.hpp"
 #include "discretization/scene/section_law.hpp"
+#include "discretization/scene/what_acts.hpp"
 #include "discretization/text/expression.hpp"
 #include "discretization/text/number_text.hpp"
 #include "kernels/element/layout.hpp"
@@ -290,12 +291,12 @@ std::vector<FormulaAlong> formulas_along(const Scene& scene, const std::function
       all.push_back({m, list, formula[i], range, pieces.component[i], value});
     }
   };
-  for (const DistributedLoad& load : scene.distributed_loads)
-    for (const auto* formula : {&load.force_formula, &load.couple_formula})
-      add("Distributed Loads", load.member, *formula, load.range);
-  for (const Eigenstrain& strain : scene.eigenstrains)
-    for (const auto* formula : {&strain.strain_formula, &strain.curvature_formula})
-      add("Eigenstrains", strain.member, *formula, {0.0, 1.0});
+  for_each_acting(scene, [&](const auto& load, auto kind) {
+    if constexpr (kind.along_member)
+      kind.for_each_vector(load, [&](const Vector3&, const Formulas* formula, VectorRole) {
+        add(kind.name, load.*kind.target, *formula, kind.range(load));
+      });
+  });
   for (size_t m = 0; m < scene.members.size(); ++m) {
     const Member& member = scene.members[m];
     if (!wanted(member)) continue;

@@ -1,8 +1,8 @@
 /// Bounds of the numbers in a scene.
 #pragma once
 
-#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/parameters/spec.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <string>
 

@@ -1,8 +1,8 @@
 #include "discretization/scene/load_cases.hpp"
 
-#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <algorithm>
 #include <map>
@@ -34,49 +34,40 @@ class Factors {
 };
 
 void scale(double factor, Vector3& vector) { vector = vector_algebra::scaled(factor, vector); }
-void scale(double factor, std::array<std::string, 3>& formula) {
+void scale(double factor, Formulas& formula) {
   for (std::string& component : formula)
     if (!component.empty()) component = shortest(factor) + " * (" + component + ")";
 }
-void scale(double factor, PointLoad& load) {
-  scale(factor, load.force);
-  scale(factor, load.moment);
+
+template <class Load>
+void scale(double factor, Load& load) {
+  if (factor == 1.0) return;
+  ActingKind<Load>::for_each_vector(load, [factor](Vector3& vector, Formulas* formula, VectorRole) {
+    scale(factor, vector);
+    if (formula != nullptr) scale(factor, *formula);
+  });
 }
-void scale(double factor, DistributedLoad& load) {
-  scale(factor, load.force);
-  scale(factor, load.couple);
-  scale(factor, load.force_formula);
-  scale(factor, load.couple_formula);
-}
-void scale(double factor, Eigenstrain& strain) {
-  scale(factor, strain.strain);
-  scale(factor, strain.curvature);
-  scale(factor, strain.strain_formula);
-  scale(factor, strain.curvature_formula);
+
+/// What stays although it does not act.
+template <class Load>
+void hold_still(Load& load) {
+  ActingKind<Load>::for_each_vector(load, [](Vector3& vector, Formulas*, VectorRole) { vector = {}; });
+  load.amplitude.clear();
+  load.stage = 1;
 }
 
 /// Drops what does not act; what stays acts unconditionally.
-template <typename Load>
+template <class Load>
 void keep_acting(std::vector<Load>& loads, const Factors& factors) {
   const auto is_out = [&](const Load& load) { return !factors.of(load.load_case, load.stage); };
-  loads.erase(std::remove_if(loads.begin(), loads.end(), is_out), loads.end());
+  if (!ActingKind<Load>::stays) loads.erase(std::remove_if(loads.begin(), loads.end(), is_out), loads.end());
   for (Load& load : loads) {
-    if (const double factor = *factors.of(load.load_case, load.stage); factor != 1.0) scale(factor, load);
+    if (const auto factor = factors.of(load.load_case, load.stage))
+      scale(*factor, load);
+    else
+      hold_still(load);
     load.load_case.clear();
   }
-}
-
-void hold_still(Support& support) {
-  support.prescribed_displacement = {};
-  support.prescribed_rotation = {};
-  support.amplitude.clear();
-  support.stage = 1;
-}
-
-template <typename Load>
-int largest_stage(const std::vector<Load>& loads, int largest) {
-  for (const Load& load : loads) largest = std::max(largest, load.stage);
-  return largest;
 }
 
 }  // namespace
@@ -97,34 +88,18 @@ Scene scene_of_case(const Scene& scene, const std::string& name) {
   for (const Combination& combination : scene.combinations)
     if (combination.name == name) factors = Factors(combination);
   Scene one = scene;
-  keep_acting(one.point_loads, factors);
-  keep_acting(one.distributed_loads, factors);
-  keep_acting(one.eigenstrains, factors);
-  for (Support& support : one.supports) {
-    const std::optional<double> factor = factors.of(support.load_case, support.stage);
-    if (!factor) hold_still(support);
-    scale(factor.value_or(1.0), support.prescribed_displacement);
-    scale(factor.value_or(1.0), support.prescribed_rotation);
-    support.load_case.clear();
-  }
+  for_each_kind([&](auto kind) { keep_acting(one.*kind.list, factors); });
   one.load_cases.clear();
   one.combinations.clear();
   one.stages = stages_in_use(one);
   return one;
 }
 
-bool prescribes_motion(const Support& support) {
-  return !vector_algebra::is_zero(support.prescribed_displacement) ||
-         !vector_algebra::is_zero(support.prescribed_rotation);
-}
-
 int stages_in_use(const Scene& scene) {
-  int largest = largest_stage(scene.point_loads, 1);
-  largest = largest_stage(scene.distributed_loads, largest);
-  largest = largest_stage(scene.eigenstrains, largest);
-  for (const Support& support : scene.supports) {
-    if (prescribes_motion(support)) largest = std::max(largest, support.stage);
-  }
+  int largest = 1;
+  for_each_acting(scene, [&](const auto& load, auto kind) {
+    if (kind.acts(load)) largest = std::max(largest, load.stage);
+  });
   return largest;
 }
 

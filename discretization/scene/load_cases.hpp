@@ -1,7 +1,7 @@
 /// Load cases and their combinations: alternatives that are solved one by one.
 #pragma once
 
-#include "discretization/scene/scene.hpp"
+#include "discretization/scene/what_acts.hpp"
 
 namespace mixbeam {
 
@@ -15,7 +15,7 @@ std::vector<std::string> alternatives(const Scene& scene);
 Scene scene_of_case(const Scene& scene, const std::string& name);
 
 /// Whether a support moves, as opposed to holding still.
-bool prescribes_motion(const Support& support);
+inline bool prescribes_motion(const Support& support) { return ActingKind<Support>::acts(support); }
 
 /// Largest stage of any load, eigenstrain or prescribed motion, at least 1.
 int stages_in_use(const Scene& scene);

@@ -1,5 +1,7 @@
 #include "discretization/scene/merged_scene.hpp"
 
+#include "discretization/scene/what_acts.hpp"
+
 namespace mixbeam {
 
 namespace {
@@ -13,13 +15,11 @@ class PartOfScene {
     append(merged_.sections, scene.sections, [this](Section& s) { rename(s.name); });
     append(merged_.points, scene.points, [this](Point& p) { rename(p.name); });
     append(merged_.members, scene.members, [this](Member& m) { rename_member(m); });
-    append(merged_.supports, scene.supports, [this](Support& s) { rename(s.point); });
-    append(merged_.point_loads, scene.point_loads, [this](PointLoad& load) {
-      rename(load.point);
-      rename(load.member);
+    for_each_kind([&](auto kind) {
+      append(merged_.*kind.list, scene.*kind.list, [&](auto& load) { rename(load.*kind.target); });
     });
-    append(merged_.distributed_loads, scene.distributed_loads, [this](DistributedLoad& load) { rename(load.member); });
-    append(merged_.eigenstrains, scene.eigenstrains, [this](Eigenstrain& strain) { rename(strain.member); });
+    for (auto load = merged_.point_loads.end() - scene.point_loads.size(); load != merged_.point_loads.end(); ++load)
+      rename(load->member);
     append(merged_.joints, scene.joints, [this](Joint& joint) {
       rename(joint.name);
       rename(joint.point);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "kernels/element/force_integration.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <array>
 #include <optional>
@@ -12,7 +13,6 @@
 
 namespace mixbeam {
 
-using Vector3 = std::array<double, 3>;
 using Matrix6 = std::array<std::array<double, 6>, 6>;
 
 enum class SectionShapeKind { circle, tube, rectangle, ellipse, i_section, box };

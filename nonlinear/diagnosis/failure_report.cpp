@@ -1,6 +1,7 @@
 #include "nonlinear/diagnosis/failure_report.hpp"
 
 #include "discretization/constraints/swing.hpp"
+#include "discretization/scene/what_acts.hpp"
 #include "kernels/math/constants.hpp"
 #include "nonlinear/linear/condition_estimate.hpp"
 #include "nonlinear/stability/stability.hpp"
@@ -199,13 +200,6 @@ FailureCause cause_of(const FailureReport& report, const Model& model, const Pat
 }
 
 }  // namespace
-
-bool imposes_deformation(const Scene& scene) {
-  const auto moves = [](const Support& support) {
-    return support.prescribed_displacement != Vector3{} || support.prescribed_rotation != Vector3{};
-  };
-  return !scene.eigenstrains.empty() || std::any_of(scene.supports.begin(), scene.supports.end(), moves);
-}
 
 FailureReport report_failure(BeamProblem& problem, const SolverParameters& parameters, const PathEnd& end) {
   FailureReport report;

@@ -111,9 +111,6 @@ struct PathEnd {
   bool steps_used_up = false;
 };
 
-/// Whether a scene prescribes motions or strains, which members may be too stiff to take on.
-bool imposes_deformation(const Scene& scene);
-
 /// From the attempts that `problem` has kept, and from the equations at the last equilibrium. Collective; throws
 /// nothing: what cannot be found out is said to be unknown.
 FailureReport report_failure(BeamProblem& problem, const SolverParameters& parameters, const PathEnd& end);

@@ -1,7 +1,8 @@
 // The failure report as a page in plain words.
-#include "discretization/geometry/vector_algebra.hpp"
+#include "discretization/scene/what_acts.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
+#include "kernels/math/vector_algebra.hpp"
 #include "nonlinear/diagnosis/failure_report.hpp"
 #include "nonlinear/diagnosis/limp_members.hpp"
 

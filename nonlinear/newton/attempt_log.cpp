@@ -1,5 +1,6 @@
 #include "nonlinear/newton/attempt_log.hpp"
 
+#include "discretization/scene/what_acts.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 #include "nonlinear/newton/beam_group.hpp"
@@ -22,27 +23,16 @@ std::string short_text(double value) {
 
 bool all_finite(const Vector3& v) { return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]); }
 
-template <class Acting>
-bool is_finite_at(const Acting& acting, int stages, double load_factor) {
-  return std::isfinite(Amplitude(acting.stage, stages, acting.amplitude)(load_factor));
-}
-
 /// Loads and prescribed motions know nothing of the iteration: what is wrong with them is wrong from the start.
 std::string load_not_finite(const Scene& scene, double load_factor) {
-  for (const PointLoad& load : scene.point_loads)
-    if (!is_finite_at(load, scene.stages, load_factor) || !all_finite(load.force) || !all_finite(load.moment))
-      return "the load at point \"" + excerpt(load.point) + "\"";
-  for (const Support& support : scene.supports)
-    if (!is_finite_at(support, scene.stages, load_factor) || !all_finite(support.prescribed_displacement) ||
-        !all_finite(support.prescribed_rotation))
-      return "the prescribed motion of point \"" + excerpt(support.point) + "\"";
-  for (const DistributedLoad& load : scene.distributed_loads)
-    if (!is_finite_at(load, scene.stages, load_factor))
-      return "the line load on member \"" + excerpt(load.member) + "\"";
-  for (const Eigenstrain& strain : scene.eigenstrains)
-    if (!is_finite_at(strain, scene.stages, load_factor))
-      return "the eigenstrain of member \"" + excerpt(strain.member) + "\"";
-  return {};
+  std::string found;
+  for_each_acting(scene, [&](const auto& load, auto kind) {
+    bool is_finite = std::isfinite(Amplitude(load.stage, scene.stages, load.amplitude)(load_factor));
+    kind.for_each_vector(
+        load, [&](const Vector3& v, const Formulas*, VectorRole) { is_finite = is_finite && all_finite(v); });
+    if (!is_finite && found.empty()) found = std::string(kind.words) + " \"" + excerpt(load.*kind.target) + "\"";
+  });
+  return found;
 }
 
 NotFinite origin_of(const BeamGroup& group, const BeamGroup* previous, int iteration) {

@@ -88,10 +88,7 @@ void require_loads(const Scene& scene, const ParameterSource& source, const Para
   std::vector<std::string> cases = alternatives(scene);
   if (cases.empty()) cases.emplace_back();
   for (const std::string& name : cases) {
-    const Scene one = scene_of_case(scene, name);
-    const bool acts = !one.point_loads.empty() || !one.distributed_loads.empty() || !one.eigenstrains.empty() ||
-                      std::any_of(one.supports.begin(), one.supports.end(), prescribes_motion);
-    if (!acts)
+    if (!anything_acts(scene_of_case(scene, name)))
       throw source.error(path,
                          "given, but nothing acts" + (name.empty() ? "" : " in \"" + name + "\"") +
                              "; allowed: with loads, whose factor is then found (a force at the point, say), or " +

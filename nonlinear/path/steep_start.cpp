@@ -2,6 +2,7 @@
 
 #include "discretization/mesh/element_view.hpp"
 #include "discretization/scene/section_law.hpp"
+#include "discretization/scene/what_acts.hpp"
 #include "discretization/state/difference.hpp"
 #include "nonlinear/diagnosis/limp_members.hpp"
 #include "nonlinear/linear/linear_solver.hpp"

@@ -4,6 +4,7 @@
 #include "discretization/mesh/structure.hpp"
 #include "discretization/scene/joined_ends.hpp"
 #include "discretization/scene/section_law.hpp"
+#include "discretization/scene/what_acts.hpp"
 #include "discretization/state/sampling.hpp"
 #include "kernels/chains/level.hpp"
 #include "nonlinear/accuracy/error_estimate.hpp"
@@ -190,10 +191,10 @@ double bytes_of(const Scene& scene) {
   double numbers = 0.0;
   for (const Member& member : scene.members) numbers += static_cast<double>(member.stations.size());
   const auto bytes = [](const auto& list) { return static_cast<double>(list.size() * sizeof(list[0])); };
-  return sizeof(double) * numbers +
-         kAllocations * (sizeof scene + bytes(scene.sections) + bytes(scene.points) + bytes(scene.members) +
-                         bytes(scene.supports) + bytes(scene.point_loads) + bytes(scene.distributed_loads) +
-                         bytes(scene.joints) + bytes(scene.eigenstrains));
+  double acting = 0.0;
+  for_each_kind([&](auto kind) { acting += bytes(scene.*kind.list); });
+  return sizeof(double) * numbers + kAllocations * (sizeof scene + bytes(scene.sections) + bytes(scene.points) +
+                                                    bytes(scene.members) + bytes(scene.joints) + acting);
 }
 
 Scene coarse_scene(const Scene& scene, long long most) {

@@ -1,9 +1,10 @@
 /// The part of ConditionReader that lets what acts go with the copies of patterns.
 
-#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/reading/conditions/condition_reader.hpp"
+#include "discretization/scene/what_acts.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <algorithm>
 
@@ -11,7 +12,6 @@ namespace mixbeam {
 namespace {
 
 using namespace vector_algebra;
-using Formulas = std::array<std::string, 3>;
 
 /// Components in the triad of a mirrored section, whose axis 3 is the opposite of the image of axis 3: of vectors, and
 /// of axial ones (moments, curvatures).
@@ -39,26 +39,19 @@ void turn_field(const Turn& turn, Vector3& constant, Formulas& formula) {
   formula = turned;
 }
 
-/// Maps of vectors and of axial vectors: in space, or in the triads of members.
-struct Turns {
-  const Isometry& motion;
-  bool in_triad = false;
-
-  Vector3 vector(const Vector3& v) const {
-    if (!in_triad) return motion.direction(v);
-    return motion.mirrors() ? product(kMirroredVector, v) : v;
-  }
-  Vector3 axial(const Vector3& v) const {
-    if (!in_triad) return motion.turning_axis(v);
-    return motion.mirrors() ? product(kMirroredAxial, v) : v;
-  }
-  void vector(Vector3& constant, Formulas& formula) const {
-    turn_field([this](const Vector3& v) { return vector(v); }, constant, formula);
-  }
-  void axial(Vector3& constant, Formulas& formula) const {
-    turn_field([this](const Vector3& v) { return axial(v); }, constant, formula);
-  }
-};
+/// The vectors of a load: in space, or in the triads of members.
+template <class Load>
+void turn(const Isometry& motion, Load& load) {
+  const bool in_triad = ActingKind<Load>::is_in_triad(load);
+  ActingKind<Load>::for_each_vector(load, [&](Vector3& constant, Formulas* formula, VectorRole role) {
+    const auto image = [&](const Vector3& v) {
+      if (!in_triad) return is_axial(role) ? motion.turning_axis(v) : motion.direction(v);
+      return motion.mirrors() ? product(is_axial(role) ? kMirroredAxial : kMirroredVector, v) : v;
+    };
+    Formulas none;
+    turn_field(image, constant, formula != nullptr ? *formula : none);
+  });
+}
 
 /// Its axes go with it, right-handed; a clamp or ball without springs and motion is the same along any axes.
 void turn(const Isometry& motion, Support& support) {
@@ -71,26 +64,7 @@ void turn(const Isometry& motion, Support& support) {
   for (Vector3& axis : support.axes) axis = motion.direction(axis);
   if (!motion.mirrors()) return;
   support.axes[2] = scaled(-1.0, support.axes[2]);
-  support.prescribed_displacement = product(kMirroredVector, support.prescribed_displacement);
-  support.prescribed_rotation = product(kMirroredAxial, support.prescribed_rotation);
-}
-
-void turn(const Isometry& motion, PointLoad& load) {
-  const Turns turns{motion, load.frame == LoadFrame::follower};
-  load.force = turns.vector(load.force);
-  load.moment = turns.axial(load.moment);
-}
-
-void turn(const Isometry& motion, DistributedLoad& load) {
-  const Turns turns{motion, load.frame == LoadFrame::follower};
-  turns.vector(load.force, load.force_formula);
-  turns.axial(load.couple, load.couple_formula);
-}
-
-void turn(const Isometry& motion, Eigenstrain& strain) {
-  const Turns turns{motion, true};
-  turns.vector(strain.strain, strain.strain_formula);
-  turns.axial(strain.curvature, strain.curvature_formula);
+  turn<Support>(motion, support);
 }
 
 }  // namespace

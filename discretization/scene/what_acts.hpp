@@ -1,0 +1,130 @@
+/// Everything that acts on a structure, kind by kind. What scales, turns, copies, renames, checks or counts loads
+/// visits the kinds here, so that a new one needs its struct and list (scene.hpp), its description here, how it is read
+/// (reading/conditions), its terms in the equations and its picture (state/acting.cpp).
+#pragma once
+
+#include "discretization/scene/scene.hpp"
+
+#include <type_traits>
+
+namespace mixbeam {
+
+using Formulas = std::array<std::string, 3>;  ///< of components, of s and x along a member; empty: constants
+
+/// What a vector is; those that belong to rotations keep their sign where a reflection turns it, and the other way
+/// around.
+enum class VectorRole { force, moment, displacement, rotation, strain, curvature };
+constexpr bool is_axial(VectorRole role) {
+  return role == VectorRole::moment || role == VectorRole::rotation || role == VectorRole::curvature;
+}
+
+/// In place of formulas.
+template <class Load>
+inline constexpr std::conditional_t<std::is_const_v<Load>, const Formulas*, Formulas*> kConstant = nullptr;
+
+/// One kind: its list in the scene and the name of that list, words for messages, the point or member that it acts on,
+/// whether it acts along a member, whether it deforms the structure without a force, whether it stays in a scene where
+/// it does not act. Then of one load: its vectors, visit(vector, formulas or null, role); whether its components are in
+/// a triad that turns with the structure; along a member, from which to which relative arc length; and whether it acts.
+template <class Load>
+struct ActingKind;
+
+/// Answers of most kinds.
+template <class Load>
+struct UsualKind {
+  static constexpr bool along_member = false, deforms = false, stays = false;
+  static bool is_in_triad(const Load& load) { return load.frame == LoadFrame::follower; }
+  static bool acts(const Load&) { return true; }
+};
+
+template <>
+struct ActingKind<PointLoad> : UsualKind<PointLoad> {
+  static constexpr auto list = &Scene::point_loads;
+  static constexpr const char *name = "Point Loads", *words = "the load at point";
+  static constexpr auto target = &PointLoad::point;
+  template <class Load, class Visit>
+  static void for_each_vector(Load& load, const Visit& visit) {
+    visit(load.force, kConstant<Load>, VectorRole::force);
+    visit(load.moment, kConstant<Load>, VectorRole::moment);
+  }
+};
+
+template <>
+struct ActingKind<DistributedLoad> : UsualKind<DistributedLoad> {
+  static constexpr auto list = &Scene::distributed_loads;
+  static constexpr const char *name = "Distributed Loads", *words = "the line load on member";
+  static constexpr auto target = &DistributedLoad::member;
+  static constexpr bool along_member = true;
+  template <class Load, class Visit>
+  static void for_each_vector(Load& load, const Visit& visit) {
+    visit(load.force, &load.force_formula, VectorRole::force);
+    visit(load.couple, &load.couple_formula, VectorRole::moment);
+  }
+  static std::array<double, 2> range(const DistributedLoad& load) { return load.range; }
+};
+
+template <>
+struct ActingKind<Eigenstrain> : UsualKind<Eigenstrain> {
+  static constexpr auto list = &Scene::eigenstrains;
+  static constexpr const char *name = "Eigenstrains", *words = "the eigenstrain of member";
+  static constexpr auto target = &Eigenstrain::member;
+  static constexpr bool along_member = true, deforms = true;
+  template <class Load, class Visit>
+  static void for_each_vector(Load& load, const Visit& visit) {
+    visit(load.strain, &load.strain_formula, VectorRole::strain);
+    visit(load.curvature, &load.curvature_formula, VectorRole::curvature);
+  }
+  static bool is_in_triad(const Eigenstrain&) { return true; }
+  static std::array<double, 2> range(const Eigenstrain&) { return {0.0, 1.0}; }
+};
+
+/// The prescribed motions of a support, along its axes.
+template <>
+struct ActingKind<Support> : UsualKind<Support> {
+  static constexpr auto list = &Scene::supports;
+  static constexpr const char *name = "Supports", *words = "the prescribed motion of point";
+  static constexpr auto target = &Support::point;
+  static constexpr bool deforms = true, stays = true;
+  template <class Load, class Visit>
+  static void for_each_vector(Load& support, const Visit& visit) {
+    visit(support.prescribed_displacement, kConstant<Load>, VectorRole::displacement);
+    visit(support.prescribed_rotation, kConstant<Load>, VectorRole::rotation);
+  }
+  static bool is_in_triad(const Support&) { return true; }
+  static bool acts(const Support& support) {
+    return !vector_algebra::is_zero(support.prescribed_displacement) ||
+           !vector_algebra::is_zero(support.prescribed_rotation);
+  }
+};
+
+/// Calls visit(kind) for each of them.
+template <class Visit>
+void for_each_kind(const Visit& visit) {
+  visit(ActingKind<PointLoad>{});
+  visit(ActingKind<DistributedLoad>{});
+  visit(ActingKind<Eigenstrain>{});
+  visit(ActingKind<Support>{});
+}
+
+/// Calls visit(load, its kind) for each load, strain and support of a scene.
+template <class AnyScene, class Visit>
+void for_each_acting(AnyScene& scene, const Visit& visit) {
+  for_each_kind([&](auto kind) {
+    for (auto& load : scene.*kind.list) visit(load, kind);
+  });
+}
+
+/// Whether anything acts on a scene.
+inline bool anything_acts(const Scene& scene) {
+  bool acts = false;
+  for_each_acting(scene, [&](const auto& load, auto kind) { acts = acts || kind.acts(load); });
+  return acts;
+}
+/// Whether anything deforms the structure that is no force: strains, prescribed motions.
+inline bool imposes_deformation(const Scene& scene) {
+  bool deforms = false;
+  for_each_acting(scene, [&](const auto& load, auto kind) { deforms = deforms || (kind.deforms && kind.acts(load)); });
+  return deforms;
+}
+
+}  // namespace mixbeam
