@@ -2,6 +2,7 @@
 #include "apps/common/run/expected_quantity.hpp"
 #include "apps/common/run/value_errors.hpp"
 #include "apps/python/arrays.hpp"
+#include "discretization/state/record_fields.hpp"
 #include "discretization/text/result_names.hpp"
 
 #include <array>
@@ -118,6 +119,19 @@ py::dict state_of(const SolvedRun& run, int step) {
   return arrays;
 }
 
+/// Every field of a record that is known; fields at samples are moved.
+template <class Record>
+py::dict dict_of(Record& record) {
+  py::dict dict;
+  visit_fields(record, [&](const auto& field, auto& value) {
+    if constexpr (kIsAtSamples<decltype(value)>)
+      dict[field.name] = numbers(std::move(value));
+    else if (field.kept == Kept::always || is_known_value(value))
+      dict[field.name] = value;
+  });
+  return dict;
+}
+
 py::list critical_points_of(const SolvedRun& run, int step) {
   std::vector<RecordedCriticalPoint> points = in_turn([&] {
     const KeptStep& kept = run.step(step);
@@ -125,32 +139,14 @@ py::list critical_points_of(const SolvedRun& run, int step) {
     return run.at(step).record(kept.report, kPointsByOrder, {}).critical_points;
   });
   py::list result;
-  for (RecordedCriticalPoint& point : points) {
-    py::dict one;
-    one["kind"] = point.kind;
-    one["load_factor"] = point.load_factor;
-    one["load_factor_error"] = point.load_factor_error;
-    one["negative_before"] = point.negative_before;
-    one["negative_after"] = point.negative_after;
-    one["modes"] = point.modes;
-    one["position"] = numbers(std::move(point.position));
-    one["displacement"] = numbers(std::move(point.displacement));
-    one["mode"] = numbers(std::move(point.mode));
-    result.append(one);
-  }
+  for (RecordedCriticalPoint& point : points) result.append(dict_of(point));
   return result;
 }
 
 py::list buckling_modes_of(const SolvedRun& run, int count) {
   py::list result;
-  for (RecordedBucklingMode& mode : in_turn([&] { return run.at(0).buckling_modes(count, kPointsByOrder); })) {
-    py::dict one;
-    one["load_factor"] = mode.load_factor;
-    one["residual"] = mode.residual;
-    one["confirmed"] = mode.confirmed;
-    one["mode"] = numbers(std::move(mode.mode));
-    result.append(one);
-  }
+  for (RecordedBucklingMode& mode : in_turn([&] { return run.at(0).buckling_modes(count, kPointsByOrder); }))
+    result.append(dict_of(mode));
   return result;
 }
 

@@ -197,6 +197,17 @@ void write_supports(hid_t file, const std::vector<RecordedReaction>& reactions) 
     hdf5::write_attribute(hdf5::create_group(supports, std::to_string(i)), "point", reactions[i].point);
 }
 
+void write_acting(hid_t file, const Acting& acting) {
+  const auto group = hdf5::create_group(file, "acting");
+  if (!acting.units.empty()) hdf5::write_attribute(group, "units", acting.units);
+  for (const ActingTable& table : acting.tables) {
+    const auto columns = hdf5::create_group(group, table.name);
+    for (const auto& [column, text] : table.lines) hdf5::write_text(columns, column, text);
+    for (const auto& [column, values] : table.numbers)
+      hdf5::write_dataset(columns, column, values, values.size() / table.rows);
+  }
+}
+
 std::vector<MonitoredSeries> read_monitor(hid_t file) {
   const auto group = hdf5::open_group(file, "monitor");
   std::vector<MonitoredSeries> all;

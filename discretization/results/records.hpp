@@ -1,5 +1,5 @@
 /// The layout of a result file: every group, attribute and small dataset, written and read side by side. The large
-/// datasets are in result_tables.hpp. What the names mean: result_file.hpp.
+/// datasets are in result_tables.hpp. What the names mean: apps/docs/results.md.
 #pragma once
 
 #include "discretization/results/hdf5_writer.hpp"

@@ -1,56 +1,6 @@
 /// The result file of a run: HDF5 for programs, with an XDMF description beside it for ParaView and VisIt.
 ///
-/// Layout (doubles are little-endian IEEE; n is the number of samples of all members together):
-///
-///     /                         attributes format, format_version, scene_name
-///     /scene, /version          the input XML and the program's version, as text
-///     /imported/0, 1, ...       files that the input names: attribute name, dataset text
-///     /properties               attributes: compiler, threads, ... as the caller names them
-///     /quantities               names of the columns of /monitor/quantities, one to a line; only where the scene asks
-///                               for quantities
-///     /quantity_units           of these columns, empty where there is none; only where the scene names units
-///     /members                  names, first_sample, samples, points_per_element, order, elements (members);
-///                               arc_length, element (n), reference_position (n,3). Before format 4 a group for each:
-///                               /members/<name> with these numbers and index as attributes
-///     /supports/0, 1, ...       attribute point
-///     /acting                   attribute units, where the scene names them; tables of all that acts, by columns, text
-///                               with a line for each row. place: (member, arc length); begins: load factor, NaN for
-///                               an amplitude; follower: 1 where components are in a triad
-///     /acting/supports          point, place, position, axes (.,9), fixed, stiffness, prescribed (.,6: displacement,
-///                               rotation, along the axes), begins: of prescribed motions
-///     /acting/joints            name, point, kind, place (on the member joined), position, axis, stiffness
-///     /acting/point_loads       point, place, position, force, moment, follower, begins
-///     /acting/line_loads        member, force, couple (.,27: at 9 places from start to end), follower, begins
-///     /acting/eigenstrains      member, strain, curvature (.,27: likewise), begins
-///     /polyline/connectivity    XDMF mixed topology: for each member 2, its number of samples, their numbers
-///     /steps/000001             attributes step, load_factor, newton_iterations, residual, strain_energy,
-///                               force_energy, moment_energy; position, displacement, force_strain, moment_strain,
-///                               material_force, material_moment, spatial_force, spatial_moment, triad_1, triad_2,
-///                               triad_3 (n,3), triad (n,4: w,x,y,z); largest_normal_stress, largest_shear_stress,
-///                               von_mises_stress, utilisation (n; NaN: section without shape, material without
-///                               strength) where asked for and where some material has one; residual_history
-///                               (iterations,3: attempt, iteration, scaled maximum norm); reactions (supports,6: force,
-///                               moment), balance (2,6: applied force and moment, those of the reactions) and
-///                               attributes force_balance_error, moment_balance_error attribute stable: "true",
-///                               "false", "neutral" or "unknown"; stable_held: the same with the controlled
-///                               displacement held, where known; where stability is looked at: negative_eigenvalues,
-///                               and has_potential = 0 for loads without a potential
-///     /steps/000001/jump        where the step is a jump: attributes of RecordedJump
-///     /steps/000001/critical_points/0, 1, ...
-///                               limit points and bifurcations since the step before: attributes kind, load_factor,
-///                               negative_before, negative_after, modes; position, displacement, mode (n,3); monitor:
-///                               what is monitored there; state
-///     /steps/000001/error_estimate
-///                               of the state at the end of the path, where asked for: attributes
-///                               largest_displacement_error, .._size, the same of displacement, moment, energy;
-///                               vertex_displacement (vertices,3), element_displacement, element_moment (elements);
-///                               points: one (3) for each point that is followed; quantities and sections, where
-///                               there are any: names and not_estimated (why not; empty: estimated), one to a line,
-///                               value, error (n; NaN: not estimated); or attribute not_estimated: why not
-///     /steps/000001/state       the solver's own numbers, for resuming: see StateSnapshot and PathPoint
-///     /buckling/0, 1, ...       linear buckling, where asked for: attributes load_factor, residual, confirmed; mode
-///     (n,3) /monitor                  step, load_factor, newton_iterations, residual, the energies and every monitored
-///                               quantity, (steps) or (steps,3)
+/// Layout: apps/docs/results.md. What a record holds, under which name: state/record_fields.hpp.
 ///
 /// A run may be killed at any moment: see published_file.hpp.
 ///

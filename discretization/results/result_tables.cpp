@@ -1,5 +1,7 @@
 #include "discretization/results/result_tables.hpp"
 
+#include "discretization/state/record_fields.hpp"
+
 #include <algorithm>
 #include <array>
 #include <utility>
@@ -245,8 +247,13 @@ std::vector<ResultTable> tables_of_step(const StepRecord& record, RankNumber ran
   const auto add = [&](const std::string& name, const std::vector<Vector3>& vectors) {
     tables.push_back(table_of(name, samples, 3, numbers_of(vectors)));
   };
+  const auto add_fields_of = [&](const std::string& group, const auto& one) {
+    visit_fields(one, [&](const auto& field, const auto& value) {
+      if constexpr (kIsAtSamples<decltype(value)>) add(group + field.name, value);
+    });
+  };
   for (std::size_t i = 0; i < record.buckling.size(); ++i)
-    add("/buckling/" + std::to_string(i) + "/mode", record.buckling[i].mode);
+    add_fields_of("/buckling/" + std::to_string(i) + "/", record.buckling[i]);
   const std::string group = "/steps/" + step_group_name(record.step) + "/";
   add_fields(group, record.members, tables);
   const std::vector<std::string> stresses = stresses_of_step(record);
@@ -255,9 +262,7 @@ std::vector<ResultTable> tables_of_step(const StepRecord& record, RankNumber ran
   for (std::size_t i = 0; i < record.critical_points.size(); ++i) {
     const RecordedCriticalPoint& point = record.critical_points[i];
     const std::string inside = group + "critical_points/" + std::to_string(i) + "/";
-    add(inside + "position", point.position);
-    add(inside + "displacement", point.displacement);
-    add(inside + "mode", point.mode);
+    add_fields_of(inside, point);
     if (!point.state.empty()) add_state(inside + "state/", point.state, tables);
   }
   if (record.error_estimate && record.error_estimate->not_estimated.empty())

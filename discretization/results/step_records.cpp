@@ -1,71 +1,36 @@
 #include "discretization/results/records.hpp"
 #include "discretization/results/result_tables.hpp"
+#include "discretization/state/record_fields.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 #include <utility>
 
 namespace mixbeam {
 
 namespace {
 
-/// Gives each attribute of a record to a visitor, which writes or reads it: names stand here once.
+/// Attributes of a record: fields at samples are tables (result_tables.cpp).
 struct Writing {
   hid_t object;
-  template <class Value>
-  void operator()(const std::string& name, const Value& value) const {
-    hdf5::write_attribute(object, name, value);
+  template <class Field, class Value>
+  void operator()(const Field& field, const Value& value) const {
+    if constexpr (!kIsAtSamples<Value>)
+      if (field.kept == Kept::always || is_known_value(value)) hdf5::write_attribute(object, field.name, value);
   }
 };
 struct Reading {
   hid_t object;
-  template <class Value>
-  void operator()(const std::string& name, Value& value) const {
-    hdf5::read_attribute(object, name, value);
+  template <class Field, class Value>
+  void operator()(const Field& field, Value& value) const {
+    if constexpr (!kIsAtSamples<Value>)
+      if (field.kept == Kept::always || hdf5::has_attribute(object, field.name))
+        hdf5::read_attribute(object, field.name, value);
   }
 };
 
-/// Attributes of what is kept of a point of a path, and of paths that are followed by their length too.
-constexpr std::tuple kPointFields = {
-    std::pair{"step_size", &PathPoint::step_size}, std::pair{"iterations", &PathPoint::iterations},
-    std::pair{"attempts_left", &PathPoint::attempts_left}, std::pair{"failed_steps", &PathPoint::failed_steps},
-    std::pair{"newton_iterations", &PathPoint::newton_iterations}};
-constexpr std::tuple kFieldsAlongPath = {std::pair{"stage", &PathPoint::stage},
-                                         std::pair{"critical_points", &PathPoint::critical_points},
-                                         std::pair{"path_length", &PathPoint::path_length},
-                                         std::pair{"direction", &PathPoint::direction},
-                                         std::pair{"negative", &PathPoint::negative},
-                                         std::pair{"branched", &PathPoint::branched}};
-constexpr std::tuple kFieldsOfPiece = {std::pair{"piece", &PathPoint::piece},
-                                       std::pair{"parameter", &PathPoint::parameter}};
-constexpr std::tuple kCriticalPointFields = {std::pair{"kind", &RecordedCriticalPoint::kind},
-                                             std::pair{"load_factor", &RecordedCriticalPoint::load_factor},
-                                             std::pair{"negative_before", &RecordedCriticalPoint::negative_before},
-                                             std::pair{"negative_after", &RecordedCriticalPoint::negative_after},
-                                             std::pair{"modes", &RecordedCriticalPoint::modes}};
-constexpr std::tuple kJumpFields = {std::pair{"from", &RecordedJump::from},
-                                    std::pair{"to", &RecordedJump::to},
-                                    std::pair{"released", &RecordedJump::released},
-                                    std::pair{"motion", &RecordedJump::motion},
-                                    std::pair{"largest", &RecordedJump::largest},
-                                    std::pair{"place", &RecordedJump::place},
-                                    std::pair{"factorizations", &RecordedJump::factorizations}};
-constexpr std::tuple kStepFields = {std::pair{"step", &StepRecord::step},
-                                    std::pair{"load_factor", &StepRecord::load_factor},
-                                    std::pair{"newton_iterations", &StepRecord::newton_iterations},
-                                    std::pair{"residual", &StepRecord::residual},
-                                    std::pair{"strain_energy", &StepRecord::strain_energy},
-                                    std::pair{"force_energy", &StepRecord::force_energy},
-                                    std::pair{"moment_energy", &StepRecord::moment_energy}};
-
 /// Group of the jump with which a step was made, and attribute of a state: jumps of the path so far.
 constexpr const char *kJump = "jump", *kJumps = "jumps";
-
-template <class Record, class Fields, class Visit>
-void visit_fields(Record& record, const Fields& fields, const Visit& visit) {
-  std::apply([&](const auto&... field) { (visit(field.first, record.*field.second), ...); }, fields);
-}
 
 void append(std::vector<double>& numbers, const Vector3& v) { numbers.insert(numbers.end(), v.begin(), v.end()); }
 
@@ -102,8 +67,7 @@ hdf5::Handle write_state(hid_t parent, const StateShare& state) {
 }
 
 void write_critical_point(hid_t group, const RecordedCriticalPoint& point) {
-  visit_fields(point, kCriticalPointFields, Writing{group});
-  hdf5::write_attribute(group, "load_factor_error", point.load_factor_error);
+  visit_fields(point, Writing{group});
   const auto monitor = hdf5::create_group(group, "monitor");
   for (const auto& quantity : point.monitored) hdf5::write_dataset(monitor, quantity.name, quantity.components, 1);
   if (!point.state.empty()) write_state(group, point.state);
@@ -163,19 +127,15 @@ void write_buckling(hid_t file, const std::vector<RecordedBucklingMode>& modes) 
   const auto buckling = hdf5::create_group(file, "buckling");
   int number = 0;
   for (const auto& mode : modes) {
-    const auto group = hdf5::create_group(buckling, std::to_string(number++));
-    hdf5::write_attribute(group, "load_factor", mode.load_factor);
-    hdf5::write_attribute(group, "residual", mode.residual);
-    hdf5::write_attribute(group, "confirmed", mode.confirmed);
-    if (!std::isnan(mode.error)) hdf5::write_attribute(group, "error", mode.error);
+    visit_fields(mode, Writing{hdf5::create_group(buckling, std::to_string(number++))});
   }
 }
 
 /// The time series that every run has are what a step tells of itself.
 void write_monitor(hid_t file, const StepRecord& record) {
   const auto monitor = hdf5::open_group(file, "monitor");
-  visit_fields(record, kStepFields, [&](const std::string& name, auto value) {
-    hdf5::append_rows(monitor, name, {static_cast<double>(value)}, 1);
+  visit_fields<const StepSummary>(record, [&](const auto& field, auto value) {
+    hdf5::append_rows(monitor, field.name, {static_cast<double>(value)}, 1);
   });
   for (const auto& quantity : record.monitored)
     hdf5::append_rows(monitor, quantity.name, quantity.components, quantity.components.size());
@@ -183,9 +143,7 @@ void write_monitor(hid_t file, const StepRecord& record) {
 
 RecordedCriticalPoint read_critical_point(hid_t group) {
   RecordedCriticalPoint point;
-  visit_fields(point, kCriticalPointFields, Reading{group});
-  if (hdf5::has_attribute(group, "load_factor_error"))
-    point.load_factor_error = hdf5::read_number(group, "load_factor_error");
+  visit_fields(point, Reading{group});
   point.state = whole(read_state(group));
   return point;
 }
@@ -196,15 +154,15 @@ void write_step(hid_t file, const StepRecord& record) {
   write_buckling(file, record.buckling);
   const auto steps = hdf5::open_group(file, "steps");
   const auto group = hdf5::create_group(steps, step_group_name(record.step));
-  visit_fields(record, kStepFields, Writing{group});
+  visit_fields<const StepSummary>(record, Writing{group});
   write_reactions(group, record);
   write_history(group, record.history);
   write_stability(group, record);
-  if (record.jump) visit_fields(*record.jump, kJumpFields, Writing{hdf5::create_group(group, kJump)});
+  if (record.jump) visit_fields(*record.jump, Writing{hdf5::create_group(group, kJump)});
   if (record.error_estimate) write_error_estimate(group, *record.error_estimate);
   if (!record.state.empty()) {
     const auto state = write_state(group, record.state);
-    visit_fields(record.point, kPointFields, Writing{state});
+    visit_fields(record.point, Writing{state});
     visit_fields(record.point, kFieldsAlongPath, Writing{state});
     if (record.point.piece >= 0.0) visit_fields(record.point, kFieldsOfPiece, Writing{state});
     if (record.point.jumps > 0) hdf5::write_attribute(state, kJumps, record.point.jumps);
@@ -225,7 +183,7 @@ PathPoint read_point(hid_t step, const std::string& name) {
   hdf5::read_attribute(step, "step", point.step);
   if (step_group_name(point.step) != name) throw hdf5::Error("cannot read step " + name + ": it has another number");
   hdf5::read_attribute(step, "load_factor", point.load_factor);
-  visit_fields(point, kPointFields, Reading{state});
+  visit_fields(point, Reading{state});
   // What files of versions that followed no path by its length do not tell keeps its default.
   point.stage = static_cast<int>(std::clamp(std::ceil(point.load_factor * (1.0 - kSameLoadFactor)), 1.0, 1e9));
   if (hdf5::has_attribute(state, "path_length")) visit_fields(point, kFieldsAlongPath, Reading{state});
@@ -237,7 +195,7 @@ PathPoint read_point(hid_t step, const std::string& name) {
 std::optional<RecordedJump> read_jump(hid_t step) {
   if (!hdf5::has_link(step, kJump)) return std::nullopt;
   RecordedJump jump;
-  visit_fields(jump, kJumpFields, Reading{hdf5::open_group(step, kJump)});
+  visit_fields(jump, Reading{hdf5::open_group(step, kJump)});
   return jump;
 }
 

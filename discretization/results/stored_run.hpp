@@ -1,4 +1,4 @@
-/// A result file read back: what a run is resumed from. The layout is described in result_file.hpp.
+/// A result file read back: what a run is resumed from. Layout: apps/docs/results.md.
 #pragma once
 
 #include "discretization/state/member_samples.hpp"

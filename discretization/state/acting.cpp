@@ -1,8 +1,10 @@
 #include "discretization/state/acting.hpp"
 
 #include "discretization/scene/section_law.hpp"
+#include "discretization/scene/section_shape.hpp"
 #include "discretization/text/expression.hpp"
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <set>
@@ -13,6 +15,13 @@
 namespace mixbeam {
 
 namespace {
+
+/// A place on the centerline of a member.
+struct PlaceOnMember {
+  int member = 0;           ///< in the order of the scene
+  double arc_length = 0.0;  ///< from its start [length]
+  Vector3 position{};       ///< undeformed
+};
 
 /// Finds places of points. Members that are joined at a point follow all others.
 class PlaceFinder {
@@ -57,67 +66,170 @@ class PlaceFinder {
   std::unordered_map<std::string, int> index_;
 };
 
-/// Values at the places of a line load.
-std::vector<Vector3> sampled_values(const Vector3& constant, const std::array<std::string, 3>& formula, double length) {
-  std::vector<Vector3> values(kPlacesAlongMember, constant);
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (formula[i].empty()) continue;
-    const Expression component(formula[i], {"s", "x"});
+constexpr double kFromTheBeginning = -1.0;  // below every load factor
+
+/// Fills the rows of one table.
+class TableFiller {
+ public:
+  explicit TableFiller(ActingTable& table) : table_(table) { ++table_.rows; }
+
+  void add(const std::string& column, double number) { append(column, std::array<double, 1>{number}); }
+  void add(const std::string& column, const std::string& line) { table_.lines[column] += line + "\n"; }
+  void add(const std::string& column, const Vector3& v) { append(column, v); }
+  void add(const std::string& column, const std::array<bool, 3>& held) { append(column, held); }
+  void add(const PlaceOnMember& at) {
+    append("place", std::array<double, 2>{static_cast<double>(at.member), at.arc_length});
+    append("position", at.position);
+  }
+  /// What has a stage or an amplitude: the load factor at which it begins to act; a formula may say anything and counts
+  /// as acting from the beginning. Not NaN: what compares two files would find them different.
+  template <class Load>
+  void add_beginning(const Load& load) {
+    add("begins", load.amplitude.empty() ? load.stage - 1.0 : kFromTheBeginning);
+  }
+  /// Values along a member of this length: a constant, or formulas.
+  void add_along(const std::string& column, const Vector3& constant, const std::array<std::string, 3>& formula,
+                 double length) {
+    std::vector<Vector3> values(kPlacesAlongMember, constant);
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (formula[i].empty()) continue;
+      const Expression component(formula[i], {"s", "x"});
+      for (int place = 0; place < kPlacesAlongMember; ++place) {
+        const double x = static_cast<double>(place) / (kPlacesAlongMember - 1);
+        values[place][i] = component({x * length, x});
+      }
+    }
+    for (const Vector3& v : values) append(column, v);
+  }
+
+ private:
+  template <class Values>
+  void append(const std::string& column, const Values& values) {
+    std::vector<double>& held = table_.numbers[column];
+    held.insert(held.end(), values.begin(), values.end());
+  }
+
+  ActingTable& table_;
+};
+
+std::string word_of(JointKind kind) {
+  return kind == JointKind::hinge ? "hinge" : kind == JointKind::ball ? "ball" : "slider";
+}
+
+/// Adds a row for each thing of one kind.
+class ActingTables {
+ public:
+  ActingTables(const Scene& scene, const Mesh& mesh) : scene_(scene), mesh_(mesh), places_(scene, mesh) {}
+
+  ActingTable supports() const {
+    return table_of("supports", scene_.supports, [&](TableFiller row, const Support& support) {
+      row.add(places_.place(support.point));
+      row.add("point", support.point);
+      for (const Vector3& axis : support.axes) row.add("axes", axis);
+      row.add("fixed", support.displacement_fixed);
+      row.add("fixed", support.rotation_fixed);
+      row.add("stiffness", support.displacement_stiffness);
+      row.add("stiffness", support.rotation_stiffness);
+      row.add("prescribed", support.prescribed_displacement);
+      row.add("prescribed", support.prescribed_rotation);
+      row.add_beginning(support);
+    });
+  }
+  /// One row for each member that a joint joins.
+  ActingTable joints() const {
+    ActingTable table{"joints"};
+    for (const Joint& joint : scene_.joints)
+      for (const std::string& member : joint.members) {
+        TableFiller row(table);
+        row.add(places_.place(joint.point, member));
+        row.add("name", joint.name);
+        row.add("point", joint.point);
+        row.add("kind", word_of(joint.kind));
+        row.add("axis", joint.axis);
+        row.add("stiffness", joint.stiffness);
+      }
+    return table;
+  }
+  /// One that follows is on its member.
+  ActingTable point_loads() const {
+    return table_of("point_loads", scene_.point_loads, [&](TableFiller row, const PointLoad& load) {
+      const bool follows = load.frame == LoadFrame::follower;
+      row.add(places_.place(load.point, follows ? load.member : ""));
+      row.add("point", load.point);
+      row.add("force", load.force);
+      row.add("moment", load.moment);
+      row.add("follower", follows ? 1.0 : 0.0);
+      row.add_beginning(load);
+    });
+  }
+  ActingTable line_loads() const {
+    return table_of("line_loads", scene_.distributed_loads, [&](TableFiller row, const DistributedLoad& load) {
+      const double length = add_member(row, load.member);
+      row.add_along("force", load.force, load.force_formula, length);
+      row.add_along("couple", load.couple, load.couple_formula, length);
+      row.add("follower", load.frame == LoadFrame::follower ? 1.0 : 0.0);
+      row.add_beginning(load);
+    });
+  }
+  ActingTable eigenstrains() const {
+    return table_of("eigenstrains", scene_.eigenstrains, [&](TableFiller row, const Eigenstrain& strain) {
+      const double length = add_member(row, strain.member);
+      row.add_along("strain", strain.strain, strain.strain_formula, length);
+      row.add_along("curvature", strain.curvature, strain.curvature_formula, length);
+      row.add_beginning(strain);
+    });
+  }
+  /// All sections that differ, and which of them each member has.
+  std::array<ActingTable, 2> sections() const {
+    std::array<ActingTable, 2> tables{ActingTable{"sections"}, ActingTable{"members"}};
+    std::map<std::tuple<std::string, std::string, std::string>, int> known;
+    for (const Member& member : scene_.members) {
+      const auto [section, is_new] =
+          known.try_emplace({member.section, member.end_section, member.taper}, static_cast<int>(known.size()));
+      if (is_new) add_section(TableFiller(tables[0]), SectionLaw(scene_, member));
+      TableFiller(tables[1]).add("section", static_cast<double>(section->second));
+    }
+    return tables;
+  }
+
+ private:
+  template <class Item, class Fill>
+  static ActingTable table_of(const char* name, const std::vector<Item>& items, const Fill& fill) {
+    ActingTable table{name};
+    for (const Item& item : items) fill(TableFiller(table), item);
+    return table;
+  }
+  double add_member(TableFiller& row, const std::string& name) const {
+    const int member = places_.member(name);
+    row.add("member", static_cast<double>(member));
+    return mesh_.member_length[member];
+  }
+  /// Named by the section at the start of a taper.
+  static void add_section(TableFiller row, const SectionLaw& law) {
     for (int place = 0; place < kPlacesAlongMember; ++place) {
-      const double x = static_cast<double>(place) / (kPlacesAlongMember - 1);
-      values[place][i] = component({x * length, x});
+      const Section section = law.section(static_cast<double>(place) / (kPlacesAlongMember - 1));
+      if (place == 0) row.add("name", section.name);
+      if (place == 0) row.add("shape", section.shape ? section_shape_word(section.shape->kind) : "none");
+      const SectionShape shape = section.shape.value_or(SectionShape{});
+      for (const double size : {shape.size2, shape.size3, shape.wall, shape.web}) row.add("dimensions", size);
+      row.add("strength", shape.strength.value_or(0.0));
     }
   }
-  return values;
-}
 
-SampledSection sampled_section(const Scene& scene, const Member& member) {
-  const SectionLaw law(scene, member);
-  SampledSection sampled;
-  for (int place = 0; place < kPlacesAlongMember; ++place) {
-    const Section section = law.section(static_cast<double>(place) / (kPlacesAlongMember - 1));
-    sampled.name = section.name;
-    if (section.shape) sampled.shape.push_back(*section.shape);
-  }
-  return sampled;
-}
-
-void add_sections(const Scene& scene, Acting& acting) {
-  std::map<std::tuple<std::string, std::string, std::string>, int> known;
-  for (const Member& member : scene.members) {
-    const auto [section, is_new] =
-        known.try_emplace({member.section, member.end_section, member.taper}, static_cast<int>(acting.sections.size()));
-    if (is_new) acting.sections.push_back(sampled_section(scene, member));
-    acting.section_of_member.push_back(section->second);
-  }
-}
+  const Scene& scene_;
+  const Mesh& mesh_;
+  PlaceFinder places_;
+};
 
 }  // namespace
 
 Acting acting_on(const Scene& scene, const Mesh& mesh) {
-  const PlaceFinder places(scene, mesh);
-  Acting acting;
-  acting.units = scene.units;
-  for (const Support& support : scene.supports) acting.supports.push_back({support, places.place(support.point)});
-  for (const Joint& joint : scene.joints)
-    for (const std::string& member : joint.members) acting.joints.push_back({joint, places.place(joint.point, member)});
-  for (const PointLoad& load : scene.point_loads) {
-    const bool follows = load.frame == LoadFrame::follower;
-    acting.point_loads.push_back({load, places.place(load.point, follows ? load.member : "")});
-  }
-  for (const DistributedLoad& load : scene.distributed_loads) {
-    const int member = places.member(load.member);
-    const double length = mesh.member_length[member];
-    acting.line_loads.push_back({load, member, sampled_values(load.force, load.force_formula, length),
-                                 sampled_values(load.couple, load.couple_formula, length)});
-  }
-  for (const Eigenstrain& strain : scene.eigenstrains) {
-    const int member = places.member(strain.member);
-    const double length = mesh.member_length[member];
-    acting.eigenstrains.push_back({strain, member, sampled_values(strain.strain, strain.strain_formula, length),
-                                   sampled_values(strain.curvature, strain.curvature_formula, length)});
-  }
-  add_sections(scene, acting);
+  const ActingTables tables(scene, mesh);
+  Acting acting{scene.units,
+                {tables.supports(), tables.joints(), tables.point_loads(), tables.line_loads(), tables.eigenstrains()}};
+  for (ActingTable& table : tables.sections()) acting.tables.push_back(std::move(table));
+  const auto is_empty = [](const ActingTable& table) { return table.rows == 0; };
+  acting.tables.erase(std::remove_if(acting.tables.begin(), acting.tables.end(), is_empty), acting.tables.end());
   return acting;
 }
 

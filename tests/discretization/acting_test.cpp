@@ -5,6 +5,8 @@
 
 #include "input_text.hpp"
 
+#include <stdexcept>
+
 namespace mixbeam {
 namespace {
 
@@ -42,10 +44,24 @@ Scene hinged() {
   return scene;
 }
 
-void expect_at(const PlaceOnMember& place, int member, double s, const Vector3& position) {
-  EXPECT_EQ(place.member, member);
-  EXPECT_NEAR(place.arc_length, s, kRounding);
-  for (int i = 0; i < 3; ++i) EXPECT_NEAR(place.position[i], position[i], kRounding);
+/// A table that must be there.
+const ActingTable& table_of(const Acting& acting, const std::string& name) {
+  for (const ActingTable& table : acting.tables)
+    if (table.name == name) return table;
+  throw std::runtime_error("no table " + name);
+}
+
+/// Component of a column of three in a row, at one of the places along a member where the column has all of them.
+double at(const ActingTable& table, const std::string& column, std::size_t row, std::size_t component,
+          std::size_t place = 0) {
+  const std::vector<double>& numbers = table.numbers.at(column);
+  return numbers.at(numbers.size() / table.rows * row + 3 * place + component);
+}
+
+void expect_at(const ActingTable& table, std::size_t row, int member, double s, const Vector3& position) {
+  EXPECT_EQ(table.numbers.at("place").at(2 * row), member);
+  EXPECT_NEAR(table.numbers.at("place").at(2 * row + 1), s, kRounding);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(at(table, "position", row, i), position[i], kRounding);
 }
 
 TEST(ActingOn, PointsLieWhereNoJointMovesThem) {
@@ -58,13 +74,14 @@ TEST(ActingOn, PointsLieWhereNoJointMovesThem) {
   scene.point_loads[1].member = "first";
   const Acting acting = acting_on(scene, build_mesh(scene));
   EXPECT_EQ(acting.units, "m, N");
-  ASSERT_EQ(acting.supports.size(), 1U);
-  expect_at(acting.supports[0].place, 0, 1.0, {1, 0, 0});
-  ASSERT_EQ(acting.joints.size(), 1U);
-  expect_at(acting.joints[0].place, 0, 2.0, {2, 0, 0});
-  ASSERT_EQ(acting.point_loads.size(), 2U);
-  expect_at(acting.point_loads[0].place, 1, 0.0, {2, 0, 0});  // on the member that the joint leaves alone
-  expect_at(acting.point_loads[1].place, 0, 2.0, {2, 0, 0});  // in the triad of its own member
+  ASSERT_EQ(table_of(acting, "supports").rows, 1U);
+  expect_at(table_of(acting, "supports"), 0, 0, 1.0, {1, 0, 0});
+  ASSERT_EQ(table_of(acting, "joints").rows, 1U);
+  expect_at(table_of(acting, "joints"), 0, 0, 2.0, {2, 0, 0});
+  const ActingTable& loads = table_of(acting, "point_loads");
+  ASSERT_EQ(loads.rows, 2U);
+  expect_at(loads, 0, 1, 0.0, {2, 0, 0});  // on the member that the joint leaves alone
+  expect_at(loads, 1, 0, 2.0, {2, 0, 0});  // in the triad of its own member
 }
 
 TEST(ActingOn, LineLoadsAreSampledAlongTheirMember) {
@@ -75,14 +92,14 @@ TEST(ActingOn, LineLoadsAreSampledAlongTheirMember) {
   load.force_formula = {"s", "", "x^2"};
   scene.distributed_loads = {load};
   const Acting acting = acting_on(scene, build_mesh(scene));
-  ASSERT_EQ(acting.line_loads.size(), 1U);
-  EXPECT_EQ(acting.line_loads[0].member, 1);
-  const std::vector<Vector3>& force = acting.line_loads[0].force;
-  ASSERT_EQ(force.size(), static_cast<std::size_t>(kPlacesAlongMember));
-  EXPECT_NEAR(force[4][0], 1.5, kRounding);
-  EXPECT_NEAR(force[4][2], 0.25, kRounding);
-  EXPECT_NEAR(force[8][0], 3.0, kRounding);
-  EXPECT_NEAR(force[8][2], 1.0, kRounding);
+  const ActingTable& loads = table_of(acting, "line_loads");
+  ASSERT_EQ(loads.rows, 1U);
+  EXPECT_EQ(loads.numbers.at("member").at(0), 1);
+  ASSERT_EQ(loads.numbers.at("force").size(), 3U * kPlacesAlongMember);
+  EXPECT_NEAR(at(loads, "force", 0, 0, 4), 1.5, kRounding);
+  EXPECT_NEAR(at(loads, "force", 0, 2, 4), 0.25, kRounding);
+  EXPECT_NEAR(at(loads, "force", 0, 0, 8), 3.0, kRounding);
+  EXPECT_NEAR(at(loads, "force", 0, 2, 8), 1.0, kRounding);
 }
 
 TEST(ActingOn, EigenstrainsAreSampledToo) {
@@ -93,10 +110,11 @@ TEST(ActingOn, EigenstrainsAreSampledToo) {
   strain.strain_formula = {"1e-3*x", "", ""};
   scene.eigenstrains = {strain};
   const Acting acting = acting_on(scene, build_mesh(scene));
-  ASSERT_EQ(acting.eigenstrains.size(), 1U);
-  EXPECT_EQ(acting.eigenstrains[0].member, 0);
-  EXPECT_NEAR(acting.eigenstrains[0].strain[4][0], 5e-4, kRounding);
-  EXPECT_NEAR(acting.eigenstrains[0].curvature[0][1], 0.5, kRounding);
+  const ActingTable& strains = table_of(acting, "eigenstrains");
+  ASSERT_EQ(strains.rows, 1U);
+  EXPECT_EQ(strains.numbers.at("member").at(0), 0);
+  EXPECT_NEAR(at(strains, "strain", 0, 0, 4), 5e-4, kRounding);
+  EXPECT_NEAR(at(strains, "curvature", 0, 1), 0.5, kRounding);
 }
 
 TEST(ActingOn, SectionsAreSampledOnceForAllMembersThatShareThem) {
@@ -113,21 +131,26 @@ TEST(ActingOn, SectionsAreSampledOnceForAllMembersThatShareThem) {
   scene.members[1].end_section = "t";
   scene.members[1].taper = "x^2";
   const Acting acting = acting_on(scene, build_mesh(scene));
-  EXPECT_EQ(acting.section_of_member, (std::vector<int>{0, 1, 0}));
-  ASSERT_EQ(acting.sections.size(), 2U);
-  ASSERT_EQ(acting.sections[1].shape.size(), static_cast<std::size_t>(kPlacesAlongMember));
-  EXPECT_NEAR(acting.sections[0].shape[8].size2, 2.0, kRounding);
-  EXPECT_NEAR(acting.sections[1].shape[4].size2, 2.5, kRounding);
-  EXPECT_NEAR(acting.sections[1].shape[8].size2, 4.0, kRounding);
-  EXPECT_NEAR(acting.sections[1].shape[4].wall, 0.5, kRounding);
+  EXPECT_EQ(table_of(acting, "members").numbers.at("section"), (std::vector<double>{0, 1, 0}));
+  const ActingTable& sections = table_of(acting, "sections");
+  ASSERT_EQ(sections.rows, 2U);
+  constexpr std::size_t kSizes = 4;
+  const std::vector<double>& dimensions = sections.numbers.at("dimensions");
+  ASSERT_EQ(dimensions.size(), sections.rows * kSizes * kPlacesAlongMember);
+  const auto size = [&](std::size_t section, std::size_t place, std::size_t number) {
+    return dimensions[kSizes * (kPlacesAlongMember * section + place) + number];
+  };
+  EXPECT_NEAR(size(0, 8, 0), 2.0, kRounding);
+  EXPECT_NEAR(size(1, 4, 0), 2.5, kRounding);
+  EXPECT_NEAR(size(1, 8, 0), 4.0, kRounding);
+  EXPECT_NEAR(size(1, 4, 2), 0.5, kRounding);
 }
 
 TEST(ActingOn, SectionsGivenByStiffnessesHaveNoShape) {
   const Scene scene = hinged();
   const Acting acting = acting_on(scene, build_mesh(scene));
-  ASSERT_EQ(acting.sections.size(), 1U);
-  EXPECT_EQ(acting.sections[0].name, "s");
-  EXPECT_TRUE(acting.sections[0].shape.empty());
+  EXPECT_EQ(table_of(acting, "sections").lines.at("name"), "s\n");
+  EXPECT_EQ(table_of(acting, "sections").lines.at("shape"), "none\n");
 }
 
 }  // namespace

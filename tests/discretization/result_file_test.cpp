@@ -1,6 +1,7 @@
 /// Result files: what is written is read back with the HDF5 C API; a killed writer leaves a readable file; errors name
 /// their reason.
 #include "discretization/results/result_file.hpp"
+#include "discretization/state/record_fields.hpp"
 
 #include "discretization/text/errors.hpp"
 
@@ -336,6 +337,24 @@ TEST_F(ResultFileTest, WhatResumingNeedsComesBack) {
   EXPECT_EQ(critical[0].load_factor, 0.75);
   EXPECT_EQ(critical[0].load_factor_error, 2e-9);
   EXPECT_EQ(critical[0].state.held.interior, sample_state().interior);
+}
+
+template <class Record>
+void expect_listed(const std::string& page) {
+  std::apply(
+      [&](const auto&... field) {
+        for (const char* name : {field.name...})
+          EXPECT_NE(page.find("`" + std::string(name) + "`"), std::string::npos) << name;
+      },
+      kFields<Record>);
+}
+
+TEST(ResultFields, ThePageNamesAll) {
+  const std::string page = file_text(std::filesystem::path(MIXBEAM_SOURCE_DIR) / "apps/docs/results.md");
+  expect_listed<StepSummary>(page);
+  expect_listed<RecordedJump>(page);
+  expect_listed<RecordedCriticalPoint>(page);
+  expect_listed<RecordedBucklingMode>(page);
 }
 
 /// Files of versions that did not follow paths by their length lack its attributes.

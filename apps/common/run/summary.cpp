@@ -1,7 +1,9 @@
 #include "apps/common/run/summary.hpp"
 
+#include "apps/common/tables/formatted.hpp"
 #include "apps/common/tables/printed_digits.hpp"
 #include "discretization/results/disk_file.hpp"
+#include "discretization/state/record_fields.hpp"
 #include "discretization/text/number_text.hpp"
 
 #include <nlohmann/json.hpp>
@@ -15,6 +17,70 @@
 #include <utility>
 
 namespace mixbeam {
+
+template <>
+inline constexpr auto kFields<EstimatedErrors::Quantity> =
+    std::tuple{field("name", &EstimatedErrors::Quantity::name), field("error", &EstimatedErrors::Quantity::error),
+               field("relative", &EstimatedErrors::Quantity::relative)};
+template <>
+inline constexpr auto kFields<EstimatedErrors> = std::tuple{
+    field("run", &EstimatedErrors::run), field("not_estimated", &EstimatedErrors::not_estimated, Kept::if_known),
+    field("quantities", &EstimatedErrors::quantities)};
+template <>
+inline constexpr auto kFields<ChosenMesh::Members> =
+    std::tuple{field("names", &ChosenMesh::Members::names), field("count", &ChosenMesh::Members::count),
+               field("order", &ChosenMesh::Members::order), field("elements", &ChosenMesh::Members::elements)};
+template <>
+inline constexpr auto kFields<ChosenMesh::Round> =
+    std::tuple{field("elements", &ChosenMesh::Round::elements),
+               field("path_followed", &ChosenMesh::Round::followed),
+               field("load_steps", &ChosenMesh::Round::steps),
+               field("newton_iterations", &ChosenMesh::Round::iterations),
+               field("seconds", &ChosenMesh::Round::seconds),
+               field("estimated", &ChosenMesh::Round::error),
+               field("remark", &ChosenMesh::Round::remark, Kept::if_known)};
+template <>
+inline constexpr auto kFields<ChosenMesh> = std::tuple{field("run", &ChosenMesh::run),
+                                                       field("wanted", &ChosenMesh::wanted),
+                                                       field("estimated", &ChosenMesh::estimated),
+                                                       field("outcome", &ChosenMesh::outcome),
+                                                       field("members", &ChosenMesh::members),
+                                                       field("meshes", &ChosenMesh::rounds)};
+template <>
+inline constexpr auto kFields<FollowedQuantity> =
+    std::tuple{field("run", &FollowedQuantity::run),
+               field("name", &FollowedQuantity::name),
+               field("value", &FollowedQuantity::value),
+               field("at_largest_size", &FollowedQuantity::at_largest_size),
+               field("load_factor_of_largest_size", &FollowedQuantity::load_factor_of_largest_size),
+               field("step_of_largest_size", &FollowedQuantity::step_of_largest_size),
+               field("error", &FollowedQuantity::error, Kept::if_known),
+               field("not_estimated", &FollowedQuantity::not_estimated, Kept::if_known),
+               field("member", &FollowedQuantity::member, Kept::if_known),
+               field("arc_length", &FollowedQuantity::arc_length),
+               field("side", &FollowedQuantity::side)};
+template <>
+inline constexpr auto kFields<QuantityEnvelope> =
+    std::tuple{field("name", &QuantityEnvelope::name), field("largest", &QuantityEnvelope::largest),
+               field("largest_in", &QuantityEnvelope::largest_in), field("smallest", &QuantityEnvelope::smallest),
+               field("smallest_in", &QuantityEnvelope::smallest_in)};
+template <>
+inline constexpr auto kFields<EndOfRun> = std::tuple{field("run", &EndOfRun::run),
+                                                     field("load_factor", &EndOfRun::load_factor),
+                                                     field("stable", &EndOfRun::stable),
+                                                     field("stable_held", &EndOfRun::held, Kept::if_known),
+                                                     field("negative_eigenvalues", &EndOfRun::negative, Kept::if_known),
+                                                     field("has_potential", &EndOfRun::has_potential, Kept::inside),
+                                                     field("jumps", &EndOfRun::jumps, Kept::if_known)};
+/// As it is sent; a summary has more to say of it.
+template <>
+inline constexpr auto kFields<CheckedQuantity> =
+    std::tuple{field("name", &CheckedQuantity::name),           field("value", &CheckedQuantity::value),
+               field("reference", &CheckedQuantity::reference), field("source", &CheckedQuantity::source),
+               field("tolerance", &CheckedQuantity::tolerance), field("comparison", &CheckedQuantity::comparison),
+               field("pass", &CheckedQuantity::pass),           field("word", &CheckedQuantity::word),
+               field("remark", &CheckedQuantity::remark)};
+
 namespace {
 
 constexpr std::array<std::pair<Comparison, const char*>, 5> kComparisonNames = {
@@ -32,37 +98,48 @@ nlohmann::ordered_json json_number(double value) {
   return exact_text(value);
 }
 
-nlohmann::ordered_json json_mesh(const ChosenMesh& mesh) {
-  nlohmann::ordered_json json = {{"run", mesh.run},
-                                 {"wanted", json_number(mesh.wanted)},
-                                 {"estimated", json_number(mesh.estimated)},
-                                 {"outcome", mesh.outcome}};
-  json["members"] = nlohmann::ordered_json::array();
-  for (const auto& members : mesh.members)
-    json["members"].push_back(
-        {{"names", members.names}, {"count", members.count}, {"order", members.order}, {"elements", members.elements}});
-  json["meshes"] = nlohmann::ordered_json::array();
-  for (const auto& round : mesh.rounds) {
-    json["meshes"].push_back({{"elements", round.elements},
-                              {"path_followed", round.followed},
-                              {"load_steps", round.steps},
-                              {"newton_iterations", round.iterations},
-                              {"seconds", json_number(round.seconds)},
-                              {"estimated", json_number(round.error)}});
-    if (!round.remark.empty()) json["meshes"].back()["remark"] = round.remark;
-  }
-  return json;
+template <class Value>
+inline constexpr bool kIsRecord = std::tuple_size_v<std::decay_t<decltype(kFields<Value>)>> > 0;
+template <class Value>
+inline constexpr bool kIsList = false;
+template <class Entry>
+inline constexpr bool kIsList<std::vector<Entry>> = true;
+
+template <class Field>
+const char* name_in_summary(const Field& field) {
+  return field.in_summary != nullptr ? field.in_summary : field.name;
 }
 
-nlohmann::ordered_json json_errors(const EstimatedErrors& errors) {
-  nlohmann::ordered_json json = {{"run", errors.run}};
-  if (!errors.not_estimated.empty()) json["not_estimated"] = errors.not_estimated;
-  json["quantities"] = nlohmann::ordered_json::array();
-  for (const auto& quantity : errors.quantities)
-    json["quantities"].push_back({{"name", quantity.name},
-                                  {"error", json_number(quantity.error)},
-                                  {"relative", json_number(quantity.relative)}});
-  return json;
+/// Of a summary; or of what is sent to another process, all of it: then a number keeps its bits.
+template <class Json, class Value>
+Json json_of(const Value& value, bool is_sent) {
+  if constexpr (kIsRecord<Value>) {
+    Json json = Json::object();
+    visit_fields(value, [&](const auto& field, const auto& part) {
+      if (is_sent || field.kept == Kept::always || (field.kept == Kept::if_known && is_known_value(part)))
+        json[name_in_summary(field)] = json_of<Json>(part, is_sent);
+    });
+    return json;
+  } else if constexpr (kIsList<Value>) {
+    Json json = Json::array();
+    for (const auto& one : value) json.push_back(json_of<Json>(one, is_sent));
+    return json;
+  } else {
+    if constexpr (std::is_same_v<Value, double>)
+      if (!is_sent) return json_number(value);
+    return value;
+  }
+}
+
+/// From what was sent; lists go on.
+template <class Value>
+void take(const nlohmann::json& json, Value& value) {
+  if constexpr (kIsRecord<Value>)
+    visit_fields(value, [&](const auto& field, auto& part) { take(json.at(name_in_summary(field)), part); });
+  else if constexpr (kIsList<Value>)
+    for (const nlohmann::json& one : json) take(one, value.emplace_back());
+  else
+    json.get_to(value);
 }
 
 nlohmann::ordered_json json_check(const CheckedQuantity& quantity) {
@@ -79,46 +156,6 @@ nlohmann::ordered_json json_check(const CheckedQuantity& quantity) {
   if (!is_word) json["reference"] = printed_value(quantity.reference);
   if (!quantity.remark.empty()) json["remark"] = quantity.remark;
   return json;
-}
-
-nlohmann::ordered_json json_end(const EndOfRun& end) {
-  nlohmann::ordered_json json = {
-      {"run", end.run}, {"load_factor", json_number(end.load_factor)}, {"stable", end.stable}};
-  if (!end.held.empty()) json["stable_held"] = end.held;
-  if (end.negative >= 0) json["negative_eigenvalues"] = end.negative;
-  for (const RecordedJump& jump : end.jumps)
-    json["jumps"].push_back({{"from_load_factor", json_number(jump.from)},
-                             {"to_load_factor", json_number(jump.to)},
-                             {"energy_released", json_number(jump.released)},
-                             {"motion", json_number(jump.motion)},
-                             {"largest_displacement", json_number(jump.largest)},
-                             {"place", jump.place},
-                             {"factorizations", jump.factorizations}});
-  return json;
-}
-
-nlohmann::ordered_json json_quantity(const FollowedQuantity& quantity) {
-  nlohmann::ordered_json json = {{"run", quantity.run},
-                                 {"name", quantity.name},
-                                 {"value", json_number(quantity.value)},
-                                 {"at_largest_size", json_number(quantity.at_largest_size)},
-                                 {"load_factor_of_largest_size", json_number(quantity.load_factor_of_largest_size)},
-                                 {"step_of_largest_size", quantity.step_of_largest_size}};
-  if (!std::isnan(quantity.error)) json["error"] = json_number(quantity.error);
-  if (!quantity.not_estimated.empty()) json["not_estimated"] = quantity.not_estimated;
-  if (quantity.member.empty()) return json;
-  json["member"] = quantity.member;
-  json["arc_length"] = json_number(quantity.arc_length);
-  json["side"] = quantity.side;
-  return json;
-}
-
-nlohmann::ordered_json json_envelope(const QuantityEnvelope& one) {
-  return {{"name", one.name},
-          {"largest", json_number(one.largest)},
-          {"largest_in", one.largest_in},
-          {"smallest", json_number(one.smallest)},
-          {"smallest_in", one.smallest_in}};
 }
 
 /// Failed checks on the terminal: a batch has one for each case and limit.
@@ -282,21 +319,49 @@ void Summary::write_json(const std::filesystem::path& path) const {
   for (const auto& [phase, time] : seconds) json["seconds"][phase] = json_number(time);
   if (!failure.empty()) json["failure"] = failure;
   if (!stable().empty()) json["stable"] = stable();
-  for (const auto& end : ends) json["ends"].push_back(json_end(end));
+  if (!ends.empty()) json["ends"] = json_of<nlohmann::ordered_json>(ends, false);
   if (!stable_cases.empty()) json["stable_cases"] = stable_cases;
   if (!warnings.empty()) json["warnings"] = warnings;
-  for (const auto& quantity : quantities) json["quantities"].push_back(json_quantity(quantity));
-  for (const auto& one : envelope) json["envelope"].push_back(json_envelope(one));
-  if (!estimated_errors.empty()) json["estimated_errors"] = nlohmann::ordered_json::array();
-  for (const auto& errors : estimated_errors) json["estimated_errors"].push_back(json_errors(errors));
-  if (!chosen_meshes.empty()) json["chosen_meshes"] = nlohmann::ordered_json::array();
-  for (const auto& mesh : chosen_meshes) json["chosen_meshes"].push_back(json_mesh(mesh));
+  for (const FollowedQuantity& quantity : quantities) {
+    json["quantities"].push_back(json_of<nlohmann::ordered_json>(quantity, false));
+    if (!quantity.member.empty()) continue;
+    for (const char* of_place : {"arc_length", "side"}) json["quantities"].back().erase(of_place);
+  }
+  if (!envelope.empty()) json["envelope"] = json_of<nlohmann::ordered_json>(envelope, false);
+  if (!estimated_errors.empty()) json["estimated_errors"] = json_of<nlohmann::ordered_json>(estimated_errors, false);
+  if (!chosen_meshes.empty()) json["chosen_meshes"] = json_of<nlohmann::ordered_json>(chosen_meshes, false);
   json["all_passed"] = all_passed();
   json["checks"] = nlohmann::ordered_json::array();
   for (const auto& quantity : checks_) json["checks"].push_back(json_check(quantity));
   const auto replace_broken_utf8 = nlohmann::ordered_json::error_handler_t::replace;
   const bool durable = true;
   replace_file(path, json.dump(2, ' ', false, replace_broken_utf8) + "\n", durable);
+}
+
+// CBOR keeps every bit of a number, and those that are not finite.
+std::string Summary::packed() const {
+  const auto sent = [](const auto& list) { return json_of<nlohmann::json>(list, true); };
+  const nlohmann::json json = {{"load_steps", load_steps},       {"newton_iterations", newton_iterations},
+                               {"warnings", warnings},           {"ends", sent(ends)},
+                               {"quantities", sent(quantities)}, {"errors", sent(estimated_errors)},
+                               {"meshes", sent(chosen_meshes)},  {"seconds", seconds},
+                               {"checks", sent(checks_)}};
+  std::string bytes;
+  nlohmann::json::to_cbor(json, bytes);
+  return bytes;
+}
+
+void Summary::append(const std::string& packed) {
+  const nlohmann::json json = nlohmann::json::from_cbor(packed);
+  load_steps += json["load_steps"].get<int>();
+  newton_iterations += json["newton_iterations"].get<int>();
+  take(json["warnings"], warnings);
+  take(json["ends"], ends);
+  take(json["quantities"], quantities);
+  take(json["errors"], estimated_errors);
+  take(json["meshes"], chosen_meshes);
+  take(json["checks"], checks_);
+  for (const auto& [phase, time] : json["seconds"].get<std::map<std::string, double>>()) seconds[phase] += time;
 }
 
 }  // namespace mixbeam

@@ -1,0 +1,131 @@
+/// Numbers, words and fields of results, each declared once: result files write and read them, summaries and Python
+/// hand them out, and results.md lists them.
+#pragma once
+
+#include "discretization/state/member_samples.hpp"
+
+#include <tuple>
+#include <type_traits>
+
+namespace mixbeam {
+
+/// How a field of a record is kept.
+enum class Kept {
+  always,
+  if_known,  ///< left out where is_known_value() denies it, and kept as it is where a file lacks it
+  inside     ///< of the program alone
+};
+
+/// A member of a record. Its shape follows from its type: one number or word, or a vector at each sample.
+template <class Record, class Value>
+struct Field {
+  const char* name;  ///< in files and programs
+  Value Record::*member;
+  const char *unit, *meaning;  ///< "": no dimension
+  Kept kept;
+  const char* in_summary;  ///< name there, where it is another one
+};
+
+template <class Record, class Value>
+constexpr Field<Record, Value> field(const char* name, Value Record::*member, const char* unit, const char* meaning,
+                                     Kept kept = Kept::always, const char* in_summary = nullptr) {
+  return {name, member, unit, meaning, kept, in_summary};
+}
+
+/// In summaries alone, whose page says what it means.
+template <class Record, class Value>
+constexpr Field<Record, Value> field(const char* name, Value Record::*member, Kept kept = Kept::always) {
+  return {name, member, "", "", kept, nullptr};
+}
+
+/// Of each kind of record, a tuple of its fields in the order in which they are written.
+template <class Record>
+inline constexpr std::tuple<> kFields;
+
+template <>
+inline constexpr auto kFields<StepSummary> =
+    std::tuple{field("step", &StepSummary::step, "", "number; 0 before any load"),
+               field("load_factor", &StepSummary::load_factor, "", "may fall along a path past a limit point"),
+               field("newton_iterations", &StepSummary::newton_iterations, "", "failed attempts included"),
+               field("residual", &StepSummary::residual, "", "largest scaled row at the end"),
+               field("strain_energy", &StepSummary::strain_energy, "force * length", "of the structure"),
+               field("force_energy", &StepSummary::force_energy, "force * length", "of force strains"),
+               field("moment_energy", &StepSummary::moment_energy, "force * length", "of moment strains")};
+
+/// What a path needs to go on; see also kFieldsAlongPath.
+template <>
+inline constexpr auto kFields<PathPoint> =
+    std::tuple{field("step_size", &PathPoint::step_size, "", "as the control of step sizes gave it"),
+               field("iterations", &PathPoint::iterations, "", "of the attempt that succeeded"),
+               field("attempts_left", &PathPoint::attempts_left, "", "in the stage"),
+               field("failed_steps", &PathPoint::failed_steps, "", "so far"),
+               field("newton_iterations", &PathPoint::newton_iterations, "", "so far")};
+inline constexpr auto kFieldsAlongPath =
+    std::tuple{field("stage", &PathPoint::stage, "", "of the step"),
+               field("critical_points", &PathPoint::critical_points, "", "passed so far"),
+               field("path_length", &PathPoint::path_length, "", "of the step to come; 0: by load factor"),
+               field("direction", &PathPoint::direction, "", "sign of the change of the load factor"),
+               field("negative", &PathPoint::negative, "", "eigenvalues below zero; -1: not counted"),
+               field("branched", &PathPoint::branched, "", "1: the path has left the primary one")};
+/// Where loads have formulas only.
+inline constexpr auto kFieldsOfPiece =
+    std::tuple{field("piece", &PathPoint::piece, "", "load factor at which the piece begins"),
+               field("parameter", &PathPoint::parameter, "", "of the step in the piece")};
+
+template <>
+inline constexpr auto kFields<RecordedJump> = std::tuple{
+    field("from", &RecordedJump::from, "", "load factor at which the stable path ends", Kept::always,
+          "from_load_factor"),
+    field("to", &RecordedJump::to, "", "load factor of the first state behind", Kept::always, "to_load_factor"),
+    field("released", &RecordedJump::released, "force * length", "energy, theory (66)", Kept::always,
+          "energy_released"),
+    field("motion", &RecordedJump::motion, "", "mean, displacements over the length"),
+    field("largest", &RecordedJump::largest, "length", "displacement of any vertex", Kept::always,
+          "largest_displacement"),
+    field("place", &RecordedJump::place, "", "of that vertex"),
+    field("factorizations", &RecordedJump::factorizations, "", "that the search took")};
+
+template <>
+inline constexpr auto kFields<RecordedCriticalPoint> =
+    std::tuple{field("kind", &RecordedCriticalPoint::kind, "", "limit point, bifurcation"),
+               field("load_factor", &RecordedCriticalPoint::load_factor, "", "where it is"),
+               field("negative_before", &RecordedCriticalPoint::negative_before, "", "negative eigenvalues before"),
+               field("negative_after", &RecordedCriticalPoint::negative_after, "", "negative eigenvalues behind"),
+               field("modes", &RecordedCriticalPoint::modes, "", "that become singular together"),
+               field("load_factor_error", &RecordedCriticalPoint::load_factor_error, "", "estimated", Kept::if_known),
+               field("position", &RecordedCriticalPoint::position, "length", "spatial"),
+               field("displacement", &RecordedCriticalPoint::displacement, "length", "spatial"),
+               field("mode", &RecordedCriticalPoint::mode, "", "displacement of the critical mode, spatial")};
+
+template <>
+inline constexpr auto kFields<RecordedBucklingMode> =
+    std::tuple{field("load_factor", &RecordedBucklingMode::load_factor, "", "negative: under the reversed load"),
+               field("residual", &RecordedBucklingMode::residual, "", "share that may be wrong"),
+               field("confirmed", &RecordedBucklingMode::confirmed, "", "1: by the inertia on both sides"),
+               field("error", &RecordedBucklingMode::error, "", "of the mesh, estimated", Kept::if_known),
+               field("mode", &RecordedBucklingMode::mode, "", "displacement of the mode, spatial")};
+
+template <class Record, class Fields, class Visit>
+void visit_fields(Record& record, const Fields& fields, const Visit& visit) {
+  std::apply([&](const auto&... field) { (visit(field, record.*field.member), ...); }, fields);
+}
+/// Calls visit(field, its value) for each field of a record.
+template <class Record, class Visit>
+void visit_fields(Record& record, const Visit& visit) {
+  visit_fields(record, kFields<std::remove_const_t<Record>>, visit);
+}
+
+/// Counts that are not known are below zero.
+inline bool is_known_value(double value) { return !std::isnan(value); }
+inline bool is_known_value(int value) { return value >= 0; }
+template <class Value>
+bool is_known_value(const Value& value) {
+  if constexpr (std::is_enum_v<Value> || std::is_same_v<Value, bool>)
+    return true;
+  else
+    return !value.empty();
+}
+template <class Value>
+inline constexpr bool kIsAtSamples = std::is_same_v<std::decay_t<Value>, std::vector<Vector3>>;
+
+}  // namespace mixbeam
