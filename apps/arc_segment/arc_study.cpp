@@ -4,10 +4,10 @@
 #include "apps/common/tables/convergence_table.hpp"
 #include "apps/common/tables/formatted.hpp"
 #include "apps/common/tables/printed_digits.hpp"
-#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/text/errors.hpp"
 #include "kernels/math/gauss.hpp"
 #include "kernels/math/legendre.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
 

@@ -5,7 +5,7 @@
 #include "apps/common/tables/convergence_table.hpp"
 #include "apps/common/tables/printed_digits.hpp"
 #include "discretization/geometry/reference_curve.hpp"
-#include "discretization/geometry/vector_algebra.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
 

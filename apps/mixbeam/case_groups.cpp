@@ -1,7 +1,7 @@
 #include "apps/mixbeam/case_groups.hpp"
 
-#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/scene/load_cases.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <algorithm>
 #include <cmath>

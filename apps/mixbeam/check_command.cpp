@@ -10,10 +10,10 @@
 #include "apps/mixbeam/mesh_report.hpp"
 #include "discretization/checks/mechanism.hpp"
 #include "discretization/checks/scene_warnings.hpp"
-#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/text/errors.hpp"
 #include "discretization/text/message_text.hpp"
+#include "kernels/math/vector_algebra.hpp"
 #include "nonlinear/linear/blas_setup.hpp"
 
 #include <Teuchos_BLAS.hpp>

@@ -3,8 +3,8 @@
 #include "apps/common/session/progress.hpp"
 #include "apps/common/tables/formatted.hpp"
 #include "apps/common/tables/printed_digits.hpp"
-#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/text/result_names.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <algorithm>
 #include <cmath>

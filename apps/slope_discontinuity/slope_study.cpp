@@ -1,7 +1,7 @@
 // Three rods joined at right angles: table, load-displacement curve and shapes of the paper's example.
 #include "apps/common/studies/study.hpp"
 #include "apps/common/studies/variants.hpp"
-#include "discretization/geometry/vector_algebra.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <algorithm>
 #include <ostream>

@@ -2,10 +2,10 @@
 
 #include "apps/common/run/scene_file.hpp"
 #include "apps/common/studies/variants.hpp"
-#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/state/sampling.hpp"
 #include "discretization/text/errors.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <algorithm>
 #include <filesystem>

@@ -1,12 +1,13 @@
 #include "discretization/assembly/cap.hpp"
 
 #include "discretization/assembly/workspace.hpp"
+#include "discretization/mesh/element_view.hpp"
+#include "discretization/mesh/reference_element.hpp"
 #include "discretization/mesh/vertex_partition.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
 
 #include <algorithm>
-#include <vector>
 
 namespace mixbeam {
 
@@ -62,7 +63,6 @@ double cap_component(double limit, double compliance, double& added, double& sti
 Cap cap_for(const Model& model, const ResidualScales& scales, double raise) {
   Workspace& workspace = model.workspace();
   const double stiffness = cap_stiffness(model, scales, raise);
-  if (stiffness == workspace.cap.stiffness) return workspace.cap;
   const double moment_limit = stiffness * model.structure().length * model.structure().length;  // above all that bends
   const KernelView<const SectionConstants*> uncapped = model.structure().views.sections;
   Cap cap{stiffness};
@@ -83,7 +83,7 @@ Cap cap_for(const Model& model, const ResidualScales& scales, double raise) {
       cap.cuts_off = cap.cuts_off || section.force_cap_compliance[i] > 0.0 || section.moment_cap_compliance[i] > 0.0;
     }
   }
-  return workspace.cap = cap;
+  return cap;
 }
 
 void cap_compliance_rows(const Model& model, const Cap& cap, const ResidualScales& scales, const MixedVector& increment,
@@ -105,80 +105,42 @@ double largest_cap_compliance_row(const Model& model, const Cap& cap, const Resi
 
 namespace {
 
-/// Quadrature weights of the force points and of the moment points, on [-1, 1].
-struct Weights {
-  std::vector<double> force, moment;
-
-  explicit Weights(const ElementBlock& block) {
-    const int k = block.order, axial = axial_points(k, block.force_integration),
-              shear = shear_points(k, block.force_integration);
-    append(axial, force);
-    if (axial != shear) append(shear, force);
-    append(k + 1, moment);
-  }
-
- private:
-  static void append(int n, std::vector<double>& weights) {
-    std::vector<double> xi(n), w(n);
-    gauss_rule(n, xi.data(), w.data());
-    weights.insert(weights.end(), w.begin(), w.end());
-  }
-};
-
 double added(double compliance, double limit) { return compliance < 1.0 / limit ? 1.0 / limit - compliance : 0.0; }
 
-double plain_element(const InteriorLayout& layout, const Weights& weights, double length,
-                     const SectionConstants& section, const double* a, const double* b) {
+/// (capped compliance - true compliance) of the increments a and b of one element.
+double form_of_element(const ElementView& element, const SectionConstants& section, const double* a, const double* b) {
+  const InteriorLayout& layout = element.layout();
+  const int order = element.order();
+  const bool is_general = element.block().general_section;
+  const GeneralSectionLayout stored{order, layout.force_points};
+  const double* compliance = is_general ? &element.block().compliance(element.index(), 0) : nullptr;
   double sum = 0.0;
   for (int i = 0; i < 3; ++i) {
-    const double force = added(section.force_compliance[i], section.force_stiffness_limit);
-    for (int q = 0; q < layout.force_points; ++q)
-      sum += 0.5 * length * weights.force[q] * force * a[layout.force(q) + i] * b[layout.force(q) + i];
-    const double moment = added(section.moment_compliance[i], section.moment_stiffness_limit);
-    for (int j = 0; j <= layout.order; ++j)
-      sum += length / (2 * j + 1) * moment * a[layout.moment(j) + i] * b[layout.moment(j) + i];
+    for_each_force_rule(order, element.block().force_integration, [&](int first, int count, int begin, int end) {
+      for (int q = first; q < first + count && begin <= i && i < end; ++q) {
+        const double own = is_general ? compliance[stored.force_force(q) + 4 * i] : section.force_compliance[i];
+        sum += 0.5 * element.length() * gauss_points(count).weight[q - first] *
+               added(own, section.force_stiffness_limit) * a[layout.force(q) + i] * b[layout.force(q) + i];
+      }
+    });
+    for (int j = 0; j <= order && !is_general; ++j)
+      sum += element.length() / (2 * j + 1) * added(section.moment_compliance[i], section.moment_stiffness_limit) *
+             a[layout.moment(j) + i] * b[layout.moment(j) + i];
   }
-  return sum;
-}
-
-/// Legendre coefficients of component i of M, evaluated at xi.
-double moment_at(const InteriorLayout& layout, double xi, int i, const double* row) {
-  double P[kMaximumOrder + 1], sum = 0.0;
-  legendre(layout.order, xi, P);
-  for (int j = 0; j <= layout.order; ++j) sum += P[j] * row[layout.moment(j) + i];
-  return sum;
-}
-
-double general_element(const InteriorLayout& layout, const Weights& weights, double length,
-                       const SectionConstants& section, const double* compliance, const double* a, const double* b) {
-  const GeneralSectionLayout stored{layout.order, layout.force_points};
-  double sum = 0.0, xi[kMaximumOrder + 1], w[kMaximumOrder + 1];
-  gauss_rule(layout.order + 1, xi, w);
-  for (int i = 0; i < 3; ++i) {
-    for (int q = 0; q < layout.force_points; ++q)
-      sum += 0.5 * length * weights.force[q] *
-             added(compliance[stored.force_force(q) + 4 * i], section.force_stiffness_limit) * a[layout.force(q) + i] *
-             b[layout.force(q) + i];
-    for (int q = 0; q <= layout.order; ++q)
-      sum += 0.5 * length * weights.moment[q] *
-             added(compliance[stored.moment_moment(q) + 4 * i], section.moment_stiffness_limit) *
-             moment_at(layout, xi[q], i, a) * moment_at(layout, xi[q], i, b);
-  }
-  return sum;
-}
-
-double block_sum(const Structure& structure, const Cap& cap, const ElementBlock& block, const double* a,
-                 const double* b) {
-  const Weights weights(block);
-  double sum = 0.0;
-  for (int e = 0; e < block.count; ++e) {
-    if (block.vertices(e, 0) >= structure.owned_vertices) continue;  // counted by the rank that owns the vertex
-    const size_t first = block.increments_at()(e);
-    const SectionConstants& section = cap.structure.sections(block.section(e));
-    const double length = block.reference(e, block.reference_layout.length());
-    sum += block.general_section ? general_element(block.interior, weights, length, section, &block.compliance(e, 0),
-                                                   a + first, b + first)
-                                 : plain_element(block.interior, weights, length, section, a + first, b + first);
+  if (!is_general) return sum;
+  const GaussPoints& rule = gauss_points(order + 1);
+  for (int q = 0; q <= order; ++q) {
+    double P[kMaximumOrder + 1];
+    legendre(order, rule.xi[q], P);
+    for (int i = 0; i < 3; ++i) {
+      double at_a = 0.0, at_b = 0.0;
+      for (int j = 0; j <= order; ++j) {
+        at_a += P[j] * a[layout.moment(j) + i];
+        at_b += P[j] * b[layout.moment(j) + i];
+      }
+      sum += 0.5 * element.length() * rule.weight[q] *
+             added(compliance[stored.moment_moment(q) + 4 * i], section.moment_stiffness_limit) * at_a * at_b;
+    }
   }
   return sum;
 }
@@ -187,8 +149,11 @@ double block_sum(const Structure& structure, const Cap& cap, const ElementBlock&
 
 double cap_compliance_form(const Model& model, const Cap& cap, const MixedVector& a, const MixedVector& b) {
   double mine = 0.0;
-  for (const ElementBlock& block : model.structure().blocks)
-    mine += block_sum(model.structure(), cap, block, a.interior().data(), b.interior().data());
+  for_each_element(model.structure(), [&](const ElementView& element) {
+    if (!element.is_owned()) return;  // counted by the rank that owns its first vertex
+    mine += form_of_element(element, cap.structure.sections(element.block().section(element.index())),
+                            element.increments_in(a.interior()), element.increments_in(b.interior()));
+  });
   return sum_over_ranks(*model.map()->getComm(), mine);
 }
 

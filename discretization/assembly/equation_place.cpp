@@ -66,7 +66,7 @@ struct RowKey {
   Site site{};                    ///< of the best
 };
 
-const char* kAxes[] = {"x", "y", "z"};
+const std::string kAxes[] = {"x", "y", "z"};
 
 /// All rows of one rank.
 template <class Visit>
@@ -248,49 +248,48 @@ std::string text_of(const EquationPlace& place) {
   return "member \"" + excerpt(place.member) + "\" at " + rounded(place.along, 4) + " of its length";
 }
 
-std::string equation_text(const EquationPlace& place) {
-  const std::string number = std::to_string(place.component + 1), axis = kAxes[place.component];
-  switch (place.kind) {
-    case RowKind::vertex_displacement:
-      return "balance of forces, component " + axis;
-    case RowKind::vertex_rotation:
-      return "balance of moments, component " + axis;
-    case RowKind::held_displacement:
-      return "displacement constrained by a support or joint, component " + number;
-    case RowKind::held_rotation:
-      return "rotation constrained by a support or joint, component " + number;
-    case RowKind::element_force:
-      return std::string("constitutive equation of the force, ") + (place.component == 0 ? "axial" : "shear " + number);
-    case RowKind::element_moment:
-      return std::string("constitutive equation of the moment, ") +
-             (place.component == 0 ? "twist" : "bending " + number);
-    case RowKind::element_rotation:
-      return "balance of moments inside, component " + number;
-    case RowKind::element_displacement:
-      return "balance of forces inside, component " + axis;
+namespace {
+
+/// Words for the rows of one kind: of the first component where it has words of its own, and of the others, whose axis
+/// or number follows.
+struct RowWords {
+  const char* others;
+  bool by_axis;
+  const char* first = nullptr;
+
+  std::string of(int component) const {
+    if (component == 0 && first != nullptr) return first;
+    return others + (by_axis ? kAxes[component] : std::to_string(component + 1));
   }
-  return "";
+};
+
+/// In the order of RowKind.
+constexpr RowWords kEquations[] = {
+    {"balance of forces, component ", true},
+    {"balance of moments, component ", true},
+    {"displacement constrained by a support or joint, component ", false},
+    {"rotation constrained by a support or joint, component ", false},
+    {"constitutive equation of the force, shear ", false, "constitutive equation of the force, axial"},
+    {"constitutive equation of the moment, bending ", false, "constitutive equation of the moment, twist"},
+    {"balance of moments inside, component ", false},
+    {"balance of forces inside, component ", true}};
+constexpr RowWords kUnknowns[] = {{"displacement ", true},
+                                  {"rotation about ", true},
+                                  {"displacement ", true},
+                                  {"rotation about ", true},
+                                  {"shear force ", false, "axial force"},
+                                  {"bending moment ", false, "torque"},
+                                  {"rotation inside, component ", false},
+                                  {"displacement inside, component ", true}};
+
+}  // namespace
+
+std::string equation_text(const EquationPlace& place) {
+  return kEquations[static_cast<int>(place.kind)].of(place.component);
 }
 
 std::string unknown_text(const EquationPlace& place) {
-  const std::string number = std::to_string(place.component + 1), axis = kAxes[place.component];
-  switch (place.kind) {
-    case RowKind::vertex_displacement:
-    case RowKind::held_displacement:
-      return "displacement " + axis;
-    case RowKind::vertex_rotation:
-    case RowKind::held_rotation:
-      return "rotation about " + axis;
-    case RowKind::element_force:
-      return place.component == 0 ? "axial force" : "shear force " + number;
-    case RowKind::element_moment:
-      return place.component == 0 ? "torque" : "bending moment " + number;
-    case RowKind::element_rotation:
-      return "rotation inside, component " + number;
-    case RowKind::element_displacement:
-      return "displacement inside, component " + axis;
-  }
-  return "";
+  return kUnknowns[static_cast<int>(place.kind)].of(place.component);
 }
 
 }  // namespace mixbeam

@@ -149,7 +149,7 @@ LineFields::LineFields(const Scene& scene, const Mesh& mesh, Structure& structur
                {LineField::eigencurvature, member, Profile(strain.curvature, strain.curvature_formula, strain.member),
                 amplitude});
   }
-  allocate_values(structure);
+  number_rows(structure);
 }
 
 void LineFields::add_source(const Mesh& mesh, Structure& structure, const Source& source) {
@@ -170,7 +170,7 @@ void LineFields::add_source(const Mesh& mesh, Structure& structure, const Source
   std::vector<double> value;
   for (size_t i = 0; i < local.elements.size(); ++i) {
     const int e = field.elements(i) = local.elements[i];
-    block.field_row(e, static_cast<int>(source.kind)) = 0;  // allocate_values gives the true row
+    block.field_row(e, static_cast<int>(source.kind)) = 0;  // number_rows gives the true row
     const MeshElement& element = mesh.elements[structure.local_element_to_mesh[block.first_element + e]];
     const double middle = mesh.arc_length(element, 0.0);
     const double first = mesh.arc_length(element, -1.0) / length, last = mesh.arc_length(element, 1.0) / length;
@@ -198,49 +198,48 @@ void LineFields::add_source(const Mesh& mesh, Structure& structure, const Source
   fields_.push_back(field);
 }
 
-void LineFields::allocate_values(Structure& structure) {
-  for (ElementBlock& block : structure.blocks) {
-    if (block.field_row.extent(0) == 0) continue;
-    int rows = 0;
-    for (int e = 0; e < block.count; ++e)
+void LineFields::number_rows(Structure& structure) {
+  for (ElementBlock& block : structure.blocks)
+    for (int e = 0; e < static_cast<int>(block.field_row.extent(0)); ++e)
       for (int kind = 0; kind < kLineFields; ++kind) {
         if (block.field_row(e, kind) < 0) continue;
-        block.field_row(e, kind) = rows;
-        rows += line_field_points(static_cast<LineField>(kind), block.order, block.interior.force_points);
+        block.field_row(e, kind) = rows_;
+        rows_ += line_field_points(static_cast<LineField>(kind), block.order, block.interior.force_points);
       }
-    block.field_value = KernelView<double* [3]>("mixbeam::field_value", rows);
-  }
 }
 
-void LineFields::set(const Structure& structure, double load_factor, bool with_loads) const {
-  set_zero(structure);
+std::vector<double> LineFields::amplitudes(double load_factor, bool with_loads) const {
+  std::vector<double> factors;
   for (const Field& field : fields_)
-    if (with_loads || !is_load(field.kind)) add(structure, field, field.amplitude(load_factor));
+    factors.push_back(with_loads || !is_load(field.kind) ? field.amplitude(load_factor) : 0.0);
+  return factors;
 }
 
-void LineFields::set_slope(const Structure& structure, double load_factor) const {
-  set_zero(structure);
-  for (const Field& field : fields_) add(structure, field, field.amplitude.slope(load_factor));
+std::vector<double> LineFields::slopes(double load_factor) const {
+  std::vector<double> factors;
+  for (const Field& field : fields_) factors.push_back(field.amplitude.slope(load_factor));
+  return factors;
 }
 
-void LineFields::set_zero(const Structure& structure) const {
-  for (const ElementBlock& block : structure.blocks)
-    if (block.field_value.extent(0) > 0) Kokkos::deep_copy(block.field_value, 0.0);
-}
-
-void LineFields::add(const Structure& structure, const Field& field, double factor) const {
-  const auto row = structure.blocks[field.block].field_row;
-  const auto sum = structure.blocks[field.block].field_value;
-  const auto value = field.value;
-  const auto elements = field.elements;
-  const int kind = static_cast<int>(field.kind), points = field.points;
-  Kokkos::parallel_for(
-      "mixbeam::line_fields", Kokkos::RangePolicy<ExecutionSpace>(0, static_cast<int>(elements.extent(0))),
-      KOKKOS_LAMBDA(int i) {
-        const int first = row(elements(i), kind);
-        for (int q = 0; q < points; ++q)
-          for (int c = 0; c < 3; ++c) sum(first + q, c) += factor * value(i * points + q, c);
-      });
+void LineFields::add_up(const Structure& structure, const std::vector<double>& factors,
+                        const KernelView<double* [3]>& sum) const {
+  Kokkos::deep_copy(sum, 0.0);
+  for (size_t f = 0; f < fields_.size(); ++f) {
+    if (factors[f] == 0.0) continue;
+    const Field& field = fields_[f];
+    const auto row = structure.blocks[field.block].field_row;
+    const auto value = field.value;
+    const auto elements = field.elements;
+    const int kind = static_cast<int>(field.kind), points = field.points;
+    const double factor = factors[f];
+    Kokkos::parallel_for(
+        "mixbeam::line_fields", Kokkos::RangePolicy<ExecutionSpace>(0, static_cast<int>(elements.extent(0))),
+        KOKKOS_LAMBDA(int i) {
+          const int first = row(elements(i), kind);
+          for (int q = 0; q < points; ++q)
+            for (int c = 0; c < 3; ++c) sum(first + q, c) += factor * value(i * points + q, c);
+        });
+  }
 }
 
 LineFieldMagnitude LineFields::magnitude(double load_factor) const {

@@ -29,12 +29,14 @@ class LineFields {
   bool has_loads() const { return has_loads_; }
   bool empty() const { return !has_loads_ && !has_eigenstrains_; }
 
-  /// Writes the sum of all fields at a load factor into the blocks; `with_loads` false: of the eigenstrains alone.
-  void set(const Structure& structure, double load_factor, bool with_loads = true) const;
-  /// Writes the derivative with respect to the load factor instead.
-  void set_slope(const Structure& structure, double load_factor) const;
-  /// As if there were no field at all.
-  void set_zero(const Structure& structure) const;
+  /// Amplitudes of the fields at a load factor; `with_loads` false: zero but for eigenstrains.
+  std::vector<double> amplitudes(double load_factor, bool with_loads = true) const;
+  /// Their derivatives with respect to the load factor.
+  std::vector<double> slopes(double load_factor) const;
+  /// Rows of StructureViews::field_value.
+  int rows() const { return rows_; }
+  /// Writes the sum of the fields, each times its factor, into these rows.
+  void add_up(const Structure& structure, const std::vector<double>& factors, const KernelView<double* [3]>& sum) const;
   LineFieldMagnitude magnitude(double load_factor) const;
   /// From here on amplitudes run as the clock does.
   void follow(const std::shared_ptr<const LoadClock>& clock) {
@@ -56,10 +58,10 @@ class LineFields {
   class Profile;
   struct Source;
   void add_source(const Mesh& mesh, Structure& structure, const Source& source);
-  void allocate_values(Structure& structure);
-  void add(const Structure& structure, const Field& field, double factor) const;
+  void number_rows(Structure& structure);
 
   std::vector<Field> fields_{};
+  int rows_ = 0;
   bool has_loads_ = false, has_eigenstrains_ = false;
 };
 

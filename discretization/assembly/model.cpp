@@ -1,14 +1,16 @@
 #include "discretization/assembly/model.hpp"
 
 #include "discretization/assembly/workspace.hpp"
-#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/mesh/element_view.hpp"
 #include "discretization/mesh/reference_element.hpp"
+#include "discretization/mesh/row_lists.hpp"
 #include "kernels/element/layout.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -34,6 +36,7 @@ Model::Model(std::shared_ptr<const Scene> scene, const Communicator& comm, const
       line_fields_(*scene_, mesh_, structure_),
       conditions_(following(clock_, build_conditions(*scene_, mesh_, structure_))),
       constraints_(conditions_),
+      external_(external_energies(conditions_)),
       options_(options),
       workspace_(std::make_unique<Workspace>()) {
   PhaseTimer timer(times_, "setup");
@@ -113,28 +116,22 @@ void Model::mark_owned_interior() {
 }
 
 void Model::build_adjacency() {
-  const int owned = structure_.owned_vertices;
-  const auto for_each_end = [&](const auto& action) {
+  using ElementEnd = std::array<int, 2>;
+  const RowLists<ElementEnd> lists = row_lists<ElementEnd>(structure_.owned_vertices, [&](const auto& add) {
     const ElementBlock* block = structure_.blocks.data();  // a rank may have none
     for (int element : structure_.elements_in_order) {
       if (element < block->first_element || element >= block->first_element + block->count)
         block = &structure_.block_of(element);
       for (int end = 0; end < 2; ++end) {
         const int vertex = block->vertices(element - block->first_element, end);
-        if (vertex < owned) action(vertex, element, end);
+        if (vertex < structure_.owned_vertices) add(vertex, {element, end});
       }
     }
-  };
-  adjacency_.start = KernelView<int*>("mixbeam::adjacency_start", owned + 1);
-  for_each_end([&](int vertex, int, int) { ++adjacency_.start(vertex + 1); });
-  for (int v = 0; v < owned; ++v) adjacency_.start(v + 1) += adjacency_.start(v);
-  adjacency_.element = KernelView<int* [2]>("mixbeam::adjacency", adjacency_.start(owned));
-  std::vector<int> next(adjacency_.start.data(), adjacency_.start.data() + owned);
-  for_each_end([&](int vertex, int element, int end) {
-    const int entry = next[vertex]++;
-    adjacency_.element(entry, 0) = element;
-    adjacency_.element(entry, 1) = end;
   });
+  adjacency_.start = KernelView<int*>("mixbeam::adjacency_start", lists.start.size());
+  std::copy(lists.start.begin(), lists.start.end(), adjacency_.start.data());
+  adjacency_.element = KernelView<int* [2]>("mixbeam::adjacency", lists.entries.size());
+  for (size_t i = 0; i < lists.entries.size(); ++i) std::copy_n(lists.entries[i].data(), 2, &adjacency_.element(i, 0));
 }
 
 MixedVector Model::create_vector() const {
@@ -165,11 +162,9 @@ State Model::apply(const State& from, const MixedVector& increment, double step)
 
 VertexMatrix whole_matrix(const Model& model) {
   std::vector<RemainingLink> elements;
-  for (const ElementBlock& block : model.structure().blocks)
-    for (int e = 0; e < block.count; ++e) {
-      const int element = block.first_element + e;
-      elements.push_back({element, element, {block.vertices(e, 0), block.vertices(e, 1)}});
-    }
+  for_each_element(model.structure(), [&](const ElementView& element) {
+    elements.push_back({element.local(), element.local(), {element.vertex(0), element.vertex(1)}});
+  });
   const std::vector<unsigned char> all(model.structure().local_vertices(), 1);
   return VertexMatrix(model.structure(), model.vertex_maps(), all, std::move(elements), model.conditions().joints);
 }

@@ -6,7 +6,7 @@
 
 #include "discretization/assembly/line_fields.hpp"
 #include "discretization/assembly/phase_timer.hpp"
-#include "discretization/constraints/constraint_rows.hpp"
+#include "discretization/constraints/external_energy.hpp"
 #include "discretization/linear_system/vertex_matrix.hpp"
 #include "discretization/mesh/mixed_vector.hpp"
 #include "discretization/mesh/structure.hpp"
@@ -53,6 +53,7 @@ class Model {
   const VertexMaps& vertex_maps() const { return maps_; }
   const Conditions& conditions() const { return conditions_; }
   const ConstraintRows& constraints() const { return constraints_; }
+  const ExternalEnergies& external() const { return external_; }
   const LineFields& line_fields() const { return line_fields_; }
   /// With which all amplitudes run; a path sets it.
   LoadClock& clock() const { return *clock_; }
@@ -81,7 +82,7 @@ class Model {
 
   /// Wall time that evaluations took so far.
   PhaseTimes& times() const { return times_; }
-  /// Memory that evaluations use again; none of them reads what another one left there.
+  /// Memory that evaluations use again. What one of them leaves there decides no number of another one.
   Workspace& workspace() const { return *workspace_; }
   /// Of vectors, which evaluations would use again.
   void release_idle_arrays() const {
@@ -103,6 +104,7 @@ class Model {
   LineFields line_fields_;
   Conditions conditions_;
   ConstraintRows constraints_;
+  ExternalEnergies external_;
   ModelOptions options_;
   VertexMaps maps_;
   std::shared_ptr<VectorPool> vectors_ = std::make_shared<VectorPool>();

@@ -207,26 +207,19 @@ double equilibrium_norm(const Model& model, const MixedVector& scaled_residual) 
 
 namespace {
 
-/// Line fields as another evaluation needs them, for as long as it lasts.
-class OtherLineFields {
- public:
-  explicit OtherLineFields(const Model& model) : model_(model) { model_.workspace().load_factor.reset(); }
-  ~OtherLineFields() { model_.workspace().load_factor.reset(); }
-  OtherLineFields(const OtherLineFields&) = delete;
-  OtherLineFields& operator=(const OtherLineFields&) = delete;
-
- private:
-  const Model& model_;
-};
+/// The line fields of the model times these factors: the same array as long as the factors do not change.
+KernelView<double* [3]> line_fields_of(const Model& model, std::vector<double> factors) {
+  if (model.line_fields().rows() == 0) return {};
+  LastLineFields& last = model.workspace().line_fields;
+  if (last.values.data() != nullptr && last.factors == factors) return last.values;
+  const KernelView<double* [3]> values = last.pool.take("mixbeam::field_value", model.line_fields().rows());
+  model.line_fields().add_up(model.structure(), factors, values);
+  last.factors = std::move(factors);
+  last.values = values;
+  return values;
+}
 
 }  // namespace
-
-void set_line_fields(const Model& model, double load_factor) {
-  std::optional<double>& present = model.workspace().load_factor;
-  if (present == load_factor) return;
-  model.line_fields().set(model.structure(), load_factor);
-  present = load_factor;
-}
 
 void gather_rows(const Model& model, const KernelView<double*>& rows) {
   const KernelView<const double* [12]> element_rows = model.workspace().rows.residual;
@@ -269,9 +262,11 @@ KernelView<double*> take_end_angles(const Model& model) {
 }
 
 /// Element residuals, interior rows straight into `out`; `scales`: of these rows, null: unscaled.
-void evaluate_elements(const Model& model, const State& state, const ResidualScales* scales,
-                       const KernelView<double*>& end_angles, MixedVector& out) {
+void evaluate_elements(const Model& model, const State& state, const KernelView<double* [3]>& line_fields,
+                       const ResidualScales* scales, const KernelView<double*>& end_angles, MixedVector& out) {
   const Structure& structure = model.structure();
+  StructureViews views = structure.views;
+  views.field_value = line_fields;
   ElementEquations equations = model.workspace().rows;
   equations.largest_end_angle = end_angles;
   equations.interior_residual = out.writable_interior(false);
@@ -279,9 +274,9 @@ void evaluate_elements(const Model& model, const State& state, const ResidualSca
   if (scales != nullptr) equations.interior_scales = *scales;
   for (size_t b = 0; b < structure.blocks.size(); ++b)
     if (state.in_plane)
-      evaluate_planar_residual(structure.blocks[b], model.planar_blocks()[b], structure.views, state.views, equations);
+      evaluate_planar_residual(structure.blocks[b], model.planar_blocks()[b], views, state.views, equations);
     else
-      evaluate_residual(structure.blocks[b], structure.views, state.views, equations);
+      evaluate_residual(structure.blocks[b], views, state.views, equations);
   if (state.in_plane)
     gather_planar_rows(model, out.vertex());
   else
@@ -294,10 +289,10 @@ EvaluationPoint mixed_residual(const Model& model, const State& state, double lo
   PhaseTimer timer(model.times(), "residual");
   EvaluationPoint point{state, load_factor, scales_of(model, state, load_factor)};
   point.end_angles = take_end_angles(model);
-  set_line_fields(model, load_factor);
-  evaluate_elements(model, state, &point.scales, point.end_angles, rows);
+  point.line_fields = line_fields_of(model, model.line_fields().amplitudes(load_factor));
+  evaluate_elements(model, state, point.line_fields, &point.scales, point.end_angles, rows);
   const KernelView<double*> vertex = rows.vertex();
-  subtract_point_loads(model.conditions(), state, load_factor, false, vertex);
+  for (const auto& energy : model.external()) energy->add_rows(state, load_factor, vertex);
   point.carried = std::make_shared<const CarriedForces>(model.constraints().carried(state, vertex));
   model.constraints().project(state, vertex);
   model.constraints().set(state, load_factor, vertex);
@@ -306,13 +301,8 @@ EvaluationPoint mixed_residual(const Model& model, const State& state, double lo
 }
 
 void element_rows(const Model& model, const State& state, double load_factor, bool with_line_loads, MixedVector& rows) {
-  if (with_line_loads || !model.line_fields().has_loads()) {
-    set_line_fields(model, load_factor);
-    return evaluate_elements(model, state, nullptr, take_end_angles(model), rows);
-  }
-  const OtherLineFields without(model);
-  model.line_fields().set(model.structure(), load_factor, false);
-  evaluate_elements(model, state, nullptr, take_end_angles(model), rows);
+  evaluate_elements(model, state, line_fields_of(model, model.line_fields().amplitudes(load_factor, with_line_loads)),
+                    nullptr, take_end_angles(model), rows);
 }
 
 void load_derivative(const Model& model, const State& state, double load_factor, const ResidualScales& scales,
@@ -320,16 +310,14 @@ void load_derivative(const Model& model, const State& state, double load_factor,
   rows.fill(0.0);
   if (!model.line_fields().empty()) {
     // fields enter linearly: their contribution is the residual with their derivative minus that without any
-    const OtherLineFields derivatives(model);
+    const std::vector<double> slopes = model.line_fields().slopes(load_factor), none(slopes.size(), 0.0);
     MixedVector without = rows.clone(false);
-    model.line_fields().set_zero(model.structure());
-    evaluate_elements(model, state, nullptr, take_end_angles(model), without);
-    model.line_fields().set_slope(model.structure(), load_factor);
-    evaluate_elements(model, state, nullptr, take_end_angles(model), rows);
+    evaluate_elements(model, state, line_fields_of(model, none), nullptr, take_end_angles(model), without);
+    evaluate_elements(model, state, line_fields_of(model, slopes), nullptr, take_end_angles(model), rows);
     rows.update(-1.0, without, 1.0);
   }
   const KernelView<double*> vertex = rows.vertex();
-  subtract_point_loads(model.conditions(), state, load_factor, true, vertex);
+  for (const auto& energy : model.external()) energy->add_slopes(state, load_factor, vertex);
   model.constraints().project(state, vertex);
   model.constraints().set_slopes(load_factor, vertex);
   scale_rows(model, scales, rows);

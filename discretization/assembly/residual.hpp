@@ -46,6 +46,7 @@ struct EvaluationPoint {
   State state{};
   double load_factor = 0.0;
   ResidualScales scales{};                         ///< what the rows are divided by
+  KernelView<double* [3]> line_fields {};          ///< at the load factor (StructureViews::field_value)
   std::shared_ptr<const CarriedForces> carried{};  ///< by supports and joints: the rows do not show them
   KernelView<double*> end_angles{};                ///< (local element): relative rotation between element and vertices
 };
@@ -61,8 +62,5 @@ void load_derivative(const Model& model, const State& state, double load_factor,
 /// the elements at each vertex in place, and the interior rows. `with_line_loads` false: as if the members carried
 /// none.
 void element_rows(const Model& model, const State& state, double load_factor, bool with_line_loads, MixedVector& rows);
-
-/// Gives the line fields in the blocks of the structure (ElementBlock::field_value) their values at a load factor.
-void set_line_fields(const Model& model, double load_factor);
 
 }  // namespace mixbeam

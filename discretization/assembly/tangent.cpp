@@ -60,18 +60,23 @@ const ElementEquations& Tangent::elements() const { return arrays_->elements; }
 const PlanarTangents& Tangent::planar_elements() const { return arrays_->planar; }
 DofVector& Tangent::condensed_rows() const { return *arrays_->condensed_rows; }
 
+StructureViews Tangent::structure_views() const {
+  StructureViews views = cap_.structure;
+  views.field_value = point_.line_fields;
+  return views;
+}
+
 void Tangent::evaluate_in_space() const {
   PhaseTimer timer(model_->times(), "element tangent");
   for (const ElementBlock& block : model_->structure().blocks)
-    evaluate_tangent(block, cap_.structure, point_.state.views, arrays_->elements);
+    evaluate_tangent(block, structure_views(), point_.state.views, arrays_->elements);
 }
 
 void Tangent::evaluate() {
-  set_line_fields(*model_, point_.load_factor);
   if (planar_) {
     PhaseTimer timer(model_->times(), "element tangent");
     for (size_t b = 0; b < arrays_->planar_blocks.size(); ++b)
-      evaluate_planar_tangent(model_->structure().blocks[b], arrays_->planar_blocks[b], cap_.structure,
+      evaluate_planar_tangent(model_->structure().blocks[b], arrays_->planar_blocks[b], structure_views(),
                               point_.state.views, arrays_->planar, arrays_->elements);
   } else {
     evaluate_in_space();
@@ -79,7 +84,7 @@ void Tangent::evaluate() {
   PhaseTimer timer(model_->times(), "assemble");
   const KernelView<double*> rows = MixedVector::view_of(condensed_rows());
   gather_condensed_rows(rows);
-  subtract_point_loads(model_->conditions(), point_.state, point_.load_factor, false, rows);
+  for (const auto& energy : model_->external()) energy->add_rows(point_.state, point_.load_factor, rows);
   model_->constraints().project(point_.state, rows);
   model_->constraints().set(point_.state, point_.load_factor, rows);
   holds_residual_ = true;
@@ -98,17 +103,16 @@ void Tangent::condense_residual() {
 
 void Tangent::condense(const MixedVector& scaled_rhs) {
   PhaseTimer timer(model_->times(), "condense right-hand side");
-  set_line_fields(*model_, point_.load_factor);
   holds_residual_ = false;
   MixedVector rhs = scaled_rhs.clone(true);
   unscale_rows(*model_, point_.scales, rhs);
   const Structure& structure = model_->structure();
   for (size_t b = 0; b < structure.blocks.size(); ++b)
     if (planar_)
-      condense_planar_right_hand_side(structure.blocks[b], arrays_->planar_blocks[b], cap_.structure,
+      condense_planar_right_hand_side(structure.blocks[b], arrays_->planar_blocks[b], structure_views(),
                                       point_.state.views, rhs.interior(), arrays_->planar, arrays_->elements);
     else
-      condense_right_hand_side(structure.blocks[b], cap_.structure, point_.state.views, rhs.interior(),
+      condense_right_hand_side(structure.blocks[b], structure_views(), point_.state.views, rhs.interior(),
                                arrays_->elements);
   const KernelView<double*> rows = MixedVector::view_of(condensed_rows());
   gather_condensed_rows(rows);
@@ -133,10 +137,7 @@ void Tangent::recover(MixedVector& increment) const {
 }
 
 void Tangent::gather(const VertexMatrix& matrix) const {
-  if (planar_) {
-    set_line_fields(*model_, point_.load_factor);
-    evaluate_in_space();
-  }
+  if (planar_) evaluate_in_space();
   PhaseTimer timer(model_->times(), "assemble");
   gather(matrix, LinkMatrices<kSpatialDofs>{arrays_->elements.condensed_tangent, {}});
 }
@@ -144,21 +145,9 @@ void Tangent::gather(const VertexMatrix& matrix) const {
 void Tangent::gather(const VertexMatrix& matrix, const LinkMatrices<kSpatialDofs>& links) const {
   matrix.gather(links);
   const MatrixRows rows = matrix.rows();
-  add_load_tangents(rows);
+  for (const auto& energy : model_->external()) energy->add_tangent(point_.state, point_.load_factor, rows);
   add_springs(rows);
   model_->constraints().project(point_.state, *point_.carried, rows);
-}
-
-/// External loads whose virtual work is not that of a potential, or that follow the vertex: theory (44). The internal
-/// rows are second variations; their derivative at equilibrium holds -hat(m)/2 beside them, m the total external moment
-/// on the vertex.
-void Tangent::add_load_tangents(const MatrixRows& rows) const {
-  for (const VertexLoad& load : model_->conditions().loads) {
-    const SpatialLoad spatial = spatial_load(load, load.amplitude(point_.load_factor), point_.state);
-    const bool follower = load.frame == LoadFrame::follower;
-    rows.add(load.vertex, kMomentPart, load.vertex, kMomentPart, (follower ? 0.5 : -0.5) * hat(spatial.moment));
-    if (follower) rows.add(load.vertex, kForcePart, load.vertex, kMomentPart, hat(spatial.force));
-  }
 }
 
 void Tangent::add_springs(const MatrixRows& rows) const {

@@ -61,8 +61,9 @@ class Tangent {
  private:
   void evaluate();
   void evaluate_in_space() const;
+  /// Sections with the cap, line fields of the point.
+  StructureViews structure_views() const;
   void gather_condensed_rows(const KernelView<double*>& rows) const;
-  void add_load_tangents(const MatrixRows& rows) const;
   void add_springs(const MatrixRows& rows) const;
 
   const Model* model_;

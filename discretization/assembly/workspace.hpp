@@ -15,11 +15,17 @@ struct TangentArrays {
   KernelView<int*> interior_negative;  ///< (element), once it was asked for
 };
 
+/// Line fields that were added up last. An array that has been handed out is never written to again.
+struct LastLineFields {
+  ViewPool<KernelView<double* [3]>> pool;
+  std::vector<double> factors;
+  KernelView<double* [3]> values;
+};
+
 struct Workspace {
-  ElementEquations rows;              ///< of the elements: gathered as soon as they have been evaluated
-  std::optional<double> load_factor;  ///< of the line fields that the blocks hold
+  ElementEquations rows;  ///< of the elements: gathered as soon as they have been evaluated
+  LastLineFields line_fields;
   Teuchos::RCP<DofVector> ghosted_increment;
-  Cap cap;  ///< the last one
   ViewPool<KernelView<SectionConstants*>> sections;
   ViewPool<KernelView<double*>> end_angles;
   std::vector<std::shared_ptr<TangentArrays>> tangents;  ///< free where they are not in use elsewhere

@@ -1,8 +1,8 @@
 #include "discretization/constraints/conditions.hpp"
 
-#include "discretization/geometry/vector_algebra.hpp"
 #include "kernels/element/layout.hpp"
 #include "kernels/math/constants.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <algorithm>
 #include <cmath>

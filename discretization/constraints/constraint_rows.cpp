@@ -73,18 +73,6 @@ SpatialLoad spatial_load(const VertexLoad& load, double amplitude, const State& 
   return spatial;
 }
 
-void subtract_point_loads(const Conditions& conditions, const State& state, double load_factor, bool slope,
-                          const KernelView<double*>& rows) {
-  for (const VertexLoad& load : conditions.loads) {
-    const double amplitude = slope ? load.amplitude.slope(load_factor) : load.amplitude(load_factor);
-    const SpatialLoad spatial = spatial_load(load, amplitude, state);
-    for (int i = 0; i < 3; ++i) {
-      rows(vertex_row(load.vertex, i)) -= spatial.force[i];
-      rows(vertex_row(load.vertex, kMomentPart + i)) -= spatial.moment[i];
-    }
-  }
-}
-
 namespace {
 
 Vec axis(const VertexSupport& support, int i) { return {{support.axes(i, 0), support.axes(i, 1), support.axes(i, 2)}}; }
@@ -148,10 +136,7 @@ void set_support_rows(const VertexSupport& support, const State& state, double l
   const Vec u = support.axes * displacement_of(support, state);
   for (int i = 0; i < 3; ++i) {
     double& row = rows(vertex_row(v, i));
-    if (support.fixed[i])
-      row = u[i] - amplitude * support.displacement[i];
-    else
-      row += support.displacement_stiffness[i] * u[i];
+    if (support.fixed[i]) row = u[i] - amplitude * support.displacement[i];
   }
   switch (support.rotation_kind) {
     case SupportRotation::free:
@@ -196,12 +181,9 @@ void turn_force_rows(const VertexSupport& support, const MatrixRows& matrix) {
   const int v = support.vertex;
   if (support.turns_forces) matrix.combine(v, kForcePart, support.axes);
   for (int i = 0; i < 3; ++i) {
-    if (support.fixed[i]) {
-      matrix.clear(v, i);
-      matrix.add(v, i, v, kForcePart, axis(support, i));
-    } else if (support.displacement_stiffness[i] != 0.0) {
-      matrix.add(v, i, v, kForcePart, support.displacement_stiffness[i] * axis(support, i));
-    }
+    if (!support.fixed[i]) continue;
+    matrix.clear(v, i);
+    matrix.add(v, i, v, kForcePart, axis(support, i));
   }
 }
 
@@ -280,9 +262,7 @@ SpatialLoad support_reaction(const VertexSupport& support, const State& state, c
 }
 
 double stored_energy(const VertexSupport& support, const State& state) {
-  const Vec u = support.axes * displacement_of(support, state);
   double energy = 0.0;
-  for (int i = 0; i < 3; ++i) energy += 0.5 * support.displacement_stiffness[i] * u[i] * u[i];
   if (support.rotation_kind != SupportRotation::vector && support.angle.place < 0) return energy;
   const Vec theta = support.rotation_kind == SupportRotation::hinge
                         ? hinge_angles(support, state)

@@ -1,5 +1,5 @@
-/// The rows of vertices, in vectors and in the matrix: what point loads add to them, and what supports and joints put
-/// in their place. Loops over loads, supports and joints only; without any of them there is nothing to do.
+/// The rows of vertices, in vectors and in the matrix: what supports and joints put in their place. Loops over supports
+/// and joints only; without any of them there is nothing to do.
 #pragma once
 
 #include "discretization/constraints/conditions.hpp"
@@ -54,15 +54,10 @@ struct SpatialLoad {
 };
 SpatialLoad spatial_load(const VertexLoad& load, double amplitude, const State& state);
 
-/// Subtracts all point loads from the vertex rows (6 * owned vertex + component); `slope`: their derivatives with
-/// respect to the load factor.
-void subtract_point_loads(const Conditions& conditions, const State& state, double load_factor, bool slope,
-                          const KernelView<double*>& rows);
-
 // Supports as equations of a vertex: theory (41).
 //
 // The force rows are turned into the axes e_i of the support; a fixed one becomes e_i . (u - prescribed), a free one
-// keeps e_i . f and takes the spring k_i e_i . u. Rotations come in four ways:
+// keeps e_i . f, to which external_energy.hpp has added the spring k_i e_i . u. Rotations come in four ways:
 //   - free: the moment rows stay as they are;
 //   - all fixed: the rotation vector from the prescribed to the present triad;
 //   - two fixed (a hinge about the third axis, any number of turns): the swings of Lambda_V (swing.hpp), and the moment
@@ -77,7 +72,7 @@ void mark_fixed_rows(const VertexSupport& support, const KernelView<unsigned cha
 /// Rows of the vertex, spatial forces and moments, in the form described above; those of fixed components become zero.
 void project_rows(const VertexSupport& support, const State& state, const KernelView<double*>& rows);
 
-/// Adds springs and writes the fixed rows, after project_rows.
+/// Adds springs against rotation and writes the fixed rows, after project_rows.
 void set_support_rows(const VertexSupport& support, const State& state, double load_factor,
                       const KernelView<double*>& rows);
 
@@ -96,7 +91,7 @@ void project_matrix_rows(const VertexSupport& support, const State& state, const
 /// Force and moment of a support and its springs on the vertex, from its spatial rows without it.
 SpatialLoad support_reaction(const VertexSupport& support, const State& state, const Vec& force, const Vec& moment);
 
-/// In the springs of a support.
+/// In the springs of a support against rotation.
 double stored_energy(const VertexSupport& support, const State& state);
 
 // Joints as equations of two vertices, theory (43): the master, which the rest of the point shares, and the slave, the
@@ -148,8 +143,8 @@ class ConstraintRows {
 
   void mark_fixed(const KernelView<unsigned char*>& fixed) const;
 
-  /// Spatial forces and moments of all vertices, point loads subtracted, as the equations take them; zero in the rows
-  /// of constraints. Linear in `rows`.
+  /// Spatial forces and moments of all vertices, those of external energies added, as the equations take them; zero in
+  /// the rows of constraints. Linear in `rows`.
   void project(const State& state, const KernelView<double*>& rows) const;
   /// Springs and constraints of a state, after project().
   void set(const State& state, double load_factor, const KernelView<double*>& rows) const;

@@ -1,7 +1,7 @@
 #include "discretization/geometry/isometry.hpp"
 
-#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/text/number_text.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <cmath>
 

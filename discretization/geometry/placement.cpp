@@ -1,10 +1,10 @@
 #include "discretization/geometry/placement.hpp"
 
-#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/text/errors.hpp"
 #include "discretization/text/expression.hpp"
 #include "discretization/text/number_text.hpp"
 #include "kernels/math/constants.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <algorithm>
 #include <cmath>

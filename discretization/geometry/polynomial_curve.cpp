@@ -1,6 +1,6 @@
 #include "discretization/geometry/polynomial_curve.hpp"
 
-#include "discretization/geometry/vector_algebra.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <gsl/gsl_linalg.h>
 

@@ -1,7 +1,7 @@
 #include "discretization/geometry/reference_curve.hpp"
 
-#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/text/errors.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -18,6 +18,9 @@ class ElementView {
     e_ = local - block_->first_element;
   }
 
+  /// The same element in another state.
+  ElementView in(const StateViews& state) const { return {*structure_, *block_, e_, &state}; }
+
   const ElementBlock& block() const { return *block_; }
   const InteriorLayout& layout() const { return block_->interior; }
   int index() const { return e_; }  ///< in its block
@@ -41,7 +44,12 @@ class ElementView {
 
   Vec displacement(int end) const { return load_vector(&state_->vertex_displacement(vertex(end), 0)); }
   double* triad_numbers() const { return &state_->element_triad(local(), 0); }
-  Quat triad() const { return load_quaternion(triad_numbers()); }                   ///< Lambda_lo
+  Quat triad() const { return load_quaternion(triad_numbers()); }  ///< Lambda_lo
+  /// Lambda_V Lambda_0 of a vertex.
+  Quat end_triad(int end) const {
+    return load_quaternion(&state_->vertex_rotation(vertex(end), 0)) *
+           load_quaternion(reference(block_->reference_layout.end_triad(end)));
+  }
   Vec force(int q) const { return load_vector(unknowns() + layout().force(q)); }    ///< N_q, material
   Vec moment(int j) const { return load_vector(unknowns() + layout().moment(j)); }  ///< M_j, material
   Vec bubble(int j) const { return load_vector(unknowns() + layout().bubble(j)); }  ///< beta_j, spatial
@@ -88,6 +96,15 @@ void for_each_element(const Structure& structure, const Action& action) {
 template <class Action>
 void for_each_element(const Structure& structure, const State& state, const Action& action) {
   for_each_element(structure, &state.views, action);
+}
+
+/// The same on all threads: actions must not depend on each other.
+template <class Action>
+void for_each_element_on_threads(const char* label, const Structure& structure, const StateViews& state,
+                                 const Action& action) {
+  for (const ElementBlock& block : structure.blocks)
+    Kokkos::parallel_for(label, Kokkos::RangePolicy<ExecutionSpace>(0, block.count),
+                         [&](int e) { action(ElementView(structure, block, e, &state)); });
 }
 
 /// The same for those that this rank answers for: each element of the mesh on one rank.

@@ -3,8 +3,8 @@
 #pragma once
 
 #include "discretization/geometry/reference_curve.hpp"
-#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/scene/scene.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <algorithm>
 #include <cstddef>

@@ -251,28 +251,28 @@ double ordered_sum(size_t n, const Term& term) {
 
 }  // namespace
 
-double MixedVector::one_norm() const {
-  const ConstEntries u = vertex(), x = interior_;
+/// Of all ranks: term(entry here, entry there), each entry counted once.
+template <class Term>
+double MixedVector::sum_with(const MixedVector& other, const Term& term) const {
+  const ConstEntries u = vertex(), v = other.vertex(), x = interior_, y = other.interior_;
   const KernelView<const unsigned char*> owned = owned_interior_;
   const double sum = ordered_sum(
-                         u.extent(0), KOKKOS_LAMBDA(size_t i) { return u(i) < 0.0 ? -u(i) : u(i); }) +
+                         u.extent(0), KOKKOS_LAMBDA(size_t i) { return term(u(i), v(i)); }) +
                      ordered_sum(
                          x.extent(0), KOKKOS_LAMBDA(size_t i) {
-                           if (owned.extent(0) > 0 && owned(i) == 0) return 0.0;
-                           return x(i) < 0.0 ? -x(i) : x(i);
+                           return owned.extent(0) > 0 && owned(i) == 0 ? 0.0 : term(x(i), y(i));
                          });
   return sum_over_ranks(*vertex_dofs_->getMap()->getComm(), sum);
 }
 
+double MixedVector::one_norm() const {
+  return sum_with(
+      *this, KOKKOS_LAMBDA(double x, double) { return x < 0.0 ? -x : x; });
+}
+
 double MixedVector::inner_product(const MixedVector& other) const {
-  const ConstEntries u = vertex(), v = other.vertex(), x = interior_, y = other.interior_;
-  const KernelView<const unsigned char*> owned = owned_interior_;
-  const double sum =
-      ordered_sum(
-          u.extent(0), KOKKOS_LAMBDA(size_t i) { return u(i) * v(i); }) +
-      ordered_sum(
-          x.extent(0), KOKKOS_LAMBDA(size_t i) { return owned.extent(0) > 0 && owned(i) == 0 ? 0.0 : x(i) * y(i); });
-  return sum_over_ranks(*vertex_dofs_->getMap()->getComm(), sum);
+  return sum_with(
+      other, KOKKOS_LAMBDA(double x, double y) { return x * y; });
 }
 
 double MixedVector::vertex_product(const MixedVector& weights, const MixedVector& other) const {

@@ -72,6 +72,8 @@ class MixedVector {
 
   template <class Action>
   void combine_with(const MixedVector& other, const Action& action);
+  template <class Term>
+  double sum_with(const MixedVector& other, const Term& term) const;
 
   std::shared_ptr<VectorPool> pool_;
   Teuchos::RCP<DofVector> vertex_dofs_;

@@ -1,5 +1,7 @@
 #include "discretization/mesh/vertex_partition.hpp"
 
+#include "discretization/mesh/row_lists.hpp"
+
 #include <metis.h>
 
 #include <algorithm>
@@ -37,18 +39,17 @@ void VertexGraph::number(const Mesh& mesh) {
 VertexGraph::VertexGraph(const Mesh& mesh) {
   number(mesh);
   const auto nodes = static_cast<idx_t>(ends.size());
-  std::vector<idx_t> first(nodes + 1, 0);
-  for (idx_t n = 0; n < nodes; ++n) first[n + 1] = first[n] + ends[n];
-  std::vector<idx_t> other(first[nodes]), filled(first.begin(), first.end() - 1);
-  for (const MeshElement& element : mesh.elements)
-    for (int end = 0; end < 2; ++end) other[filled[node[element.vertex[end]]]++] = node[element.vertex[1 - end]];
-  next.reserve(other.size());
-  price.reserve(other.size());
+  RowLists<idx_t> others = row_lists<idx_t>(nodes, [&](const auto& add) {
+    for (const MeshElement& element : mesh.elements)
+      for (int end = 0; end < 2; ++end) add(node[element.vertex[end]], node[element.vertex[1 - end]]);
+  });
+  next.reserve(others.entries.size());
+  price.reserve(others.entries.size());
   const auto inside_chain = [this](idx_t n) { return ends[n] == 2 ? 1 : 0; };
   for (idx_t n = 0; n < nodes; ++n) {
-    std::sort(other.begin() + first[n], other.begin() + first[n + 1]);
-    for (idx_t k = first[n]; k < first[n + 1]; ++k) {
-      const idx_t m = other[k];
+    std::sort(others.entries.begin() + others.start[n], others.entries.begin() + others.start[n + 1]);
+    for (int k = others.start[n]; k < others.start[n + 1]; ++k) {
+      const idx_t m = others.entries[k];
       if (m == n) continue;
       // a cut element is evaluated on both sides, and its ends are not eliminated
       const idx_t of_cut = 1 + inside_chain(n) + inside_chain(m);

@@ -1,7 +1,7 @@
 /// Looking into a validated list of parameters.
 #pragma once
 
-#include "discretization/scene/scene.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <Teuchos_Array.hpp>
 #include <Teuchos_ParameterList.hpp>

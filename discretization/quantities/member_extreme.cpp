@@ -1,6 +1,6 @@
 #include "discretization/quantities/member_extreme.hpp"
 
-#include "discretization/geometry/vector_algebra.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
 

@@ -1,9 +1,9 @@
 /// The kinds of quantities: one row each.
 #pragma once
 
-#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/state/member_stresses.hpp"
 #include "discretization/state/sampling.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <string>
 #include <vector>

@@ -1,10 +1,10 @@
 #include "discretization/quantities/quantity_set.hpp"
 
-#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/quantities/member_extreme.hpp"
 #include "discretization/quantities/quantity_place.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
 

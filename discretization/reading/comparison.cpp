@@ -1,8 +1,8 @@
 #include "discretization/reading/comparison.hpp"
 
-#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/reading/scene_parts.hpp"
 #include "discretization/scene/division.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,5 @@
 /// The part of SceneReader that reads members, apart from where they are.
 
-#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/parameters/access.hpp"
 #include "discretization/parameters/input_place.hpp"
 #include "discretization/reading/read_scene.hpp"
@@ -10,6 +9,7 @@
 #include "discretization/scene/limits.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <algorithm>
 #include <array>

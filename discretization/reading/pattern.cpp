@@ -1,10 +1,10 @@
 #include "discretization/reading/pattern.hpp"
 
-#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/reading/read_scene.hpp"
 #include "discretization/reading/scene_parts.hpp"
 #include "discretization/scene/limits.hpp"
 #include "kernels/math/constants.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 namespace mixbeam {
 namespace {

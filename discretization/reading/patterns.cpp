@@ -1,7 +1,6 @@
 #include "discretization/reading/scene_parts.hpp"
 
 #include "discretization/geometry/point_grid.hpp"
-#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/parameters/access.hpp"
 #include "discretization/reading/comparison.hpp"
 #include "discretization/reading/pattern.hpp"
@@ -10,6 +9,7 @@
 #include "discretization/scene/names.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,6 @@
 #include "discretization/reading/scene_reader.hpp"
 
 #include "discretization/checks/mechanism.hpp"
-#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/parameters/access.hpp"
 #include "discretization/parameters/validate.hpp"
 #include "discretization/reading/read_scene.hpp"
@@ -10,6 +9,7 @@
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 #include "discretization/text/result_names.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <cctype>
 

@@ -2,12 +2,12 @@
 
 #include "discretization/geometry/placement.hpp"
 #include "discretization/geometry/reference_curve.hpp"
-#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/reading/scene_reader.hpp"
 #include "discretization/scene/section_law.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 #include "discretization/text/result_names.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 #include "discretization/scene/joined_ends.hpp"
 
-#include "discretization/geometry/vector_algebra.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <cmath>
 #include <stdexcept>

@@ -1,10 +1,10 @@
 #include "discretization/state/potential.hpp"
 
 #include "discretization/assembly/residual.hpp"
-#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/mesh/element_view.hpp"
 #include "discretization/state/reactions.hpp"
 #include "discretization/state/sampling.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 namespace mixbeam {
 
@@ -29,8 +29,8 @@ double energy_of_misfits(const Model& model, const State& state, const MixedVect
   return sum;
 }
 
-/// Rows of dead loads times displacements: minus their work.
-double potential_of_loads(const Model& model, const State& state, const MixedVector& loads) {
+/// Rows of line loads times displacements: minus their work.
+double potential_of_line_loads(const Model& model, const State& state, const MixedVector& loads) {
   double sum = 0.0;
   for (int v = 0; v < model.structure().owned_vertices; ++v)
     sum += dot(rows_of(loads.vertex(), v, kForcePart), load_vector(&state.views.vertex_displacement(v, 0)));
@@ -73,14 +73,12 @@ double potential_energy(const Model& model, const State& state, double load_fact
   MixedVector rows = model.create_vector(), loads = rows.clone(true);
   element_rows(model, state, load_factor, true, rows);
   double sum = energy_of_misfits(model, state, rows) + stored_in_springs(model.conditions(), state);
+  for (const auto& energy : model.external()) sum += energy->energy(state, load_factor);
   if (model.line_fields().has_loads()) {
     element_rows(model, state, load_factor, false, loads);
     loads.update(1.0, rows, -1.0);
-  } else {
-    loads.fill(0.0);
+    sum += potential_of_line_loads(model, state, loads);
   }
-  subtract_point_loads(model.conditions(), state, load_factor, false, loads.vertex());
-  sum += potential_of_loads(model, state, loads);
   const StrainEnergy strain = strain_energy(model, state);
   return sum_over_ranks(*model.map()->getComm(), sum) + strain.force + strain.moment;
 }

@@ -1,9 +1,9 @@
 #include "discretization/state/reactions.hpp"
 
-#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/mesh/element_view.hpp"
 #include "discretization/state/structure_parts.hpp"
 #include "kernels/element/layout.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
 
@@ -30,11 +30,11 @@ using Rows = KernelView<const double*>;
 
 Vec vector_at(const Rows& rows, size_t first) { return load_vector(&rows(first)); }
 
-/// Makes the rows of the elements those that supports have to hold: point loads subtracted, slaves with their masters.
-void leave_to_supports(const Conditions& conditions, const State& state, double load_factor,
-                       const KernelView<double*>& rows) {
-  subtract_point_loads(conditions, state, load_factor, false, rows);
-  for (const VertexJoint& joint : conditions.joints) join_rows(joint, state, rows);
+/// Makes the rows of the elements those that supports have to hold: those of loads added, slaves with their masters.
+void leave_to_supports(const Model& model, const State& state, double load_factor, const KernelView<double*>& rows) {
+  for (const auto& energy : model.external())
+    if (!energy->is_support()) energy->add_rows(state, load_factor, rows);
+  for (const VertexJoint& joint : model.conditions().joints) join_rows(joint, state, rows);
 }
 
 SpatialLoad reaction_of(const VertexSupport& support, const State& state, const KernelView<double*>& rows) {
@@ -135,7 +135,7 @@ class BalanceSums {
     MixedVector rows = model.create_vector();
     element_rows(model, state, load_factor, true, rows);
     if (model.line_fields().has_loads()) add_line_loads(rows);
-    leave_to_supports(model.conditions(), state, load_factor, rows.vertex());
+    leave_to_supports(model, state, load_factor, rows.vertex());
     add_point_loads();
     for (const VertexSupport& support : model.conditions().supports)
       add(&PartSums::reactions, support.vertex, reaction_of(support, state, rows.vertex()));
@@ -245,7 +245,7 @@ Balance BalanceSums::over_all_ranks() const {
 std::vector<Reaction> reactions(const Model& model, const State& state, double load_factor) {
   MixedVector rows = model.create_vector();
   element_rows(model, state, load_factor, true, rows);
-  leave_to_supports(model.conditions(), state, load_factor, rows.vertex());
+  leave_to_supports(model, state, load_factor, rows.vertex());
   const std::vector<Support>& supports = model.scene().supports;
   std::vector<double> all(6 * supports.size(), 0.0);
   for (const VertexSupport& support : model.conditions().supports) {

@@ -1,9 +1,9 @@
 #include "discretization/state/sampling.hpp"
 
-#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/state/element_polynomials.hpp"
 #include "discretization/state/structure_parts.hpp"
 #include "kernels/element/layout.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
 

@@ -1,9 +1,9 @@
 #include "discretization/state/structure_parts.hpp"
 
 #include "discretization/assembly/equation_place.hpp"
-#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/mesh/element_view.hpp"
 #include "kernels/element/layout.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -27,12 +27,15 @@ struct PartSize {
 /// Sizes and residuals of the parts of one state.
 class PartMeasure {
  public:
-  PartMeasure(const Model& model, const State& state, double load_factor, const StructureParts& parts)
-      : model_(model), structure_(model.structure()), parts_(parts), sizes_(parts.count) {
-    set_line_fields(model, load_factor);
-    measure_vertices(state);
-    measure_elements(state);
-    measure_loads(load_factor);
+  PartMeasure(const Model& model, const EvaluationPoint& point, const StructureParts& parts)
+      : model_(model),
+        structure_(model.structure()),
+        parts_(parts),
+        line_fields_(point.line_fields),
+        sizes_(parts.count) {
+    measure_vertices(point.state);
+    measure_elements(point.state);
+    measure_loads(point.load_factor);
     for (const PartSize& size : sizes_)
       scales_.push_back(residual_scales(size.state, size.length(), size.shortest_element, structure_.bending_reference,
                                         model.options().residual_tolerance));
@@ -52,6 +55,7 @@ class PartMeasure {
   const Model& model_;
   const Structure& structure_;
   const StructureParts& parts_;
+  KernelView<double* [3]> line_fields_;
   std::vector<PartSize> sizes_;
   std::vector<ResidualScales> scales_;
 };
@@ -92,7 +96,7 @@ void PartMeasure::measure_line_fields(const ElementBlock& block, int e, PartSize
     const LineField field = static_cast<LineField>(kind);
     double largest = 0.0;
     for (int q = 0; q < line_field_points(field, block.order, block.interior.force_points); ++q)
-      for (int i = 0; i < 3; ++i) raise(largest, block.field_value(block.field_row(e, kind) + q, i));
+      for (int i = 0; i < 3; ++i) raise(largest, line_fields_(block.field_row(e, kind) + q, i));
     if (field == LineField::dead_force || field == LineField::follower_force)
       raise(size.state.load_force, largest * length);
     else if (field == LineField::dead_couple || field == LineField::follower_couple)
@@ -155,7 +159,7 @@ std::vector<PartCheck> check_parts(const Model& model, const State& state, doubl
                                    const StructureParts& parts) {
   MixedVector residual = model.create_vector();
   const EvaluationPoint point = mixed_residual(model, state, load_factor, residual);
-  const PartMeasure measure(model, state, load_factor, parts);
+  const PartMeasure measure(model, point, parts);
   const std::vector<double> rows = measure.largest_rows(residual, point.scales);
   const std::vector<Balance> balance = balance_of_parts(model, state, load_factor, parts, measure.scales());
   std::vector<PartCheck> checks;

@@ -41,9 +41,10 @@ struct ElementEquations {
   KernelView<int*> interior_negative;
 };
 
-/// Constant data of the structure that elements of all blocks share.
+/// Data that elements of all blocks share.
 struct StructureViews {
   KernelView<SectionConstants*> sections;  ///< (section in use)
+  KernelView<double* [3]> field_value {};  ///< (row, ElementBlock::field_row): line fields at a load factor
 };
 
 /// Where the numbers of an element of a block begin in an array that holds those of one element after the other.
@@ -67,10 +68,9 @@ struct ElementBlock {
   KernelView<int*> section;         ///< (element of the block): among StructureViews::sections
   bool general_section = false;     ///< sections of this block are coupled or vary along the element
   KernelView<double**> compliance;  ///< (element of the block, GeneralSectionLayout); empty for plain sections
-  /// (element of the block, LineField): first row of that field in field_value, -1 where there is none; empty when no
-  /// element of the block has any
+  /// (element of the block, LineField): first row of that field in StructureViews::field_value, -1 where there is none;
+  /// empty when no element of the block has any
   KernelView<int* [kLineFields]> field_row;
-  KernelView<double* [3]> field_value;  ///< at the present load factor
 
   ElementPlaces unknowns_at() const { return {interior_offset, static_cast<size_t>(interior.unknowns())}; }
   ElementPlaces increments_at() const { return {increment_offset, static_cast<size_t>(interior.increments())}; }

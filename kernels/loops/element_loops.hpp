@@ -16,7 +16,7 @@ inline constexpr double kNoField[3 * ElementTables<kMaximumOrder>::kMaximumForce
 template <int K, bool General, int W>
 struct ElementGather {
   ElementBlock block;
-  StructureViews structure;  ///< without sections: they are not asked for
+  StructureViews structure;  ///< without sections or fields: they are not asked for
   StateViews state;
   ElementTables<K> tables;
   int response_size;
@@ -36,11 +36,13 @@ struct ElementGather {
   KOKKOS_INLINE_FUNCTION size_t response_of(int e) const {
     return block.response_offset + static_cast<size_t>(e) * response_size;
   }
-  KOKKOS_INLINE_FUNCTION bool has_fields() const { return block.field_row.extent(0) > 0; }
+  KOKKOS_INLINE_FUNCTION bool has_fields() const {
+    return block.field_row.extent(0) > 0 && structure.field_value.extent(0) > 0;
+  }
   KOKKOS_INLINE_FUNCTION ElementFields<> fields(int e) const {
     ElementFields<> result;
     for (int i = 0; i < kLineFields; ++i)
-      if (block.field_row(e, i) >= 0) result.values[i] = &block.field_value(block.field_row(e, i), 0);
+      if (block.field_row(e, i) >= 0) result.values[i] = &structure.field_value(block.field_row(e, i), 0);
     return result;
   }
 };
@@ -109,7 +111,7 @@ struct ElementPack {
       if (!some_have_it) continue;
       const auto values_of = [&](int e) {
         const int row = gather.block.field_row(e, i);
-        return row < 0 ? kNoField : &gather.block.field_value(row, 0);
+        return row < 0 ? kNoField : &gather.structure.field_value(row, 0);
       };
       const int points = line_field_points(static_cast<LineField>(i), K, gather.block.interior.force_points);
       rows.load(values_of, 3 * points, numbers[i]);

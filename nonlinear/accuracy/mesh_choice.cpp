@@ -1,9 +1,9 @@
 #include "nonlinear/accuracy/mesh_choice.hpp"
 
-#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/scene/division.hpp"
 #include "discretization/scene/formula_pieces.hpp"
 #include "kernels/element/layout.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,9 +1,9 @@
 // A load path from one stable state to the next: load steps that follow the path as long as it is stable, and where it
 // ends or turns unstable a jump down the total potential.
 #include "discretization/assembly/equation_place.hpp"
-#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/state/difference.hpp"
 #include "discretization/state/potential.hpp"
+#include "kernels/math/vector_algebra.hpp"
 #include "nonlinear/path/descent.hpp"
 #include "nonlinear/path/path_recorder.hpp"
 #include "nonlinear/path/step_judge.hpp"

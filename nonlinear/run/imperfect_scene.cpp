@@ -1,9 +1,9 @@
 #include "nonlinear/run/imperfect_scene.hpp"
 
-#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/state/sampling.hpp"
 #include "kernels/math/constants.hpp"
+#include "kernels/math/vector_algebra.hpp"
 #include "nonlinear/path/load_path.hpp"
 #include "nonlinear/stability/linear_buckling.hpp"
 

@@ -2,9 +2,9 @@
 
 #include "discretization/geometry/isometry.hpp"
 #include "discretization/geometry/reference_curve.hpp"
-#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/mesh/mesh.hpp"
 #include "discretization/text/number_text.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <cmath>
 #include <set>

@@ -179,7 +179,7 @@ TEST_P(ElementLanes, AChangedNumberIsNotTheSame) {
     if (variant.fields)
       expect_seen(variant, true, [](SampleBlock& s) {
         const int row = s.block.field_row(kFollower, static_cast<int>(LineField::follower_force));
-        s.block.field_value(row, 0) *= kChange;
+        s.structure.field_value(row, 0) *= kChange;
       });
     if (variant.general_section)
       expect_seen(variant, true, [](SampleBlock& s) { s.block.compliance(kLanes - 1, 0) *= kChange; });

@@ -263,7 +263,7 @@ class SampleBlock {
     structure.sections = KernelView<SectionConstants*>("sections", count);
     if (with_loads) {
       block.field_row = KernelView<int* [kLineFields]>("field_row", count);
-      block.field_value = KernelView<double* [3]>("field_value", count * kLineFields * kMostPoints);
+      structure.field_value = KernelView<double* [3]>("field_value", count * kLineFields * kMostPoints);
     }
     state.vertex_displacement = KernelView<double* [3]>("displacement", 2 * count);
     state.vertex_rotation = KernelView<double* [4]>("rotation", 2 * count);
@@ -347,7 +347,7 @@ class SampleBlock {
   void fill_values(const LinearField& field, int points, int row) {
     std::vector<double> xi(points), weight(points);
     gauss_rule(points, xi.data(), weight.data());
-    for (int q = 0; q < points; ++q) set(field.at(xi[q]), &block.field_value(row + q, 0));
+    for (int q = 0; q < points; ++q) set(field.at(xi[q]), &structure.field_value(row + q, 0));
   }
   static constexpr int kMostPoints = 2 * kMaximumOrder + 1;
 };

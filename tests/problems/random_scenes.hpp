@@ -3,8 +3,8 @@
 /// language leaves open.
 #pragma once
 
-#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/text/number_text.hpp"
+#include "kernels/math/vector_algebra.hpp"
 #include "tests/support/random_numbers.hpp"
 
 #include <cmath>

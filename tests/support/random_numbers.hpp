@@ -2,7 +2,7 @@
 /// draws never puts two draws into one expression whose order the language leaves open.
 #pragma once
 
-#include "discretization/geometry/vector_algebra.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <cmath>
 #include <cstdint>

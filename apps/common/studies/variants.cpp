@@ -1,6 +1,6 @@
 #include "apps/common/studies/variants.hpp"
 
-#include "discretization/geometry/vector_algebra.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <algorithm>
 #include <cmath>

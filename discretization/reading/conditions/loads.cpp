@@ -1,13 +1,13 @@
 /// The part of ConditionReader that reads loads and eigenstrains.
 
 #include "discretization/geometry/reference_curve.hpp"
-#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/parameters/access.hpp"
 #include "discretization/parameters/input_place.hpp"
 #include "discretization/reading/conditions/condition_reader.hpp"
 #include "discretization/scene/division.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <algorithm>
 #include <cmath>

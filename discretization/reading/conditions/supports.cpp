@@ -1,12 +1,12 @@
 /// The part of ConditionReader that reads supports.
 
-#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/parameters/access.hpp"
 #include "discretization/reading/conditions/condition_reader.hpp"
 #include "discretization/scene/limits.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <algorithm>
 

@@ -1,13 +1,17 @@
-/// Vectors of the scene: three doubles. The kernels have a type of their own, for any scalar.
+/// Vectors of scenes and results: three doubles. Elements compute with Vec3, for any scalar.
 #pragma once
 
-#include "discretization/scene/scene.hpp"
 #include "kernels/math/small_algebra.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
-namespace mixbeam::vector_algebra {
+namespace mixbeam {
+
+using Vector3 = std::array<double, 3>;
+
+namespace vector_algebra {
 
 inline Vector3 to_array(const Vec3<double>& v) { return {v[0], v[1], v[2]}; }
 inline Vec3<double> to_vec3(const Vector3& v) { return {{v[0], v[1], v[2]}}; }
@@ -44,4 +48,6 @@ struct Box {
 
 inline bool is_zero(const Vector3& a) { return a[0] == 0.0 && a[1] == 0.0 && a[2] == 0.0; }
 
-}  // namespace mixbeam::vector_algebra
+}  // namespace vector_algebra
+
+}  // namespace mixbeam
