@@ -2,7 +2,7 @@
 
 #include "discretization/mesh/element_view.hpp"
 
-#include <algorithm>
+#include <cmath>
 
 namespace mixbeam {
 
@@ -22,21 +22,6 @@ std::vector<std::array<int, 2>> ends_of(const Structure& structure) {
   return ends;
 }
 
-ChainPlaces places_of(const Structure& structure, const ChainStructure& chains) {
-  const int elements = structure.local_elements(), vertices = structure.local_vertices();
-  ChainPlaces places{KernelView<int* [2]>("mixbeam::ends", elements),
-                     KernelView<unsigned char*>("mixbeam::eliminated", vertices),
-                     KernelView<unsigned char*>("mixbeam::condensed", elements)};
-  for_each_element(structure, [&](const ElementView& element) {
-    for (int end = 0; end < 2; ++end) places.ends(element.local(), end) = element.vertex(end);
-  });
-  std::copy(chains.eliminated().begin(), chains.eliminated().end(), places.eliminated.data());
-  std::fill_n(places.condensed.data(), elements, 1);
-  for (const RemainingLink& link : chains.remaining())
-    if (link.link < elements) places.condensed(link.link) = 0;
-  return places;
-}
-
 /// Vertices that must not be eliminated for another reason than that members meet there.
 std::vector<unsigned char> kept_vertices(const Model& model) {
   const Structure& structure = model.structure();
@@ -54,22 +39,72 @@ std::vector<unsigned char> kept_vertices(const Model& model) {
   return kept;
 }
 
+/// Forces and moments of one end of an element taken from `left`, and the sum of |entry| times the largest unknown of
+/// its kind added to `size`. `at`: unknowns of both ends.
+KOKKOS_INLINE_FUNCTION void subtract_full(const double* tangent, int end, const double* const* at,
+                                          const LargestParts& sizes, double* left, double* size) {
+  const double* matrix = tangent + 12 * kVertexDofs * end;
+  for (int side = 0; side < 2; ++side)
+    for (int r = 0; r < kVertexDofs; ++r)
+      for (int c = 0; c < kVertexDofs; ++c) {
+        const double k = matrix[12 * r + kVertexDofs * side + c];
+        left[r] -= k * at[side][c];
+        size[r] += (k < 0.0 ? -k : k) * (c < 3 ? sizes.moved : sizes.turned);
+      }
+}
+/// The same for kSymmetricTangent numbers.
+KOKKOS_INLINE_FUNCTION void subtract_symmetric(const double* tangent, int end, const double* const* at,
+                                               const LargestParts& sizes, double* left, double* size) {
+  double change[9];
+  for (int c = 0; c < 3; ++c) {
+    change[c] = at[1][c] - at[0][c];
+    change[3 + c] = at[0][3 + c];
+    change[6 + c] = at[1][3 + c];
+  }
+  const double sign = end == 0 ? -1.0 : 1.0;
+  const int moments = end == 0 ? 3 : 6;
+  for (int r = 0; r < 3; ++r) {
+    double force = 0.0, moment = 0.0, force_size = 0.0, moment_size = 0.0;
+    for (int c = 0; c < 9; ++c) {
+      const int m = moments + r;
+      const double f = tangent[r > c ? triangle(r, c) : triangle(c, r)];
+      const double k = tangent[m > c ? triangle(m, c) : triangle(c, m)];
+      const double largest = c < 3 ? 2.0 * sizes.moved : sizes.turned;
+      force += f * change[c];
+      force_size += (f < 0.0 ? -f : f) * largest;
+      moment += k * change[c];
+      moment_size += (k < 0.0 ? -k : k) * largest;
+    }
+    left[r] -= sign * force;
+    size[r] += force_size;
+    left[3 + r] -= moment;
+    size[3 + r] += moment_size;
+  }
+}
+
 }  // namespace
 
 CondensedSystem::CondensedSystem(const Model& model)
-    : model_(model),
-      structure_(ends_of(model.structure()), kept_vertices(model)),
-      places_(places_of(model.structure(), structure_)),
-      chains_(structure_.levels()) {
-  if (model.plane()) planar_chains_ = std::make_unique<PlanarChains>(model, structure_, places_);
+    : model_(model), structure_(ends_of(model.structure()), kept_vertices(model)), chains_(structure_.levels()) {
+  if (model.plane()) planar_chains_ = std::make_unique<PlanarChains>(model, structure_);
   const Structure& structure = model.structure();
   std::vector<unsigned char> present = structure_.eliminated();
   for (unsigned char& p : present) p = p == 0 ? 1 : 0;
   remaining_ = std::make_unique<VertexMatrix>(structure, model.vertex_maps(), present, structure_.remaining(),
                                               model.conditions().joints);
+  eliminated_ = KernelView<unsigned char*>("mixbeam::eliminated", present.size());
+  for (size_t v = 0; v < present.size(); ++v) eliminated_(v) = structure_.eliminated()[v];
+  condensed_ = KernelView<unsigned char*>("mixbeam::condensed", structure.local_elements());
   // written at the few vertices that remain: untouched pages cost nothing
   run_forces_ = KernelView<double*>(Kokkos::view_alloc("mixbeam::run_forces", Kokkos::WithoutInitializing),
                                     static_cast<size_t>(kVertexDofs) * structure.owned_vertices);
+  ends_ = KernelView<int* [2]>("mixbeam::ends", structure.local_elements());
+  for_each_element(structure, [&](const ElementView& element) {
+    for (int end = 0; end < 2; ++end) ends_(element.local(), end) = element.vertex(end);
+  });
+  for (size_t e = 0; e < condensed_.extent(0); ++e) condensed_(e) = 1;
+  for (const RemainingLink& link : structure_.remaining())
+    if (link.link < structure.local_elements()) condensed_(link.link) = 0;
 }
 
 bool CondensedSystem::condense(const Tangent& tangent) {
@@ -149,16 +184,37 @@ double CondensedSystem::measure(const DofVector& b, const DofVector& x, const Ke
   const Teuchos::Comm<int>& comm = *model_.map()->getComm();
   const LargestParts sizes = largest_parts(comm, values);
   if (planar_ != nullptr) return maximum_over_ranks(comm, planar_->error(rows, values, sizes, run_forces, residual));
-  const auto eliminated = places_.eliminated;
-  const auto given = KOKKOS_LAMBDA(int v, double* row) {
-    const double* from = eliminated(v) != 0 ? &rows(vertex_row(v, 0)) : &run_forces(vertex_row(v, 0));
-    for (int r = 0; r < kVertexDofs; ++r) row[r] = from[r];
-  };
-  const auto store = KOKKOS_LAMBDA(int v, const double* left) {
-    for (int r = 0; r < kVertexDofs && residual.extent(0) > 0; ++r) residual(vertex_row(v, r)) = left[r];
-  };
-  return maximum_over_ranks(
-      comm, error_of_chains<kSpatialDofs>(model_, places_, links.elements, values, sizes, given, store));
+  const auto adjacency = model_.adjacency();
+  const auto ends = ends_;
+  const auto eliminated = eliminated_;
+  const auto condensed = condensed_;
+  double largest = 0.0;
+  Kokkos::parallel_reduce(
+      "mixbeam::chains::error", Range(0, rows.extent(0) / kVertexDofs),
+      KOKKOS_LAMBDA(int v, double& m) {
+        double left[kVertexDofs], size[kVertexDofs];
+        for (int r = 0; r < kVertexDofs; ++r) {
+          left[r] = eliminated(v) != 0 ? rows(vertex_row(v, r)) : run_forces(vertex_row(v, r));
+          size[r] = left[r] < 0.0 ? -left[r] : left[r];
+        }
+        for (int a = adjacency.start(v); a < adjacency.start(v + 1); ++a) {
+          const int e = adjacency.element(a, 0), end = adjacency.element(a, 1);
+          if (condensed(e) == 0) continue;
+          const double* at[2] = {&values(vertex_row(ends(e, 0), 0)), &values(vertex_row(ends(e, 1), 0))};
+          if (links.keeps_symmetric_elements())
+            subtract_symmetric(&links.elements(e, 0), end, at, sizes, left, size);
+          else
+            subtract_full(&links.elements(e, 0), end, at, sizes, left, size);
+        }
+        for (int r = 0; r < kVertexDofs; ++r) {
+          const double absolute = left[r] < 0.0 ? -left[r] : left[r];
+          const double error = absolute == 0.0 ? 0.0 : absolute / size[r];
+          if (!(error <= m)) m = error == error ? error : HUGE_VAL;
+          if (residual.extent(0) > 0) residual(vertex_row(v, r)) = eliminated(v) != 0 ? left[r] : 0.0;
+        }
+      },
+      Kokkos::Max<double>(largest));
+  return maximum_over_ranks(comm, largest);
 }
 
 }  // namespace mixbeam

@@ -56,13 +56,15 @@ class CondensedSystem {
   const Model& model_;
   const Tangent* tangent_ = nullptr;  ///< whose chains are eliminated
   ChainStructure structure_;
-  ChainPlaces places_;
   ChainCondensation<kSpatialDofs> chains_;
   std::unique_ptr<PlanarChains> planar_chains_;  ///< where the scene has a plane
   PlanarChains* planar_ = nullptr;               ///< the same while the tangent is in the plane
   long negative_pivots_ = 0;
   std::unique_ptr<VertexMatrix> remaining_;
-  KernelView<double*> run_forces_;  ///< (6 * owned vertex + component), at vertices that remain
+  KernelView<double*> run_forces_;         ///< (6 * owned vertex + component), at vertices that remain
+  KernelView<int* [2]> ends_;              ///< (local element, end): local vertex
+  KernelView<unsigned char*> eliminated_;  ///< (local vertex)
+  KernelView<unsigned char*> condensed_;   ///< (local element): 1 where it is part of a condensed chain
 };
 
 }  // namespace mixbeam

@@ -2,15 +2,14 @@
 /// space. What remains becomes spatial again, so that supports, joints and loads need not know of the plane.
 #pragma once
 
-#include "discretization/assembly/chain_error.hpp"
 #include "discretization/assembly/tangent.hpp"
 
 namespace mixbeam {
 
 class PlanarChains {
  public:
-  /// For a model with a plane; model and structure must outlive this.
-  PlanarChains(const Model& model, const ChainStructure& structure, const ChainPlaces& places);
+  /// For a model with a plane; both must outlive this.
+  PlanarChains(const Model& model, const ChainStructure& structure);
 
   /// Eliminates the chains of a planar tangent, to which all that follows refers, and writes the links that remain.
   ChainCondensation<kPlanarDofs>::Pivots condense(const PlanarTangents& tangents);
@@ -34,12 +33,14 @@ class PlanarChains {
   const Model& model_;
   PlanarTangents tangents_;
   const ChainStructure& structure_;
-  ChainPlaces places_;
   ChainCondensation<kPlanarDofs> chains_;
   LinkMatrices<kSpatialDofs> remaining_;
   KernelView<double**> elements_;  ///< after remaining_
   KernelView<double* [12]> arrived_;
-  KernelView<double*> rows_, x_;  ///< (3 * local vertex + component): scratch
+  KernelView<double*> rows_, x_;              ///< (3 * local vertex + component): scratch
+  KernelView<int* [2]> ends_;                 ///< (local element, end): local vertex
+  KernelView<unsigned char*> is_eliminated_;  ///< (local vertex)
+  KernelView<unsigned char*> is_condensed_;   ///< (local element): part of a condensed chain
 };
 
 }  // namespace mixbeam
