@@ -2,10 +2,14 @@
 /// summary, exit code) is that of the other programs. Nothing here waits for a turn: the process is the program's own.
 #include "apps/common/studies/study.hpp"
 #include "apps/common/run/scene_file.hpp"
+#include "apps/common/studies/phase_costs.hpp"
+#include "apps/common/studies/variants.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "apps/python/arrays.hpp"
+#include "apps/python/judged_problem.hpp"
 #include "discretization/text/errors.hpp"
 #include "discretization/text/number_text.hpp"
+#include "kernels/element/layout.hpp"
 
 #include <ostream>
 #include <sstream>
@@ -93,8 +97,17 @@ Trial solve(Application& app, const std::string& text, Follow way, bool estimate
   return trial;
 }
 
+using Ints = Teuchos::Array<int>;
+using Reals = Teuchos::Array<double>;
+
+template <class Kind>
+bool is_list_of(const py::handle& value) {
+  return py::isinstance<py::list>(value) && py::isinstance<Kind>(value.cast<py::list>()[0]);
+}
+
 /// (name, default, least, most, meaning); a default of words is all that may be chosen from. Real numbers are larger
-/// than their least one.
+/// than their least one unless it is whole, those of a list smaller than their largest one too. A tuple has a fixed
+/// length.
 void add_parameter(ListSpec& spec, const py::tuple& declared) {
   const auto name = declared[0].cast<std::string>(), meaning = declared[4].cast<std::string>();
   const py::handle value = declared[1], least = declared[2], most = declared[3];
@@ -102,9 +115,20 @@ void add_parameter(ListSpec& spec, const py::tuple& declared) {
     spec.add(boolean(name).by_default(value.cast<bool>()), meaning);
   } else if (py::isinstance<py::int_>(value)) {
     spec.add(count(name, value.cast<int>(), most.cast<double>(), meaning, least.cast<int>()));
-  } else if (py::isinstance<py::float_>(value)) {
-    spec.add(real(name).above(least.cast<double>()).at_most(most.cast<double>()).by_default(value.cast<double>()),
+  } else if (py::isinstance<py::tuple>(value)) {
+    const auto by_default = value.cast<std::vector<int>>();
+    const ParameterSpec integers = array(name, ParameterType::integer_array, static_cast<int>(by_default.size()));
+    spec.add(integers.at_least(least.cast<double>()).at_most(most.cast<double>()).by_default(Ints(by_default)),
              meaning);
+  } else if (is_list_of<py::int_>(value)) {
+    spec.add(counts(name, value.cast<std::vector<int>>(), most.cast<double>(), meaning, least.cast<int>()));
+  } else if (is_list_of<py::float_>(value)) {
+    const ParameterSpec reals = array(name, ParameterType::real_array).above(least.cast<double>());
+    spec.add(reals.below(most.cast<double>()).by_default(Reals(value.cast<std::vector<double>>())), meaning);
+  } else if (py::isinstance<py::float_>(value)) {
+    const double bound = least.cast<double>();
+    const ParameterSpec number = py::isinstance<py::int_>(least) ? real(name).at_least(bound) : real(name).above(bound);
+    spec.add(number.at_most(most.cast<double>()).by_default(value.cast<double>()), meaning);
   } else {
     const auto words = value.cast<std::vector<std::string>>();
     spec.add(subset(name, words).by_default(Teuchos::Array<std::string>(words)), meaning);
@@ -143,6 +167,79 @@ int run_python_study(const std::vector<std::string>& arguments, const std::strin
   return run_application(static_cast<int>(argv.size()), argv.data(), definition);
 }
 
+/// Order and elements of the finest member, and whether the whole path was followed.
+py::list meshes_of(const JudgedRun& run) {
+  const auto work = [](const MemberMesh& mesh) { return (mesh.order + 1) * mesh.elements; };
+  py::list meshes;
+  for (const MeshRound& round : run.rounds) {
+    const MemberMesh finest = *std::max_element(round.mesh.begin(), round.mesh.end(),
+                                                [&](const auto& a, const auto& b) { return work(a) < work(b); });
+    meshes.append(py::make_tuple(finest.order, finest.elements, round.followed));
+  }
+  return meshes;
+}
+
+/// (global unknowns, interior unknowns, floating-point operations of all iterations, as many as an element of a plain
+/// section takes in each)
+py::tuple sizes_of(const JudgedRun& run) {
+  const Model& model = run.simulation.model();
+  const Member& member = run.simulation.scene().members.front();
+  const InteriorLayout layout{member.order, force_point_count(member.order, member.force_integration)};
+  const int elements = static_cast<int>(model.mesh().elements.size());
+  const double flops = phase_costs("spatial", member.order).at(kWholeIteration).flops;
+  return py::make_tuple(static_cast<int>(model.map()->getGlobalNumElements()), elements * layout.increments(),
+                        run.simulation.result().newton_iterations * (flops * elements));
+}
+
+void bind_judged_problem(py::module_& module) {
+  using namespace py::literals;
+  const auto result_of = [](auto member) {
+    return [member](const JudgedRun& run) { return run.simulation.result().*member; };
+  };
+  py::class_<JudgedRun>(module, "JudgedRun")
+      .def_property_readonly("finished", result_of(&LoadPathResult::finished))
+      .def_property_readonly("interrupted", result_of(&LoadPathResult::interrupted))
+      .def_property_readonly("failure", result_of(&LoadPathResult::failure))
+      .def_property_readonly("steps", result_of(&LoadPathResult::steps))
+      .def_property_readonly("failed_steps", result_of(&LoadPathResult::failed_steps))
+      .def_property_readonly("iterations", result_of(&LoadPathResult::newton_iterations))
+      .def_property_readonly("sizes", sizes_of)
+      .def_property_readonly("meshes", meshes_of)
+      .def_property_readonly("end", [](const JudgedRun& run) { return text_of(run.end); })
+      .def_property_readonly("last_estimate", [](const JudgedRun& run) { return run.rounds.back().error; })
+      .def_readonly("times", &JudgedRun::times)
+      .def("position", [](const JudgedRun& run, const std::string& point) {
+        Vector3 place = position_of(run.simulation.scene(), point);
+        const Vector3 moved = run.simulation.displacement(point);
+        for (std::size_t i = 0; i < place.size(); ++i) place[i] += moved[i];
+        return place;
+      });
+  py::class_<JudgedProblem>(module, "JudgedProblem")
+      .def(py::init([](Application& app, const std::string& file, const std::string& load_case, double load_share,
+                       const std::string& branch, const std::string& point, bool is_as_in_file) {
+             return JudgedProblem(app, file, {load_case, load_share, branch, point, is_as_in_file});
+           }),
+           "app"_a, "file"_a, "load_case"_a, "load_share"_a, "branch"_a, "point"_a, "is_as_in_file"_a)
+      .def("solve", &JudgedProblem::solve, "order"_a, "elements"_a, "is_full"_a = false, "threads"_a = std::nullopt,
+           "most_seconds"_a = kNoLimit, "follows"_a = false)
+      .def("solve_accurately", &JudgedProblem::solve_accurately)
+      .def("estimated",
+           [](const JudgedProblem& problem, const JudgedRun& run) {
+             const RunWatch watch;
+             const Errors errors = problem.estimated(run);
+             return py::make_tuple(errors, watch.processor_seconds());
+           })
+      .def("check_expected", &JudgedProblem::check_expected)
+      .def_property_readonly("own_elements", &JudgedProblem::own_elements)
+      .def_property_readonly("members", &JudgedProblem::members)
+      .def_property_readonly("expected_values", &JudgedProblem::expected_values)
+      .def_property_readonly("point", &JudgedProblem::point);
+  py::class_<JudgedReference>(module, "JudgedReference")
+      .def(py::init<const JudgedProblem&, const JudgedRun&>())
+      .def("errors_of", &JudgedReference::errors_of)
+      .def("path_error_of", &JudgedReference::path_error_of);
+}
+
 }  // namespace
 
 void bind_study(py::module_& module) {
@@ -178,6 +275,8 @@ void bind_study(py::module_& module) {
       .def_readwrite("quiet", &Application::quiet)
       .def("number", [](Application& app, const std::string& name) { return app.study().get<int>(name); })
       .def("real", [](Application& app, const std::string& name) { return app.study().get<double>(name); })
+      .def("numbers", [](Application& app, const std::string& name) { return study_list<int>(app, name); })
+      .def("reals", [](Application& app, const std::string& name) { return study_list<double>(app, name); })
       .def("switch", [](Application& app, const std::string& name) { return app.study().get<bool>(name); })
       .def("words", [](Application& app, const std::string& name) { return study_list<std::string>(app, name); })
       .def("error", [](const Application& app, const ParameterPath& path,
@@ -186,6 +285,14 @@ void bind_study(py::module_& module) {
            [](Application& app, const std::string& name, double value, double bound, const std::string& source) {
              app.summary.check_upper_bound(name, value, bound, source);
            })
+      .def("check_absolute",
+           [](Application& app, const std::string& name, double value, double reference, double tolerance,
+              const std::string& source) { app.summary.check_absolute(name, value, reference, tolerance, source); })
+      .def("count_work",
+           [](Application& app, int load_steps, int iterations) {
+             app.summary.load_steps += load_steps;
+             app.summary.newton_iterations += iterations;
+           })
       .def("check_relative",
            [](Application& app, const std::string& name, double value, double reference, double tolerance,
               const std::string& source) { app.summary.check_relative(name, value, reference, tolerance, source); })
@@ -193,6 +300,7 @@ void bind_study(py::module_& module) {
                        std::size_t shown) { return StudyTable(app, file, words(columns), shown); })
       .def("write_machine", [](const Application& app) { write_machine(app); })
       .def("solve", solve, "scene"_a, "way"_a = Follow::counted, "estimates"_a = false);
+  bind_judged_problem(module);
   module.def("run_study", run_python_study);
   module.def("shortest", shortest);
 }
