@@ -114,8 +114,8 @@ RunEnd run_case(Application& app, const std::string& load_case, const std::files
     if (app.watch) app.watch(simulation, step);
   };
   const std::size_t checks = app.summary.checks().size();
-  recording.restart = [&app, &report, checks] {
-    report = RunReport(&app.quantities, app.scene);
+  recording.restart = [&app, &report, &scene, checks] {
+    report = RunReport(&app.quantities, scene);
     app.summary.keep_checks(checks);
   };
   std::optional<AccurateRun> accurate;

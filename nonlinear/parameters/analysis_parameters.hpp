@@ -40,6 +40,9 @@ struct AnalysisParameters {
   /// largest meshes (kVerticesForStability).
   std::optional<bool> stability{};
   bool trace = false;  ///< follow the path by its length from the start, never with a load step of any size
+  /// How closely the path is followed where it is unstable: 0 as others, 1 as with `trace`, each one more with half the
+  /// angle. Of a run that starts again, not of a scene.
+  int closeness = 0;
   Branch branch = Branch::primary;  ///< positive, negative: along the mode of the first bifurcation, or against it
   /// Whose displacement is positive on the positive branch; `target` is not used. Not said: by rule (branch_direction).
   std::optional<MonitoredComponent> branch_point{};
@@ -49,6 +52,9 @@ struct AnalysisParameters {
   ErrorEstimation error_estimate = ErrorEstimation::automatic;  ///< automatic: see kElementsForEstimate
   StressesOf stresses = StressesOf::automatic;                  ///< automatic: see kElementsForStresses
 };
+
+/// A path that returns to an earlier state is followed again from its start, up to this closeness.
+inline constexpr int kMostCloseness = 3;
 
 /// Above this size the factorisations that stability needs take longer, and more memory, than the rest of a load step.
 inline constexpr int kVerticesForStability = 100'000;

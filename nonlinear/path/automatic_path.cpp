@@ -39,10 +39,6 @@ constexpr double kLargestLoad = 1e6;
 /// A rest of the stage that exceeds the step by no more than this share of it is rounding, and not worth a step.
 constexpr double kRoundedSteps = 1e-12;
 
-/// Turns of the load factor that are kept, and times that the path goes back to one of them.
-constexpr std::size_t kTurnsKept = 3;
-constexpr int kMostReturns = 4;
-
 class AutomaticPath {
  public:
   AutomaticPath(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, const State& start,
@@ -123,7 +119,6 @@ class AutomaticPath {
   /// From here on is looked for motion and for the path's return.
   void begin_way() {
     way_.emplace(here_);
-    turns_.clear();
     start_of_goal_ = goal_now();
   }
 
@@ -171,39 +166,20 @@ class AutomaticPath {
           "the structure buckles at load factor " + rounded(load_factor(passed.front().load_factor), 6));
     way_->add(measure_, moved, problem_->model, passed);
     if (along_path_ && way_->returns(measure_, next, moved)) {
-      go_back();
-      return true;
+      recorder_.returned();
+      throw GaveUp{"the path returns to an earlier state: it has changed to another one before load factor " +
+                   rounded(load_factor(next.load_factor), 6)};
     }
     if (problem_->iterates() && problem_->work.factorizations > tangents) next = station_at(found, along);
-    const bool turns = std::any_of(passed.begin(), passed.end(),
-                                   [](const CriticalPoint& point) { return point.kind == CriticalKind::limit_point; });
     accept(std::move(next), found.residual, std::move(passed));
-    if (along_path_ && turns) keep_turn();
     return true;
   }
 
-  /// Where the load factor has turned another path may come close next: the latest such places are kept.
-  void keep_turn() {
-    if (turns_.size() == kTurnsKept) turns_.erase(turns_.begin());
-    turns_.push_back({here_, *way_, length_});
-    follows_closely_ = parameters_.analysis.trace;
-  }
-
-  /// A path from a regular start cannot close: since it last turned, or earlier, it has changed to another one that
-  /// came close, within a step that looked like all others. It is followed from there once more, closely.
-  void go_back() {
-    const double from = turns_.empty() ? here_.load_factor : turns_.back().station.load_factor;
-    const std::string changed =
-        "the path returns to an earlier state: it has changed to another one near load factor " +
-        rounded(load_factor(from), 6) + " to " + rounded(load_factor(here_.load_factor), 6);
-    if (turns_.empty() || ++returns_ > kMostReturns)
-      throw GaveUp{changed + "; a smaller \"Maximum Step\" in \"Load Path\" may keep to it"};
-    recorder_.rejected(changed + ", from where it is followed again more closely", 0);
-    here_ = std::move(turns_.back().station);
-    way_.emplace(std::move(turns_.back().way));
-    length_ = 0.5 * turns_.back().length;
-    turns_.pop_back();
-    follows_closely_ = true;
+  /// A path from a regular start cannot close: one that does has changed to another path which came close, and is
+  /// followed once more, closely where another may come close.
+  int closeness() const {
+    const bool is_unstable = here_.stability && here_.stability->negative > 0;
+    return (parameters_.analysis.trace ? 1 : 0) + (is_unstable ? parameters_.analysis.closeness : 0);
   }
 
   /// Whether the load moves what is controlled at first: else no step of it has a direction.
@@ -317,7 +293,7 @@ class AutomaticPath {
     const double cosine = std::abs(measure_.cosine(before.x, moved.x));
     const bool is_still = measure_.motion(moved.x) < kNoMotion;  // the load alone measures the path: it has no angle
     const double angle = is_still ? 0.0 : 2.0 * std::acos(std::clamp(cosine, 0.0, 1.0));
-    length_ = length * growth_along_path(found.iterations, angle, follows_closely_);
+    length_ = length * growth_along_path(found.iterations, angle, closeness());
   }
 
   bool step_along_path() {
@@ -329,7 +305,7 @@ class AutomaticPath {
       return shorten(length);
     }
     adapt_length(found, length, here_.tangent);
-    if (!take(found, follows_closely_ ? kTracedStep : kPathStep)) return shorten(length);
+    if (!take(found, closeness() > 0 ? kTracedStep : kPathStep)) return shorten(length);
     if (goal_.is_controlled()) return stays_in_reach() || set_out_backwards();
     if (std::abs(here_.load_factor - range_.to) < kLargestDetour) return true;
     recorder_.rejected("the path leads away from the end of the stage", 0);
@@ -438,15 +414,6 @@ class AutomaticPath {
   double length_ = 0.0;                            ///< of the next step along the path
   bool branched_ = false;
   bool sets_out_in_vain_ = false;  ///< a steep start has been tried
-  bool follows_closely_ = parameters_.analysis.trace;
-  /// Where the path has turned, with what lay before, and the length of the next step.
-  struct Turn {
-    Station station;
-    Way way;
-    double length;
-  };
-  std::vector<Turn> turns_{};
-  int returns_ = 0;
   int attempts_left_ = 0;
   int failures_in_a_row_ = 0;
 };

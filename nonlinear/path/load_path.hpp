@@ -46,6 +46,7 @@ struct PathControl {
 struct LoadPathResult {
   bool finished = false;
   bool interrupted = false;  ///< stopped from outside before the end
+  bool returned = false;     ///< to an earlier state; to be followed again, more closely
   double load_factor = 0.0;  ///< last converged
   int steps = 0, failed_steps = 0, newton_iterations = 0;
   std::vector<int> iterations_of_stage;

@@ -68,6 +68,7 @@ class PathRecorder {
   int successes() const { return successes_; }  ///< in this stage
   bool branched() const { return branched_; }   ///< the path has left the primary one, in this stage or before
   void interrupted() { result_.interrupted = true; }
+  void returned() { result_.returned = true; }
 
   /// Throws PathInterrupted where the path is to stop here.
   void converged(const ConvergedStep& step);

@@ -5,6 +5,7 @@
 #include "kernels/math/constants.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace mixbeam {
@@ -55,8 +56,8 @@ StepSizeRule step_size_rule(const Model& model, const SolverParameters& paramete
   return rule;
 }
 
-double growth_along_path(int iterations, double angle, bool closely) {
-  const double aimed = closely ? kAimedAngleClosely : kAimedAngle;
+double growth_along_path(int iterations, double angle, int closeness) {
+  const double aimed = closeness > 0 ? std::ldexp(kAimedAngleClosely, 1 - closeness) : kAimedAngle;
   const double growth = std::min(kAimedIterations / std::max(iterations, 1), aimed / std::max(angle, 1e-9));
   return std::clamp(growth, kSmallestGrowth, kLargestGrowth);
 }

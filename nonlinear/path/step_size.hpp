@@ -30,7 +30,7 @@ struct LastStep {
 StepSizeRule step_size_rule(const Model& model, const SolverParameters& parameters);
 
 /// Factor of the length of the next step along a path. `angle`: between the tangents of the step before and after it
-/// [rad]; `closely`: the path itself is asked for, not only its end.
-double growth_along_path(int iterations, double angle, bool closely);
+/// [rad]; `closeness`: above 0, the path itself is asked for, not only its end; each one more halves the angle.
+double growth_along_path(int iterations, double angle, int closeness);
 
 }  // namespace mixbeam

@@ -80,6 +80,7 @@ class AccurateSolver {
   std::unique_ptr<Simulation> simulation_of_choice() const {
     const Scene scene = on_mesh(scene_, choice_);
     SolverParameters parameters = parameters_;
+    parameters.analysis.closeness = closeness_;
     if (observer_.threads) parameters.threads = observer_.threads(scene);
     return std::make_unique<Simulation>(scene, parameters, comm_);
   }
@@ -199,6 +200,10 @@ class AccurateSolver {
     }
     rounds_.back().followed = !solved;
     if (!solved) solved = follow();
+    while (!solved && simulation_->result().returned && closeness_ < kMostCloseness) {
+      ++closeness_;
+      solved = follow();
+    }
     rounds_.back().elements = static_cast<int>(simulation_->model().mesh().elements.size());
     return solved;
   }
@@ -324,6 +329,7 @@ class AccurateSolver {
 
   const Scene& scene_;
   const SolverParameters& parameters_;
+  int closeness_ = 0;  ///< see AnalysisParameters
   const Communicator& comm_;
   const AccurateRunObserver& observer_;
   const double accuracy_;

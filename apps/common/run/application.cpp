@@ -100,6 +100,15 @@ Simulation Application::walk(const std::shared_ptr<const Scene>& solved, const S
   return simulation;
 }
 
+Simulation Application::try_to_solve(const Scene& solved, const SolverParameters& parameters,
+                                     const RunObserver& observer, const PathControl& control) {
+  SolverParameters chosen = parameters;
+  for (;; ++chosen.analysis.closeness) {
+    Simulation simulation = walk(std::make_shared<const Scene>(solved), chosen, "", control, {}, observer);
+    if (observer || !simulation.result().returned || chosen.analysis.closeness == kMostCloseness) return simulation;
+  }
+}
+
 namespace {
 
 /// With their states, which is all that expected values ask for; no modes.

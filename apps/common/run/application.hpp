@@ -88,11 +88,10 @@ class Application {
   int threads_for(const Scene& solved, const SolverParameters& parameters) const;
 
   /// As solve(), for runs that may fail: result() of what is returned states how it ended, nothing is written or thrown
-  /// but InputError.
+  /// but InputError. Without an observer, who would see its steps twice, a path that returns to an earlier state is
+  /// followed again.
   Simulation try_to_solve(const Scene& solved, const SolverParameters& parameters, const RunObserver& observer = {},
-                          const PathControl& control = {}) {
-    return walk(std::make_shared<const Scene>(solved), parameters, "", control, {}, observer);
-  }
+                          const PathControl& control = {});
 
   /// As solve(), and writes every step to a result file; then the last converged state is in that file, and the report
   /// of a failure beside it in <name of the file>_failure.txt. A run that was

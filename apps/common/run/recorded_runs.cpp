@@ -6,6 +6,7 @@
 #include "apps/common/run/room_check.hpp"
 #include "apps/common/run/value_errors.hpp"
 #include "apps/common/session/progress.hpp"
+#include "discretization/text/number_text.hpp"
 #include "discretization/text/result_names.hpp"
 #include "discretization/text/text_file.hpp"
 
@@ -28,6 +29,19 @@ PathControl control_of(const Recording& recording) {
   if (recording.resume != nullptr && !recording.resume->steps().empty())
     control.resume = recording.resume->steps().back();
   return control;
+}
+
+/// In the file of a path that was followed again, more closely, for those who resume it.
+const char* const kCloseness = "closeness";
+
+int closeness_of(const Recording& recording) {
+  if (recording.resume == nullptr) return 0;
+  const auto& properties = recording.resume->header().properties;
+  const auto found = properties.find(kCloseness);
+  int closeness = 0;
+  if (found != properties.end() && (!parse_number(found->second, closeness).empty() || closeness < 0))
+    throw InputError(recording.resume->path().string() + ": damaged: its closeness is \"" + found->second + "\"");
+  return std::min(closeness, kMostCloseness);
 }
 
 /// The names stand in the header of the file, the numbers elsewhere.
@@ -153,18 +167,30 @@ Simulation Application::record(const std::shared_ptr<const Scene>& solved, const
   Recording recording = wanted;
   if (completed) recording.resume = &*completed;
   if (recording.resume != nullptr) require_series_of(recording.quantities, *recording.resume);
-  Recorder recorder(*this, *solved, parameters, recording);
-  const auto prepare = [&](Simulation& simulation) {
-    if (recording.resume != nullptr) replay(simulation, *recording.resume, recording.observer);
-  };
-  Simulation simulation =
-      walk(solved, parameters, recording.file.stem().string(), control_of(recording), prepare,
-           [&](const Simulation& running, const StepReport& report) { recorder.keep(running, report); });
-  if (!recorder.has_steps() && recording.record_observer)  // resumed at the end of its path
-    recording.record_observer(recorder.record(simulation, {}, nullptr));
-  recorder.close();
-  if (simulation.result().finished || simulation.result().interrupted) return simulation;
-  give_up(simulation, recording.file.stem().string(), remains_of(recording), recording.file);
+  SolverParameters chosen = parameters;
+  for (chosen.analysis.closeness = closeness_of(recording);; ++chosen.analysis.closeness) {
+    if (chosen.analysis.closeness > 0) recording.properties[kCloseness] = std::to_string(chosen.analysis.closeness);
+    Recorder recorder(*this, *solved, chosen, recording);
+    const auto prepare = [&](Simulation& simulation) {
+      if (recording.resume != nullptr) replay(simulation, *recording.resume, recording.observer);
+    };
+    Simulation simulation =
+        walk(solved, chosen, recording.file.stem().string(), control_of(recording), prepare,
+             [&](const Simulation& running, const StepReport& report) { recorder.keep(running, report); });
+    if (simulation.result().returned && chosen.analysis.closeness < kMostCloseness) {
+      recording.resume = nullptr;  // the path has been lost somewhere
+      const std::string label = recording.file.stem().string();
+      progress_out(label) << name << " " << label << ": followed again from its start, more closely ("
+                          << chosen.analysis.closeness + 1 << " of " << kMostCloseness << ")\n";
+      if (recording.restart) recording.restart();
+      continue;
+    }
+    if (!recorder.has_steps() && recording.record_observer)  // resumed at the end of its path
+      recording.record_observer(recorder.record(simulation, {}, nullptr));
+    recorder.close();
+    if (simulation.result().finished || simulation.result().interrupted) return simulation;
+    give_up(simulation, recording.file.stem().string(), remains_of(recording), recording.file);
+  }
 }
 
 AccurateRun Application::record_accurately(const Scene& solved, const SolverParameters& parameters,
