@@ -312,8 +312,9 @@ class AutomaticPath {
     return false;
   }
 
+  /// By more than rounding.
   bool has_passed_goal(const State& state, double load_factor) const {
-    return goal_.is_controlled() &&
+    return goal_.is_controlled() && !goal_.is_reached(state, load_factor) &&
            (goal_.value() - goal_.at(state, load_factor)) * (goal_.value() - start_of_goal_) < 0.0;
   }
 
