@@ -79,8 +79,9 @@ class Verification(WithProgram):
 
 def whole_scenes(page, form="xml"):
     """Blocks ```xml or ```yaml of a page that are whole scenes."""
-    scene = '<ParameterList name="Scene">' if form == "xml" else "\nScene:\n"
-    return [block for block in re.findall(f"```{form}\n(.*?)```", page.read_text(), re.S) if scene in block]
+    scene = '<ParameterList name="Scene">' if form == "xml" else "^Scene:\n.*^  Members:"
+    return [block for block in re.findall(f"```{form}\n(.*?)```", page.read_text(), re.S)
+            if re.search(scene, block, re.M | re.S)]
 
 
 def anchors_of(page):
@@ -111,16 +112,27 @@ class Pages(WithProgram):
     def test_their_scenes_are_accepted(self):
         checked = 0
         for page in pages():
-            for scene in whole_scenes(page):
-                ended = self.run_quietly("scene.xml", scene)
-                self.assertEqual(ended.returncode, 0, f"{page}\n{ended.stdout}{ended.stderr}{scene}")
-                self.assertIn("stable: true", ended.stdout)
-                checked += 1
-        self.assertGreaterEqual(checked, 4)  # of scenes.md
+            for form in ("xml", "yaml"):
+                for scene in whole_scenes(page, form):
+                    ended = self.run_quietly(f"scene.{form}", scene)
+                    self.assertEqual(ended.returncode, 0, f"{page}\n{ended.stdout}{ended.stderr}{scene}")
+                    self.assertIn("stable: true", ended.stdout)
+                    checked += 1
+        self.assertGreaterEqual(checked, 13)  # of scenes.md
 
-    def test_the_scene_in_yaml_is_the_first_one_in_xml(self):
+    def test_recipes_are_whole_scenes_that_notice_other_values(self):
         page = APPS / "docs/scenes.md"
-        (yaml,) = whole_scenes(page, "yaml")
+        chapter = re.search(r"^## How to model\n(.*?)^## ", page.read_text(), re.M | re.S)[1]
+        recipes = [scene for scene in whole_scenes(page, "yaml") if scene in chapter]
+        self.assertEqual(len(recipes), chapter.count("\n### "))
+        for scene in recipes:  # the last value changed by a twentieth: more than any tolerance there
+            head, value, tail = re.fullmatch(r"(.* Value: )([-\d.e]+)(.*)", scene, re.S).groups()
+            other = f"{head}{float(value) * 1.05:.15g}{tail}"
+            self.assertEqual(self.run_quietly("other.yaml", other).returncode, 1, other)
+
+    def test_the_scene_in_xml_is_the_first_one_in_yaml(self):
+        page = APPS / "docs/scenes.md"
+        yaml = whole_scenes(page, "yaml")[0]
         self.assertLessEqual(yaml.count("\n"), MOST_LINES_OF_YAML)
 
         def tip_of(file, text):
