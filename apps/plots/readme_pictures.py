@@ -1,0 +1,144 @@
+#!/usr/bin/python3 -Es
+"""The README's pictures: six scenes, accuracy, speed.
+
+    readme_pictures.py RESULTS DOCS [--only scenes accuracy speed]
+
+scenes:   RESULTS/gallery/<scene>/ as run.sh leaves them, drawn by the pages of `mixbeam view` in Debian's
+          chromium-headless-shell: true sections, coloured by von Mises stress, each scene from none (dark) to its own largest
+          (yellow); grey: undeformed
+accuracy: RESULTS/helix/convergence.csv
+speed:    the table of DOCS/performance.md
+"""
+
+import argparse
+import base64
+import io
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from PIL import Image, ImageDraw, ImageFont
+
+import helix
+import style
+from results import InputError, Run
+from view_data import ViewData
+from view_result import view_page
+
+# result file: elevation and azimuth of the eye [degrees], and whether the undeformed structure stands behind
+SCENES = {
+    "coil_spring/coil_spring": ((15, -60), True),
+    "gridshell/gridshell-drift": ((32, -55), False),
+    "honeycomb/honeycomb": ((50, -80), False),
+    "robot_finger/robot_finger": ((20, -60), True),
+    "spoked_wheel/spoked_wheel": ((20, -45), False),
+    "star_dome/star_dome": ((30, -50), True),
+}
+COLUMNS, WIDTH, HEIGHT, TITLE, FINENESS = 3, 400, 270, 32, 2  # of a panel [pixels], drawn this many times as fine
+FIGURE_WIDTH = 1200  # pixels
+FONT = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf"
+BROWSER = ("chromium-headless-shell", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--dump-dom")
+SECONDS = 120
+# A document is written when it is loaded, which it is not while a document inside of it is open.
+DRAW = """const hold = document.createElement("iframe");
+document.body.append(hold);
+hold.contentDocument.open();
+mixbeamStart.then(() => {{
+  const {{ mixbeamView: app }} = window;
+  Object.assign(document.getElementById("stage").style, {{ position: "fixed", left: 0, top: 0, width: "{width}px", height: "{height}px" }});
+  document.getElementById("ghost").checked = {ghost};
+  app.look("light");
+  app.resize();
+  app.camera.look({elevation}, {azimuth});
+  app.camera.fit([...app.result.hull], [40, 40, 30, 30]);
+  app.painter.draw(app.shape, app.view());
+  document.body.append(app.painter.canvas.toDataURL("image/png"));
+  hold.contentDocument.close();
+  hold.remove();
+}});"""
+
+
+def panel(path, camera, ghost, folder):
+    page = folder / "page.html"
+    with Run(path) as run:
+        view_page(ViewData(run)).write(page)
+    script = DRAW.format(width=WIDTH * FINENESS, height=HEIGHT * FINENESS, ghost=str(ghost).lower(), elevation=camera[0], azimuth=camera[1])
+    page.write_text(page.read_text(encoding="utf-8").replace("</body>", f"<script>{script}</script></body>"), encoding="utf-8")
+    shown = subprocess.run([*BROWSER, page.as_uri()], capture_output=True, text=True, timeout=SECONDS, check=False)
+    found = re.search(r"data:image/png;base64,([\w+/=]+)", shown.stdout)
+    if not found:
+        raise InputError(f"{path}: the browser drew nothing: {shown.stderr[-500:]}")
+    return Image.open(io.BytesIO(base64.b64decode(found[1]))).resize((WIDTH, HEIGHT), Image.LANCZOS)
+
+
+def scenes(results, docs):
+    rows = -(-len(SCENES) // COLUMNS)
+    whole = Image.new("RGB", (COLUMNS * WIDTH, rows * (HEIGHT + TITLE)), "white")
+    pen, font = ImageDraw.Draw(whole), ImageFont.truetype(FONT, 17)
+    with tempfile.TemporaryDirectory() as folder:
+        for i, (name, (camera, ghost)) in enumerate(SCENES.items()):
+            x, y = i % COLUMNS * WIDTH, i // COLUMNS * (HEIGHT + TITLE)
+            whole.paste(panel(results / "gallery" / f"{name}.h5", camera, ghost, Path(folder)), (x, y + TITLE))
+            pen.text((x + WIDTH / 2, y + TITLE / 2), name.split("/")[0].replace("_", " "), "#444", font, "mm")
+    save(whole, docs / "readme_scenes.png")
+
+
+def save(picture, path):
+    """Few colours: a third of the bytes."""
+    picture.convert("RGB").quantize(128, dither=Image.Dither.NONE).save(path, optimize=True)
+
+
+def save_figure(canvas, path):
+    picture = Image.open(style.save(canvas, path))
+    save(picture.resize((FIGURE_WIDTH, round(picture.height * FIGURE_WIDTH / picture.width)), Image.LANCZOS), path)
+
+
+def accuracy(results, docs):
+    save_figure(helix.convergence_figure(results / "helix"), docs / "readme_accuracy.png")
+
+
+def speed(_, docs):
+    text = (docs / "performance.md").read_text(encoding="utf-8")
+    rows = {cells[1].strip().strip("*"): cells[2:-1] for cells in (line.split("|") for line in text.splitlines() if line.startswith("| "))}
+    numbers = {name: np.array(cells, dtype=float).reshape(-1, 3)[:, 0] for name, cells in rows.items() if "ms" not in "".join(cells)}
+    speed_up = np.array(rows["whole iteration"], dtype=float).reshape(-1, 3)[:, 2]
+    whole, planar = numbers["whole iteration"], numbers["whole iteration, planar chain"]
+    orders = np.arange(1, len(whole) + 1)
+    parts = {"elements: residual, tangent, interior": sum(numbers[name] for name in (
+        "residual of the elements", "condensed tangent of the elements", "interior of the elements")),
+             "linear solver and its check": numbers["linear solver, all of it"]}
+    parts["rest"] = whole - sum(parts.values())
+    unit = int(re.search(r"(\d+) ms, measured", text)[1])
+    canvas, ((axes,),) = style.figure(11, 3.2, squeeze=False)
+    bottom = np.zeros(len(whole))
+    for (label, height), color in zip(parts.items(), (style.BLUE, style.SKY, style.GREY)):
+        axes.bar(orders - 0.27, height, 0.25, bottom, color=color, label=f"1 thread: {label}")
+        bottom += height
+    axes.bar(orders, whole / speed_up, 0.25, color=style.GREEN, label="2 threads")
+    axes.bar(orders + 0.27, planar, 0.25, color=style.ORANGE, label="1 thread, in a plane")
+    axes.axhline(unit, color=style.BLACK, linestyle="--", label="LAPACK's band solver, same size")
+    axes.set_xticks(orders, [f"k = {k}" for k in orders])
+    axes.set_ylabel("milliseconds")
+    axes.legend(loc="upper left", bbox_to_anchor=(1, 1))
+    save_figure(canvas, docs / "readme_speed.png")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("results", type=Path)
+    parser.add_argument("docs", type=Path)
+    pictures = {"scenes": scenes, "accuracy": accuracy, "speed": speed}
+    parser.add_argument("--only", nargs="+", choices=pictures, default=list(pictures))
+    arguments = parser.parse_args()
+    for name in arguments.only:
+        try:
+            pictures[name](arguments.results, arguments.docs)
+        except InputError as error:
+            sys.exit(f"readme_pictures.py: {error}")
+
+
+if __name__ == "__main__":
+    main()
