@@ -1,13 +1,14 @@
 #!/usr/bin/python3 -Es
-"""The README's pictures: six scenes, accuracy, speed.
+"""Pictures of the README (six scenes, accuracy, speed) and of the first hour.
 
-    readme_pictures.py RESULTS DOCS [--only scenes accuracy speed]
+    readme_pictures.py RESULTS DOCS [--only scenes accuracy speed first_hour]
 
 scenes:   RESULTS/gallery/<scene>/ as run.sh leaves them, drawn by the pages of `mixbeam view` in Debian's
           chromium-headless-shell: true sections, coloured by von Mises stress, each scene from none (dark) to its own largest
           (yellow); grey: undeformed
 accuracy: RESULTS/helix/convergence.csv
 speed:    the table of DOCS/performance.md
+first_hour: the scenes of DOCS/first_hour.md, solved by the program beside this folder
 """
 
 import argparse
@@ -20,6 +21,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
+import yaml
 from PIL import Image, ImageDraw, ImageFont
 
 import helix
@@ -40,7 +42,7 @@ SCENES = {
 COLUMNS, WIDTH, HEIGHT, TITLE, FINENESS = 3, 400, 270, 32, 2  # of a panel [pixels], drawn this many times as fine
 FIGURE_WIDTH = 1200  # pixels
 FONT = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf"
-BROWSER = ("chromium-headless-shell", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--dump-dom")
+BROWSER = ("chromium-headless-shell", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 SECONDS = 120
 # A document is written when it is loaded, which it is not while a document inside of it is open.
 DRAW = """const hold = document.createElement("iframe");
@@ -49,29 +51,43 @@ hold.contentDocument.open();
 mixbeamStart.then(() => {{
   const {{ mixbeamView: app }} = window;
   Object.assign(document.getElementById("stage").style, {{ position: "fixed", left: 0, top: 0, width: "{width}px", height: "{height}px" }});
-  document.getElementById("ghost").checked = {ghost};
   app.look("light");
   app.resize();
-  app.camera.look({elevation}, {azimuth});
-  app.camera.fit([...app.result.hull], [40, 40, 30, 30]);
-  app.painter.draw(app.shape, app.view());
-  document.body.append(app.painter.canvas.toDataURL("image/png"));
+  const draw = () => {{
+    app.painter.draw(app.shape, app.view());
+    return app.painter.canvas.toDataURL("image/png");
+  }};
+  document.body.append(({show})());
   hold.contentDocument.close();
   hold.remove();
 }});"""
 
 
-def panel(path, camera, ghost, folder):
+# The structure alone, seen from somewhere.
+PANEL = """() => {{
+  document.getElementById("ghost").checked = {ghost};
+  app.camera.look({elevation}, {azimuth});
+  app.camera.fit([...app.result.hull], [40, 40, 30, 30]);
+  return draw();
+}}"""
+
+
+def drawn(path, width, height, show, folder, fineness=1):
+    """What `show`, JavaScript that returns a data URL, makes of the page of a result, drawn so many times as fine."""
     page = folder / "page.html"
     with Run(path) as run:
         view_page(ViewData(run)).write(page)
-    script = DRAW.format(width=WIDTH * FINENESS, height=HEIGHT * FINENESS, ghost=str(ghost).lower(), elevation=camera[0], azimuth=camera[1])
+    script = DRAW.format(width=width * fineness, height=height * fineness, show=show)
     page.write_text(page.read_text(encoding="utf-8").replace("</body>", f"<script>{script}</script></body>"), encoding="utf-8")
-    shown = subprocess.run([*BROWSER, page.as_uri()], capture_output=True, text=True, timeout=SECONDS, check=False)
-    found = re.search(r"data:image/png;base64,([\w+/=]+)", shown.stdout)
+    shown = browse("--dump-dom", page.as_uri()).stdout
+    found = re.search(r"data:image/png;base64,([\w+/=]+)", shown)
     if not found:
-        raise InputError(f"{path}: the browser drew nothing: {shown.stderr[-500:]}")
-    return Image.open(io.BytesIO(base64.b64decode(found[1]))).resize((WIDTH, HEIGHT), Image.LANCZOS)
+        raise InputError(f"{path}: the browser drew nothing")
+    return Image.open(io.BytesIO(base64.b64decode(found[1]))).resize((width, height), Image.LANCZOS)
+
+
+def browse(*options):
+    return subprocess.run([*BROWSER, *options], capture_output=True, text=True, timeout=SECONDS, check=True)
 
 
 def scenes(results, docs):
@@ -81,7 +97,8 @@ def scenes(results, docs):
     with tempfile.TemporaryDirectory() as folder:
         for i, (name, (camera, ghost)) in enumerate(SCENES.items()):
             x, y = i % COLUMNS * WIDTH, i // COLUMNS * (HEIGHT + TITLE)
-            whole.paste(panel(results / "gallery" / f"{name}.h5", camera, ghost, Path(folder)), (x, y + TITLE))
+            show = PANEL.format(ghost=str(ghost).lower(), elevation=camera[0], azimuth=camera[1])
+            whole.paste(drawn(results / "gallery" / f"{name}.h5", WIDTH, HEIGHT, show, Path(folder), FINENESS), (x, y + TITLE))
             pen.text((x + WIDTH / 2, y + TITLE / 2), name.split("/")[0].replace("_", " "), "#444", font, "mm")
     save(whole, docs / "readme_scenes.png")
 
@@ -126,11 +143,55 @@ def speed(_, docs):
     save_figure(canvas, docs / "readme_speed.png")
 
 
+def merge(whole, more):
+    for name, value in more.items():
+        if isinstance(value, dict) and isinstance(whole.get(name), dict) and "Point" not in value:
+            merge(whole[name], value)
+        else:
+            whole[name] = value
+
+
+def first_hour(_, docs):
+    """A picture of each step, as its commands make it."""
+    program = Path(__file__).resolve().parents[1] / "mixbeam"
+    scene, pictures = {}, docs / "first_hour"
+    steps = re.findall("```yaml\n(.*?)```", (docs / "first_hour.md").read_text(encoding="utf-8"), re.S)
+    deformed = """() => { app.camera.look(0, -90); app.setScale(20); app.fit(); return app.picture(); }"""
+    mode = """() => { app.camera.look(20, -60); app.fit(); app.showMode(0); app.camera.look(20, -60); app.fit(); return app.picture(); }"""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+
+        def mixbeam(*words):
+            subprocess.run([program, *words], cwd=folder, check=True, stdout=subprocess.DEVNULL)
+
+        for number, step in enumerate(steps, 1):
+            merge(scene, yaml.safe_load(step))
+            (folder / "frame.yaml").write_text(yaml.safe_dump(scene, sort_keys=False), encoding="utf-8")
+            mixbeam("run", "frame.yaml", "--quiet")
+            results = folder / "results/frame"
+            leads = results / "frame-snow leads.h5"
+            if number <= 2:
+                picture = drawn(results / "frame.h5", 800, 400, deformed, folder)
+            elif number == 3:
+                mixbeam("plot", leads, "--picture", "diagrams", "--format", "png", "--dots", "90", "-o", ".")
+                picture = Image.open(folder / "frame-snow leads_diagrams.png")
+            elif number == 4:
+                mixbeam("plot", results / "frame.h5", "--format", "png", "--dots", "90", "-o", ".")
+                picture = Image.open(folder / "frame_envelope.png")
+            elif number == 5:
+                picture = drawn(leads, 800, 440, mode, folder)
+            else:
+                mixbeam("report", results / "frame.h5", "-o", "report.html")
+                browse(f"--screenshot={folder / 'report.png'}", "--window-size=900,760", "--hide-scrollbars", (folder / "report.html").as_uri())
+                picture = Image.open(folder / "report.png")
+            save(picture, pictures / f"{number}.png")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("results", type=Path)
     parser.add_argument("docs", type=Path)
-    pictures = {"scenes": scenes, "accuracy": accuracy, "speed": speed}
+    pictures = {"scenes": scenes, "accuracy": accuracy, "speed": speed, "first_hour": first_hour}
     parser.add_argument("--only", nargs="+", choices=pictures, default=list(pictures))
     arguments = parser.parse_args()
     for name in arguments.only:

@@ -5,6 +5,7 @@ every whole scene in the pages is accepted, every link leads somewhere, and the 
 usage: scenes_and_pages_test.py MIXBEAM [CLASS]...
 """
 
+import os
 import re
 import subprocess
 import sys
@@ -12,12 +13,16 @@ import tempfile
 import unittest
 from pathlib import Path
 
+import yaml
+
 PROGRAM = str(Path(sys.argv.pop(1)).resolve())
 ROOT = Path(__file__).resolve().parents[2]
 APPS = ROOT / "apps"
 LARGEST_PICTURE = 150000  # bytes, so that the pages stay light
 LARGEST_PICTURE_OF_README = 250000
 MOST_LINES_OF_README, MOST_LINES_OF_YAML = 90, 20
+SAME_NUMBER = 1e-3  # of numbers that pages quote: meshes are chosen for 1e-4
+ROUNDING = 1e-9     # of displacements of some centimetres and forces of some kN
 
 
 def pages():
@@ -103,6 +108,51 @@ def dead_links(page, text):
 def chapter(page, heading):
     """Text below a heading of a page, up to the next one."""
     return re.search(rf"^#+ {heading}\n(.*?)(?=^#+ |\Z)", page.read_text(), re.M | re.S)[1]
+
+
+def merge(whole, more):
+    """Adds the entries of lists to those of the same names; an entry replaces one that is there."""
+    for name, value in more.items():
+        if isinstance(value, dict) and isinstance(whole.get(name), dict) and "Point" not in value:
+            merge(whole[name], value)
+        else:
+            whole[name] = value
+
+
+def agree(quoted, printed):
+    """Words are the same, numbers to a thousandth; what is as small as rounding may differ."""
+    def same(a, b):
+        try:
+            a, b = float(a), float(b)
+        except ValueError:
+            return a == b
+        return abs(a - b) <= SAME_NUMBER * abs(a) or max(abs(a), abs(b)) < ROUNDING
+
+    quoted, printed = (re.split(r"[\s,]+", line.strip()) for line in (quoted, printed))
+    return len(quoted) == len(printed) and all(map(same, quoted, printed))
+
+
+class FirstHour(WithProgram):
+    def test_each_step_runs_and_prints_what_it_says(self):
+        page = (APPS / "docs/first_hour.md").read_text()
+        steps = re.findall("```yaml\n(.*?)```.*?```sh\n(.*?)```.*?```\n(.*?)```.*?\\((first_hour/.*?)\\)", page, re.S)
+        self.assertEqual(len(steps), page.count("```yaml"))
+        scene = {}
+        for added, commands, quoted, picture in steps:
+            self.assertTrue((APPS / "docs" / picture).exists())
+            merge(scene, yaml.safe_load(added))
+            (self.folder / "frame.yaml").write_text(yaml.safe_dump(scene, sort_keys=False))
+            ended = subprocess.run(["bash", "-ec", commands], cwd=self.folder, capture_output=True, text=True,
+                                   env={**os.environ, "PATH": f"{Path(PROGRAM).parent}:{os.environ['PATH']}"})
+            self.assertEqual(ended.returncode, 0, commands + ended.stdout + ended.stderr)
+            self.assertEqual(quoted.count("\n"), 5)
+            for line in quoted.splitlines():
+                self.assertTrue(any(agree(line, other) for other in ended.stdout.splitlines()), f"{line}\n{ended.stdout}")
+
+    def test_another_number_or_word_would_be_noticed(self):
+        self.assertTrue(agree("  ridge   -1.6e-16  0.0481065, 2", "  ridge  3.1e-17  0.04810999, 2"))
+        for other in ("ridge 0 0.0482 2", "foot 0 0.0481065 2", "ridge 0 0.0481065"):
+            self.assertFalse(agree("ridge 0 0.0481065 2", other))
 
 
 class Pages(WithProgram):
