@@ -57,6 +57,18 @@ class Gallery(WithProgram):
                 if '"Expected"' in scene.read_text():
                     self.assertIn("checks passed", ended.stdout)
 
+    def test_twins_in_yaml_hold_the_same_scene(self):
+        def contents(scene):
+            ended = self.mixbeam("convert", scene, f"{scene.stem}.xml", "--force")
+            self.assertEqual(ended.returncode, 0, ended.stderr)
+            return re.sub(r"<!--.*?-->|\s", "", (self.folder / f"{scene.stem}.xml").read_text(), flags=re.S)
+
+        for scene in (APPS / "gallery").glob("*.xml"):
+            twin = Path(PROGRAM).parent / f"gallery/{scene.stem}.yaml"
+            self.assertTrue(contents(twin) == contents(scene), scene.stem)
+            for table in re.findall(r"\w+\.csv", scene.read_text()):
+                self.assertEqual((twin.parent / table).read_text(), (scene.parent / table).read_text())
+
     def test_scenes_are_on_the_page_with_a_small_picture(self):
         page = (APPS / "docs/gallery.md").read_text()
         for scene in (APPS / "gallery").glob("*.xml"):
@@ -98,7 +110,8 @@ def anchors_of(page):
 
 def dead_links(page, text):
     dead = set()
-    for file, anchor in re.findall(r"\]\(([^)\s#]*)#?([^)\s]*)\)", text):
+    pictures = [(file, "") for file in re.findall(r'<img src="([^"]*)"', text)]
+    for file, anchor in re.findall(r"\]\(([^)\s#]*)#?([^)\s]*)\)", text) + pictures:
         target = page.parent / file if file else page
         if "://" not in file and (not target.exists() or (anchor and anchor not in anchors_of(target))):
             dead.add(f"{file}#{anchor}")
@@ -202,10 +215,10 @@ class Pages(WithProgram):
             self.assertEqual(dead_links(page, page.read_text()), set(), page)
 
     def test_a_dead_link_would_be_noticed(self):
-        text = ("[a](nowhere.md) ![b](gallery/nothing.png) [c](scenes.md#no-such-heading) [d](#state) [e](#estate)"
-                "[f](scenes.md#members-and-their-curves) [g](https://trilinos.github.io) [h](../../README.md)")
+        text = ('[a](nowhere.md) ![b](gallery/nothing.png) [c](scenes.md#no-such-heading) [d](#state) [e](#estate)'
+                '<img src="gallery/none.png"> [f](scenes.md#members-and-their-curves) [g](https://trilinos.github.io) [h](../../README.md)')
         self.assertEqual(dead_links(APPS / "docs/results.md", text),
-                         {"nowhere.md#", "gallery/nothing.png#", "scenes.md#no-such-heading", "#estate"})
+                         {"nowhere.md#", "gallery/nothing.png#", "gallery/none.png#", "scenes.md#no-such-heading", "#estate"})
 
     def test_the_readme_quotes_the_run_of_its_scene(self):
         text = chapter(ROOT / "README.md", "A scene, and what it gives")
