@@ -21,8 +21,9 @@ constexpr double kCapForLockingElements = 1e3;
 /// disturb an increment by 3e-12 * cap * L/h (measured on chains of 1e3 to 1e6 elements), which must stay well below
 /// one for Newton's method to go on converging fast.
 constexpr double kCapTimesElements = 1e9;
-/// The same in networks, whose members share what disturbs them: sheets of 60 and 100 struts a side, slenderness 20 to
-/// 1000, take no more iterations with it, and fewer factorisations where it no longer cuts off any stiffness.
+/// Cap times elements of networks, whose members share what disturbs them: sheets of 60 and 100 struts a side,
+/// slenderness 20 to 1000, take no more iterations with it, and fewer factorisations where it no longer cuts off any
+/// stiffness.
 constexpr double kCapTimesElementsOfNetworks = 1e11;
 
 /// Below this the cap itself would slow Newton's method more than rounding errors do; a mesh whose shortest element is

@@ -52,7 +52,7 @@ KOKKOS_INLINE_FUNCTION void subtract_full(const double* tangent, int end, const 
         size[r] += (k < 0.0 ? -k : k) * (c < 3 ? sizes.moved : sizes.turned);
       }
 }
-/// The same for kSymmetricTangent numbers.
+/// Subtracts a tangent of kSymmetricTangent numbers.
 KOKKOS_INLINE_FUNCTION void subtract_symmetric(const double* tangent, int end, const double* const* at,
                                                const LargestParts& sizes, double* left, double* size) {
   double change[9];

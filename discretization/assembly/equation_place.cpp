@@ -48,7 +48,7 @@ double scale_of(RowKind kind, const ResidualScales& scales, double h) {
 
 namespace {
 
-/// Where a vertex or element of this rank is.
+/// Place of a vertex or element of this rank.
 struct Site {
   int member = -1;  ///< -1: no element meets the vertex
   double along = 0.0, element_length = 0.0;
@@ -95,7 +95,7 @@ Site site_of_element(const Mesh& mesh, int number) {
   return site;
 }
 
-/// Of a vertex that this rank owns, whose elements it has.
+/// Place of a vertex that this rank owns, whose elements it has.
 Site site_of_vertex(const Model& model, int vertex) {
   const Mesh& mesh = model.mesh();
   const Structure& structure = model.structure();

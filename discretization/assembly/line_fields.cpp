@@ -103,14 +103,14 @@ struct LineFields::Source {
 
 namespace {
 
-/// Of a dead force per length seen along its direction: what of it falls on the undeformed length.
+/// Share of a dead force per length seen along its direction that falls on the undeformed length.
 double seen_length(const MeshMember& member, const Vector3& force, double s) {
   const Vec3<double> tangent = member.curve.tangent(s), direction{{force[0], force[1], force[2]}};
   const Vec3<double> across = cross(tangent, direction);
   return std::sqrt(dot(across, across) / dot(direction, direction));
 }
 
-/// By what the profile of a load is multiplied at arc length s of an element whose middle is at `middle`.
+/// Factor of the profile of a load at arc length s of an element whose middle is at `middle`.
 double factor_of(const DistributedLoad& load, const MeshMember& member, const SectionLaw* law, double s,
                  double middle) {
   const double length = member.curve.length;

@@ -179,7 +179,7 @@ State Model::reference_state() const {
 namespace {
 
 /// Relative to the length of the structure, to the load or to one: the rounding of positions and triads that were
-/// computed from curves, with some room. What is farther out of the plane was meant to be.
+/// computed from curves, with some room. Larger distances from the plane are meant.
 constexpr double kInPlane = 1e-12;
 /// Components of a normal that are rounding beside the others: without them coordinate planes have exact zeros.
 constexpr double kNoComponent = 1e-15;
@@ -306,7 +306,7 @@ std::optional<PlaneAxes> plane_of(const Teuchos::Comm<int>& comm, const Mesh& me
   return std::nullopt;
 }
 
-/// Of the largest entry: roundings of directions in a plane that is not one of the coordinates'.
+/// Relative to the largest entry: roundings of directions in a plane that is not one of the coordinates'.
 constexpr double kPlaneRounding = 1e-13;
 
 }  // namespace

@@ -19,7 +19,7 @@ constexpr double kRoundings = 16.0;
 /// nothing by more than a rounding error of the length.
 constexpr double kUnloadedForce = 1e-6;
 
-/// Of the structure's length: beyond it a path has gone astray, and rounding would excuse any strain.
+/// Relative to the structure's length: beyond it a path has gone astray, and rounding would excuse any strain.
 constexpr double kLargestDisplacement = 1e6;
 
 }  // namespace

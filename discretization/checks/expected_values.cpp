@@ -19,7 +19,7 @@ const std::vector<std::string> kSpatial = {"x", "y", "z", "norm"};
 const std::vector<std::string> kMaterial = {"1", "2", "3", "norm"};
 const std::vector<std::string> kComponents = {"x", "y", "z", "1", "2", "3", "norm"};
 
-/// What a quantity needs to be told.
+/// Parameters that a quantity needs.
 struct ExpectedKind {
   std::vector<std::string> needs;       ///< of "Point", "Member", "Position", "Component"; no others are allowed
   std::vector<std::string> components;  ///< allowed ones
@@ -67,7 +67,7 @@ void check_description(const Teuchos::ParameterList& list, const ExpectedValue& 
                                  "\"; allowed: " + quoted_list(kind.components));
 }
 
-/// Of `stable`: a word, which is there or not, whatever the tolerance.
+/// Reads the value of `stable`: a word, which is there or not, whatever the tolerance.
 void read_word(const Teuchos::ParameterList& list, const InputPlace& place, ExpectedValue& expected) {
   if (!list.isType<std::string>("Value"))
     throw place["Value"].error("a number for the quantity \"stable\"; allowed: " + quoted_list(kVerdicts));

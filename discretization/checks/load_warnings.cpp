@@ -40,7 +40,7 @@ struct ActingForce {
   double force, moment;
 };
 
-/// What is known without a computation: loads without formulas.
+/// Forces known without a computation: loads without formulas.
 struct ForceSurvey {
   std::vector<ActingForce> forces{};
   bool has_formulas = false;
@@ -148,7 +148,7 @@ void warn_of_weightless(const SceneSurvey& survey, WarningList& list) {
                          "; usually \"Density\" in \"Material\", or \"Mass\", of their sections is missing");
 }
 
-/// Densities in g/cm^3. Of all sections: one alone may stand for something rigid.
+/// Warns of densities in g/cm^3, if all sections have them: one alone may stand for something rigid.
 void warn_of_light(const SceneSurvey& survey, WarningList& list) {
   if (survey.scene.gravity < kLeastOfEarth || survey.scene.gravity > kMostOfEarth) return;
   const Section* lightest = nullptr;

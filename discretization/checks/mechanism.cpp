@@ -47,7 +47,7 @@ void add_rotation(Row& row, double factor, std::size_t index, const Vector3& e) 
   for (std::size_t i = 0; i < 3; ++i) row[6 * index + 3 + i] += factor * e[i];
 }
 
-/// What each fixed or elastic component of the supports sees of the motions.
+/// Adds the rows of each fixed or elastic component of the supports.
 void add_support_rows(const RigidAssembly& assembly, const Scene& scene, Rows& rows) {
   const std::size_t n = 6 * assembly.parts.size();
   for (std::size_t p = 0; p < assembly.parts.size(); ++p) {
@@ -66,7 +66,7 @@ void add_support_rows(const RigidAssembly& assembly, const Scene& scene, Rows& r
   }
 }
 
-/// What each joint sees of the relative motion of its two parts.
+/// Adds the rows of each joint, which sees the relative motion of its two parts.
 void add_joint_rows(const RigidAssembly& assembly, const Scene& scene, Rows& rows) {
   const std::size_t n = 6 * assembly.parts.size();
   for (const RigidLink& link : assembly.links) {
@@ -164,7 +164,7 @@ Rows null_space(Rows matrix) {
   return motions;
 }
 
-/// The same space in plain words: rotations about as few axes as possible, and translations without any rotation.
+/// Spans the same space by plain motions: rotations about as few axes as possible, translations without any rotation.
 Rows plain_motions(Rows motions) {
   if (motions.empty()) return motions;
   const double threshold = kPrintedZero * largest_entry(motions);

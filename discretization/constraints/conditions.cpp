@@ -129,7 +129,7 @@ Conditions build_conditions(const Scene& scene, const Mesh& mesh, const Structur
 
 namespace {
 
-// Of each stage: a formula that turns a support at a rate above the one found here only costs load steps.
+// Samples for each stage: a formula that turns a support at a rate above the one found here only costs load steps.
 constexpr int kSlopeSamples = 64;
 
 double steepest_slope(const Support& support, int stages, const LoadClock& clock) {

@@ -107,7 +107,7 @@ Vec hinge_angles(const VertexSupport& support, const State& state) {
   return angles;
 }
 
-/// What the moment rows are multiplied by: row i is e_i, or T(theta) e_i.
+/// Directions by which the moment rows are multiplied: row i is e_i, or T(theta) e_i.
 Mat moment_directions(const VertexSupport& support, const State& state) {
   if (support.rotation_kind == SupportRotation::hinge) return support.axes;
   return support.axes * transpose(tangent_map(continued_log(triad_of(support, state))));
@@ -271,7 +271,7 @@ double stored_energy(const VertexSupport& support, const State& state) {
   return energy;
 }
 
-/// What is not a whole number of turns is no equilibrium, and tells nothing.
+/// Distance from a whole number of turns beyond which a state is no equilibrium, and tells nothing.
 constexpr double kWholeTurn = 1e-3;
 
 void follow_turns(const VertexSupport& support, const State& from, State& to) {

@@ -54,8 +54,8 @@ class PointLoads : public ExternalEnergy {
   std::vector<VertexLoad> loads_;
 };
 
-/// Of displacements, along the axes of their support. Those of rotations depend on how the support holds the others:
-/// constraint_rows.hpp.
+/// Springs on displacements, along the axes of their support. Those on rotations depend on how the support holds the
+/// others: constraint_rows.hpp.
 class SupportSprings : public ExternalEnergy {
  public:
   explicit SupportSprings(const std::vector<VertexSupport>& supports) {

@@ -6,7 +6,7 @@ namespace mixbeam {
 
 namespace {
 
-/// Where a joint is now.
+/// Present position of a joint.
 struct JointState {
   Quat master, slave;
   Mat frame;   ///< rows b1, b2, a, spatial

@@ -36,7 +36,7 @@ int find_or_add_vertex(Mesh& mesh, const JointTable& joints, const std::string& 
   return entry->second;
 }
 
-/// The same for an end of a member: the vertex of its own that a joint gives it.
+/// Vertex of an end of a member: the one of its own that a joint gives it, or that of the point.
 int vertex_of_end(Mesh& mesh, const JointTable& joints, const std::string& point, const Vector3& position, int member) {
   const int vertex = find_or_add_vertex(mesh, joints, point, position);
   const auto joined = joints.find(point);
@@ -89,7 +89,7 @@ class Placement {
     }
   }
 
-  /// What a curve that follows from itself does not look at may be unknown.
+  /// Position of the point; the origin for one that is unknown, which curves that follow from themselves do not use.
   Vector3 position_or_origin(const std::string& point) const {
     const auto entry = position_.find(point);
     return entry == position_.end() ? Vector3{} : entry->second;
@@ -184,7 +184,7 @@ double Mesh::total_length() const {
   return length;
 }
 
-// As std::upper_bound of s among the inner vertices.
+// Finds s among the inner vertices as std::upper_bound does.
 int MeshMember::element_behind(double s) const {
   int first = 1;
   for (int count = elements - 1; count > 0;) {

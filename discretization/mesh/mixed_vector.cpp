@@ -251,7 +251,7 @@ double ordered_sum(size_t n, const Term& term) {
 
 }  // namespace
 
-/// Of all ranks: term(entry here, entry there), each entry counted once.
+/// Sums term(entry here, entry there) over all ranks, each entry counted once.
 template <class Term>
 double MixedVector::sum_with(const MixedVector& other, const Term& term) const {
   const ConstEntries u = vertex(), v = other.vertex(), x = interior_, y = other.interior_;

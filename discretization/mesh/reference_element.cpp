@@ -29,7 +29,7 @@ std::invalid_argument turns_too_far() {
       "the undeformed member turns too far in it: by about a full turn, more elements are needed");
 }
 
-/// What no comparison of triads can see: between two of them the member might turn fully.
+/// Refuses a turn that no comparison of triads can see: between two of them the member might turn fully.
 void check_turning(const MeshMember& member, int index) {
   double turning = 0.0;  // integral of |kappa0|
   for (int i = 0; i < kTurningSamples; ++i) {

@@ -85,7 +85,7 @@ Matrix6 weighted(const Matrix6& a, double weight, const Matrix6& b) {
   return sum;
 }
 
-/// Where the sum over points misses more of the compliance of an element than this, means take the place of values:
+/// Share of the compliance of an element that a sum over points may miss; beyond it means take the place of values:
 /// they hold up where the values mean nothing, and are less accurate where these do.
 constexpr double kMissedCompliance = 1e-2;
 

@@ -127,8 +127,8 @@ class LayerSearch {
     return true;
   }
 
-  /// What the vertex would feel if the element were attached to it aside by the moment's arm, and shorter by what the
-  /// layer takes of the length: a string under tension, softer along its chord where it sags by the angle `sag`.
+  /// Push on the vertex if the element were attached to it aside by the moment's arm, and shorter by the length of the
+  /// layer: a string under tension, softer along its chord where it sags by the angle `sag`.
   Vec3<double> push_of(const EndLayer& layer, const Vec3<double>& force, double angle, double stretching,
                        double sag) const {
     const double tension = norm(force);
@@ -151,7 +151,7 @@ class LayerSearch {
 
 static_assert(std::is_trivially_copyable_v<EndLayer>, "EndLayer is sent as bytes");
 
-/// Those of all ranks, one rank after the other.
+/// Gathers the layers of all ranks, one rank after the other.
 std::vector<EndLayer> of_all_ranks(const Teuchos::Comm<int>& comm, std::vector<EndLayer> mine) {
   if (comm.getSize() == 1) return mine;
   const int own = static_cast<int>(mine.size());

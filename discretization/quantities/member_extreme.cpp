@@ -96,7 +96,7 @@ class Search {
     }
   }
 
-  /// What a layer at the end of an element has in closed form.
+  /// Includes the closed form of a layer at the end of an element.
   void look_at(const EndLayer& layer) {
     const bool is_asked = std::count(request_.members.begin(), request_.members.end(), layer.member) > 0;
     if (is_asked && layer.is_known && model_.mesh().members.keeps(static_cast<std::size_t>(layer.member)))

@@ -20,9 +20,9 @@ namespace {
   throw DiskError("cannot " + action + ": " + std::strerror(error));
 }
 
-/// A client of NFS may write whole pages of its cache where a program wrote a part, and so undo what another machine
-/// wrote beside it. Of files that are written synchronously it sends the bytes that were written and no others (Linux,
-/// nfs_can_extend_write).
+/// Whether bytes beside those written may change. A client of NFS may write whole pages of its cache where a program
+/// wrote a part, and so undo what another machine wrote beside it. Of files that are written synchronously it sends the
+/// bytes that were written and no others (Linux, nfs_can_extend_write).
 bool may_write_neighbours(int descriptor) {
   constexpr long kNfs = 0x6969;  // NFS_SUPER_MAGIC, statfs(2)
   struct statfs system {};
@@ -167,7 +167,7 @@ void Replacement::publish(bool durable) {
 
 namespace {
 
-/// What goes wrong becomes a FileError that names the file.
+/// Turns any error of an action into a FileError that names the file.
 template <class Action>
 auto naming(const std::filesystem::path& path, const Action& action) {
   try {

@@ -30,7 +30,7 @@ struct Driver {
     std::free(&of(file));
     return 0;
   }
-  /// As the library's own driver, so that it lays files out in the same way.
+  /// Answers as the library's own driver does, so that it lays files out in the same way.
   static herr_t query(const H5FD_t*, unsigned long* flags) {
     *flags = H5FD_FEAT_AGGREGATE_METADATA | H5FD_FEAT_ACCUMULATE_METADATA | H5FD_FEAT_DATA_SIEVE |
              H5FD_FEAT_AGGREGATE_SMALLDATA | H5FD_FEAT_DEFAULT_VFD_COMPATIBLE;
@@ -109,7 +109,7 @@ constexpr std::size_t kMostBytesOfStructure = std::size_t{1} << 20;
 Handle opened(const void* medium, FileUse use) {
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "make file access properties");
   if (H5Pset_driver(access, registered_driver(), &medium) < 0) throw Error("cannot choose the driver of the file");
-  if (use == FileUse::read) {  // each object is visited once or twice: what is kept of one takes kilobytes
+  if (use == FileUse::read) {  // each object is visited once or twice, and the library keeps kilobytes of each
     H5AC_cache_config_t cache{};
     cache.version = H5AC__CURR_CACHE_CONFIG_VERSION;
     H5Pget_mdc_config(access, &cache);

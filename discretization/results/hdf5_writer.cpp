@@ -56,7 +56,7 @@ void write_scalar_attribute(hid_t object, const std::string& name, hid_t file_ty
   check(H5Awrite(attribute, memory_type, value), action);
 }
 
-/// Without the time at which the dataset was made: the same results are the same bytes.
+/// Properties without the time at which the dataset was made: the same results are the same bytes.
 Handle dataset_creation() {
   Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "make properties of a dataset");
   check(H5Pset_obj_track_times(creation, false), "make properties of a dataset");

@@ -54,7 +54,7 @@ void copy_blocks(const fs::path& from, const fs::path& to, bool shared, const Bl
   target.close();
 }
 
-/// What rank 0 knows.
+/// Broadcasts a value of rank 0.
 template <class Value>
 void share(const Teuchos::Comm<int>& communicator, std::vector<Value>& values) {
   if (communicator.getSize() == 1) return;
@@ -195,7 +195,7 @@ void PublishedFile::seal_next(const std::vector<BlockSum>& sums, const std::vect
   next().bytes = seal_.bytes;
 }
 
-// Where the file system has no hard links, the copy is duplicated instead.
+// Duplicates the copy if the file system has no hard links.
 void PublishedFile::give_name() {
   if (is_synced_) DiskFile(next().path, DiskAccess::write).sync();
   std::error_code error;

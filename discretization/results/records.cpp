@@ -15,7 +15,7 @@ namespace {
 
 const std::string kFormat = "mixbeam results";
 
-/// Of an envelope: "2 runs; allowed: out/frame-snow.h5, out/frame-wind.h5".
+/// Names the files of an envelope: "2 runs; allowed: out/frame-snow.h5, out/frame-wind.h5".
 std::string files_of_runs(hid_t file, const std::string& name) {
   std::vector<std::string> files;
   std::istringstream runs(hdf5::read_text(file, kEnvelopeRuns));
@@ -144,7 +144,7 @@ void write_members(hid_t file, const SampledMembers& members) {
 
 namespace {
 
-/// Of files that have a group for each member.
+/// Reads files that have a group for each member.
 std::vector<SampledMember> read_member_groups(hid_t group) {
   const std::vector<std::string> names = hdf5::link_names(group);
   std::vector<SampledMember> members(names.size());

@@ -68,7 +68,7 @@ std::uint64_t bytes_of(const std::vector<ResultTable>& tables) {
   return bytes;
 }
 
-/// Of a step in a file that is gone on with.
+/// Names the stresses of a step in a file that is gone on with.
 std::vector<std::string> stored_stresses(hid_t file, int step) {
   const hdf5::Handle group = hdf5::open_group(hdf5::open_group(file, "steps"), step_group_name(step));
   std::vector<std::string> names(kStressNames.begin(), kStressNames.end());

@@ -41,7 +41,8 @@ void write_holder(int descriptor) {
     const auto written = ::pwrite(descriptor, text.data(), text.size(), 0);
 }
 
-/// Of whatever else bears the name, perhaps by a second one, nothing is changed. Empty: there is nothing against it.
+/// Explains why the name is not a lock of this program, in which case nothing is changed (it may be a second name of
+/// another file). Empty: there is nothing against it.
 std::string problem_with(int descriptor) {
   struct stat facts {};
   if (::fstat(descriptor, &facts) != 0) return std::strerror(errno);

@@ -91,7 +91,7 @@ void write_error(hid_t group, const std::string& name, const RecordedError& erro
   hdf5::write_attribute(group, name + "_size", error.size);
 }
 
-/// Where there are any. A value that is not estimated has the reason, and no number as its error.
+/// Writes estimated values, if there are any. A value that is not estimated has the reason, and no number as its error.
 void write_values(hid_t parent, const std::string& name, const std::vector<EstimatedValue>& values) {
   if (values.empty()) return;
   const auto group = hdf5::create_group(parent, name);
@@ -184,7 +184,7 @@ PathPoint read_point(hid_t step, const std::string& name) {
   if (step_group_name(point.step) != name) throw hdf5::Error("cannot read step " + name + ": it has another number");
   hdf5::read_attribute(step, "load_factor", point.load_factor);
   visit_fields(point, Reading{state});
-  // What files of versions that followed no path by its length do not tell keeps its default.
+  // Fields that files of versions which followed no path by its length lack keep their defaults.
   point.stage = static_cast<int>(std::clamp(std::ceil(point.load_factor * (1.0 - kSameLoadFactor)), 1.0, 1e9));
   if (hdf5::has_attribute(state, "path_length")) visit_fields(point, kFieldsAlongPath, Reading{state});
   if (hdf5::has_attribute(state, "piece")) visit_fields(point, kFieldsOfPiece, Reading{state});

@@ -38,7 +38,7 @@ auto reading(const fs::path& path, const Read& read) {
   }
 }
 
-/// Of every run that has come as far as to a step.
+/// Requires a series of every run that has come as far as to a step.
 void require_own_series(const fs::path& path, const std::vector<MonitoredSeries>& monitor) {
   for (const std::string& name : kOwnTimeSeries)
     if (std::none_of(monitor.begin(), monitor.end(),

@@ -100,7 +100,8 @@ bool has_plain_addresses(GuardedFile& file) {
 /// Looks at every object of a file, once.
 class Walk {
  public:
-  /// Of a sealed file, numbers that lie in one piece are known to be those that were written, and are not read again.
+  /// Walks through a sealed file: numbers that lie in one piece are known to be those that were written, and are not
+  /// read again.
   Walk(const std::vector<Damage>& damages, SealedFile& file)
       : damages_(damages), file_(file), has_plain_addresses_(has_plain_addresses(file.content())) {}
 
@@ -231,7 +232,7 @@ void rehearse_copy(hid_t source) {
   }
 }
 
-/// What the library can tell of a file whose bytes have been checked.
+/// Looks with the library into a file whose bytes have been checked.
 void look_inside(SealedFile& file, const fs::path& path, const std::vector<Damage>& found, FileReport& report) {
   Walk walk(found, file);
   std::vector<std::string> groups;

@@ -81,8 +81,8 @@ class TableFiller {
     append("place", std::array<double, 2>{static_cast<double>(at.member), at.arc_length});
     append("position", at.position);
   }
-  /// What has a stage or an amplitude: the load factor at which it begins to act; a formula may say anything and counts
-  /// as acting from the beginning. Not NaN: what compares two files would find them different.
+  /// Load factor at which a load with a stage or an amplitude begins to act; a formula may say anything and counts as
+  /// acting from the beginning. Not NaN: a comparison of two files would find them different.
   template <class Load>
   void add_beginning(const Load& load) {
     add("begins", load.amplitude.empty() ? load.stage - 1.0 : kFromTheBeginning);

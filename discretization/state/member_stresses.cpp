@@ -86,7 +86,7 @@ SampleNumbers fill_sample(const SectionAlong& along, const ReferenceCurve& curve
   return numbers;
 }
 
-/// Of the I: what the torque adds to the von Mises stress.
+/// Share that the torque adds to the von Mises stress of an I.
 double torsion_share(const KnownSection& section, SectionForces forces, double with_torque) {
   if (!section.open_walls || !(with_torque > 0.0)) return 0.0;
   forces.moment[0] = 0.0;

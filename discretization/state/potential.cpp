@@ -49,7 +49,7 @@ double stored_in_springs(const Conditions& conditions, const State& state) {
   return sum;
 }
 
-/// Of prescribed motions, with the mean of the reactions before and after.
+/// Work of prescribed motions, with the mean of the reactions before and after.
 double work_of_supports(const Model& model, const State& first, double from, const State& second, double to) {
   const std::vector<Reaction> before = reactions(model, first, from), after = reactions(model, second, to);
   double work = 0.0;

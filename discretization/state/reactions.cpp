@@ -72,7 +72,7 @@ Vec chord_of(const Mesh& mesh, const MeshElement& element) {
   return to_vec3(mesh.vertex_position[element.vertex[1]]) - to_vec3(mesh.vertex_position[element.vertex[0]]);
 }
 
-/// What the two sums below need of an element.
+/// Numbers of an element that the two sums below need.
 struct TurnedElement {
   const ElementView& view;
   const ElementBlock& block;
@@ -116,7 +116,7 @@ struct TurnedElement {
   }
 };
 
-/// What is added up for one part of a structure.
+/// Sums over one part of a structure.
 struct PartSums {
   Box box{};  ///< around it, undeformed
   Wrench applied{}, reactions{};
@@ -145,7 +145,7 @@ class BalanceSums {
   }
 
   Balance over_all_ranks() const;
-  /// Of one part, `scales` its own. One rank only.
+  /// Balance of one part, `scales` its own. One rank only.
   Balance of_part(int part, const ResidualScales& scales) const;
 
  private:

@@ -116,7 +116,7 @@ std::vector<double> numbers_for(const std::vector<int>& vertices, const std::vec
   return numbers;
 }
 
-/// Those of this rank; rank 0 has the snapshot.
+/// Returns the numbers of this rank; rank 0 has the snapshot.
 std::vector<double> own_numbers(const Model& model, const StateSnapshot& snapshot) {
   const Communicator comm = model.map()->getComm();
   const std::vector<int>&vertices = model.structure().local_vertex_to_global,
@@ -145,7 +145,7 @@ void require_sizes(const Model& model, const StateSnapshot& snapshot) {
         "the state does not belong to this mesh: numbers of vertices, elements or orders differ");
 }
 
-/// Of each of its elements.
+/// Number of interior unknowns of each element of the member.
 size_t interior_unknowns(const Member& member) {
   const InteriorLayout layout{member.order, force_point_count(member.order, member.force_integration)};
   return static_cast<size_t>(layout.unknowns());

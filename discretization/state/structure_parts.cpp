@@ -15,7 +15,7 @@ namespace {
 
 double largest_component(const Vec3<double>& v) { return std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])}); }
 
-/// What residual scales are made of, see residual_scales.
+/// Sizes that residual scales are made of, see residual_scales.
 struct PartSize {
   StateMagnitude state{};
   vector_algebra::Box box{};  ///< undeformed

@@ -30,7 +30,7 @@ struct StepLinks {
   }
 };
 
-/// From full matrices.
+/// Copies full matrices.
 template <int N>
 KOKKOS_INLINE_FUNCTION Link<N> load_full(const StepLinks& links, const double* const* matrix) {
   Link<N> m;
@@ -72,7 +72,7 @@ KOKKOS_INLINE_FUNCTION void turn_around(const Real* from, Real* to) {
     }
 }
 
-/// From symmetric tangents of elements.
+/// Copies symmetric tangents of elements.
 template <int N>
 KOKKOS_INLINE_FUNCTION Link<N> load_symmetric(const StepLinks& links, const double* const* numbers) {
   using Layout = TangentLayout<N>;
@@ -174,7 +174,7 @@ struct CondenseLoop {
   }
 };
 
-/// What has arrived at the vertex between two links: the given rows and the shares of the runs on both sides.
+/// Sums the rows at the vertex between two links: the given ones and the shares of the runs on both sides.
 template <int N>
 struct RowsLoop {
   ChainLevel level;

@@ -17,7 +17,7 @@ namespace {
 
 /// Attempts shown: the first ones say no more than the last.
 constexpr std::size_t kAttemptsShown = 5;
-/// Of the path, after all steps that are permitted.
+/// Share of the path, after all steps that are permitted.
 constexpr double kShareOfACrawl = 1e-2;
 /// A path that has come no farther into its stage has not set out.
 constexpr double kStartOfStage = 1e-3;

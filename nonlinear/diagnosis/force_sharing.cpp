@@ -22,8 +22,8 @@ namespace {
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
-/// Of what a member would carry if nothing but its own (capped) stiffness answered the strain. Where equilibrium or
-/// bending determines the force, the answer is smaller by the cap, 1e5 as a rule.
+/// Share of the force that a member would carry if nothing but its own (capped) stiffness answered the strain. Where
+/// equilibrium or bending determines the force, the answer is smaller by the cap, 1e5 as a rule.
 constexpr double kSelfStress = 1e-2;
 
 /// EA, GA2, GA3: the largest of a member's sections.
@@ -65,7 +65,7 @@ void for_each_force(const Structure& structure, const Visit& visit) {
   });
 }
 
-/// What rounding makes of strains, in the N rows.
+/// Errors of strains by rounding, in the N rows.
 MixedVector rounding_errors(const Model& model, const ResidualScales& scales) {
   MixedVector rows = model.create_vector();
   rows.fill(0.0);

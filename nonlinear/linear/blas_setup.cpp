@@ -20,7 +20,7 @@ Function* found(const char* name) {
 }
 
 #if defined(__x86_64__)
-/// What OpenBLAS takes for processors that it does not know, and what serves them better.
+/// Kernels that OpenBLAS chooses for processors that it does not know, and better ones.
 const char* better_kernels(const std::string& chosen) {
   if (chosen != "Prescott" && chosen != "Unknown") return nullptr;
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw") &&

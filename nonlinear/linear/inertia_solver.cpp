@@ -45,7 +45,7 @@ enum Control {
 };
 constexpr int kEntries = 29;  // of INFOG: of the factors, in millions where below zero
 constexpr int kApproximateMinimumDegree = 0, kGivenOrdering = 1, kOfEachRank = 3;
-/// Of numbers, of integers, and to send and receive.
+/// MUMPS's errors of too small a workspace: of numbers, of integers, to send and to receive.
 constexpr int kWorkspaceTooSmall[] = {-9, -8, -17, -20};
 /// KEEP(9): a front is shared among ranks where so many of its rows are left to its parent. Who takes part is decided
 /// during the run: without that, two ranks took a tenth less time and 4 % less memory for 20^3 junctions.

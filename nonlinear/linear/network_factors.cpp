@@ -21,7 +21,7 @@ constexpr double kSymmetryOfRounding = 1e-12;
 constexpr double kShareOfFactorization = 0.5;
 /// Fewer are not worth an attempt: cubes of 14^3 junctions and sheets of 200^2 have that many.
 constexpr int kLeastIterations = 7;
-/// What is left of the error, in energy: Newton's method converges as with factors.
+/// Share of the error left, in energy: Newton's method converges as with factors.
 constexpr double kReduction = 1e-9;
 /// So many iterations tell how many it will take.
 constexpr int kForecast = 2;
@@ -180,7 +180,7 @@ bool NetworkFactors::has_symmetry() const {
   }));
 }
 
-/// Of the rows that are taken out.
+/// Whether the rows that are eliminated first have positive diagonals.
 bool NetworkFactors::diagonal_is_positive() const {
   const auto local = matrix_->getLocalMatrixHost();
   bool positive = true;
@@ -246,7 +246,7 @@ std::optional<long> NetworkFactors::negative_eigenvalues() {
   return negative_;
 }
 
-/// Of the remaining rows, preconditioned by the factors.
+/// Iterates with the remaining rows, preconditioned by the factors.
 struct NetworkFactors::Iteration {
   using Numbers = std::vector<double>;
   const NetworkFactors& of;

@@ -27,7 +27,7 @@ constexpr int kLeastSize = 5, kMostSize = 12;
 constexpr Vector3 kDirection = {0.7799, 0.5515, 0.2948};
 /// Twice as many links count more than any direction: squares before rows of four.
 constexpr double kWeightPower = 4.0;
-/// Of a link across the direction, beside the squared cosine of the angle to it.
+/// Weight of a link across the direction, beside the squared cosine of the angle to it.
 constexpr double kAcross = 0.01;
 /// A neighbour is as good as the best one, which is taken, if its closeness is this share of it: a lattice whose nodes
 /// are displaced has no better ones in its rows.

@@ -142,8 +142,8 @@ LinkBlocks NetworkSolver::link_blocks(int link, double* room) const {
   return {matrix, matrix + second, matrix + second + kVertexDofs, kBoth, kBoth, 1, kBoth};
 }
 
-/// What the links do not explain of the rows: S on the diagonal, and nothing beside it; false where there is, or S is
-/// unsymmetric.
+/// Reads the part of the rows that the links do not explain: S on the diagonal, and nothing beside it; false where
+/// there is, or S is unsymmetric.
 bool NetworkSolver::read_values() {
   matrices_ = system_.link_matrices();
   find_turned_rows();

@@ -9,10 +9,10 @@ namespace mixbeam {
 
 namespace {
 
-/// Where the residual is still too large then: twice the digits.
+/// Share of the error left if the residual is still too large then: twice the digits.
 constexpr double kSmallReduction = 1e-13;
 constexpr int kMostIterations = 300;
-/// The same for GMRES, to which each joint adds some.
+/// Most iterations of GMRES, to which each joint adds some.
 constexpr int kMostOfGmres = 1000;
 /// Factors of unsymmetric tangents up to this share of the largest are taken before GMRES is tried: a cube of 26^3
 /// junctions.

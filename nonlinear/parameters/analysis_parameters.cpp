@@ -96,7 +96,7 @@ void require_loads(const Scene& scene, const ParameterSource& source, const Para
   }
 }
 
-/// What is positive on the positive branch.
+/// Reads the displacement that is positive on the positive branch.
 std::optional<MonitoredComponent> read_branch_point(const Teuchos::ParameterList& list, const Scene& scene,
                                                     const ParameterSource& source, const ParameterPath& path) {
   if (!list.isParameter("Branch Point") && list.isParameter("Branch Component"))

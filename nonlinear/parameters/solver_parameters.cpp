@@ -170,9 +170,9 @@ ListSpec step_size_spec() {
   return spec;
 }
 
-/// What a user may set of NOX (names: NOX_LineSearch_*.H, NOX_Direction_Newton.H, NOX_Utils.H of Trilinos 13.2). NOX
-/// and LOCA ignore names that they do not know, so a misspelt one would have no effect and no message; defaults stay
-/// theirs unless this program sets its own.
+/// Declares the parameters of NOX that a user may set (names: NOX_LineSearch_*.H, NOX_Direction_Newton.H, NOX_Utils.H
+/// of Trilinos 13.2). NOX and LOCA ignore names that they do not know, so a misspelt one would have no effect and no
+/// message; defaults stay theirs unless this program sets its own.
 ListSpec nox_spec() {
   ListSpec spec("Parameters handed to NOX, on top of the program's own.");
   spec.add(choice("Nonlinear Solver", {"Line Search Based"}), "The only solver that the element's state supports.");
@@ -185,7 +185,7 @@ ListSpec nox_spec() {
   return spec;
 }
 
-/// Of LOCA (names: LOCA_Stepper, LOCA_MultiContinuation_ArcLengthGroup.H, LOCA_StepSize_*.H,
+/// Declares those of LOCA (names: LOCA_Stepper, LOCA_MultiContinuation_ArcLengthGroup.H, LOCA_StepSize_*.H,
 /// LOCA_MultiPredictor_Factory.H). Continuation parameter, its range and the numbers of steps and iterations are not
 /// among them: the program sets them from the scene and from "Load Path" and "Newton".
 ListSpec loca_spec() {
@@ -217,7 +217,7 @@ BoundList<SolverParameters> solver_parameters() {
   return solver;
 }
 
-/// Of the three sizes; the default of the first follows the bounds.
+/// Checks the three sizes; the default of the first follows the bounds.
 void check_steps(LoadPathParameters& parameters, const ParameterList& list, const ParameterSource& source,
                  const ParameterPath& path) {
   if (parameters.minimum_step > parameters.maximum_step) {
@@ -261,8 +261,8 @@ std::string one_line(const std::string& message) {
   return result;
 }
 
-/// What NOX says against the list "Status Tests", in one line; empty if it can build the tests. NOX checks names, types
-/// and test types itself, but only when it builds the tests, and in a form that is no message for a user.
+/// Returns NOX's complaint about the list "Status Tests", in one line; empty if it can build the tests. NOX checks
+/// names, types and test types itself, but only when it builds the tests, and in a form that is no message for a user.
 std::string problem_of_status_tests(const ParameterList& tests) {
   ParameterList tried(tests);  // NOX fills in defaults
   const NOX::Utils silent;
