@@ -145,7 +145,7 @@ ListSpec batch_spec() {
       "case."));
   batch.add(choice("Output", {"followed", "expected", "quantities"})
                 .by_default(std::string("followed"))
-                .means("What is written of each case: displacement and rotation of the points that are supported or "
+                .means("Output of each case: displacement and rotation of the points that are supported or "
                        "loaded and the reactions of supports, the quantities of the list Expected, or those of the "
                        "list Quantities."));
   batch.add_list("Vary",

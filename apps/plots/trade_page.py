@@ -132,7 +132,7 @@ for the order taken, geometric mean.
 Meshes are powers of two, so that prices below about 1.5 are as good as equal. By time:
 
 {seconds} By floating-point operations (counted for a Newton iteration of a plain section, times iterations): what
-large structures cost, where the time does not go into what is the same on every mesh.
+large structures cost, whose time does not go into parts that are the same on every mesh.
 
 {flops}
 ![What each digit costs](trade_digits.png)
@@ -141,7 +141,7 @@ large structures cost, where the time does not go into what is the same on every
 CHEAPEST = """
 ## The cheapest cell of each benchmark
 
-For the largest of the four errors; `-`: below what is judged (ten times the difference of the references), or not
+For the largest of the four errors; `-`: below the judged range (ten times the difference of the references), or not
 reached.
 
 {largest}
@@ -156,7 +156,7 @@ For the displacement of the tip alone, which converges with the power 2 k in pla
 ASKING = """
 ## Asking for an accuracy
 
-What the program makes of `Accuracy` in a scene: meshes that it went through (order x elements of a member, the finest
+Runs with `Accuracy` in a scene: meshes that they went through (order x elements of a member, the finest
 where they differ; a star: the solution carried over, else the whole path followed), estimated and true error of tip and
 centerline, time of all of it, the cheapest single cell with so small an error, and the ratio of the times. Times are
 those of the processor with one thread and those of the clock with more: medians of runs of both in turn. More threads

@@ -100,7 +100,7 @@ BoundList<ExpectedValue> parameters_of_one(const std::vector<std::string>& own_q
                .required()
                .or_other("a name of the list \"Quantities\", with .x, .y, .z or "
                          ".1, .2, .3 for one component of a vector"),
-           "What is compared.");
+           "The compared quantity.");
   one.bind(&ExpectedValue::point, text("Point"),
            "Name of the point, for a quantity of a point; for a reaction: a supported one.");
   one.bind(&ExpectedValue::member, text("Member"), "Name of the member, for a material force or moment.");

@@ -324,7 +324,7 @@ Numbers QuantitySet::Resolved::at(std::size_t place, const QuantityState& at) co
   return sum;
 }
 
-/// Computes the kinds that have no place, or two or three.
+/// Of kinds that have no place, or two or three.
 Numbers QuantitySet::Resolved::whole(const QuantityState& at) const {
   if (kind.of_structure != nullptr) return {kind.of_structure(at)};
   const auto position = [&](const QuantityPlace& place) {
@@ -352,7 +352,7 @@ ExtremeRequest QuantitySet::Resolved::request(const QuantityState& at) const {
   return request;
 }
 
-/// Takes the sum or the extreme of several places.
+/// Of several places, what is taken of them.
 Numbers QuantitySet::Resolved::taken(const QuantityState& state) const {
   Numbers total = at(0, state);
   for (std::size_t i = 1; i < places.size(); ++i) {

@@ -30,7 +30,7 @@ BoundList<MonitoredComponent> control_parameters() {
 }
 
 BoundList<AnalysisParameters> analysis_parameters() {
-  BoundList<AnalysisParameters> analysis("What is asked about the path, beyond the state at its end.");
+  BoundList<AnalysisParameters> analysis("Questions about the path, beyond the state at its end.");
   analysis.bind(&AnalysisParameters::stability, boolean("Stability"),
                 "Count the negative eigenvalues of the tangent in every converged state (zero: stable), and find limit "
                 "points and bifurcations where the count changes. Default: true up to 100,000 vertices, false beyond, "

@@ -122,7 +122,7 @@ ListSpec direction_spec() {
 }
 
 ListSpec printing_spec() {
-  ListSpec information("What NOX and LOCA write to the terminal.");
+  ListSpec information("Messages of NOX and LOCA on the terminal.");
   for (const char* const name : {"Error", "Warning", "Outer Iteration", "Inner Iteration", "Parameters", "Details",
                                  "Outer Iteration StatusTest", "Linear Solver Details", "Test Details",
                                  "Stepper Iteration", "Stepper Details", "Stepper Parameters", "Debug"}) {
