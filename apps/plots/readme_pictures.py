@@ -26,9 +26,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 import helix
 import style
-from results import InputError, Run
-from view_data import ViewData
-from view_result import view_page
+from command import InputError
 
 # result file: elevation and azimuth of the eye [degrees], and whether the undeformed structure stands behind
 SCENES = {
@@ -44,6 +42,7 @@ FIGURE_WIDTH = 1200  # pixels
 FONT = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf"
 BROWSER = ("chromium-headless-shell", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 SECONDS = 120
+PROGRAM = Path(__file__).resolve().parents[1] / "mixbeam"
 # A document is written when it is loaded, which it is not while a document inside of it is open.
 DRAW = """const hold = document.createElement("iframe");
 document.body.append(hold);
@@ -75,8 +74,8 @@ PANEL = """() => {{
 def drawn(path, width, height, show, folder, fineness=1):
     """What `show`, JavaScript that returns a data URL, makes of the page of a result, drawn so many times as fine."""
     page = folder / "page.html"
-    with Run(path) as run:
-        view_page(ViewData(run)).write(page)
+    page.unlink(missing_ok=True)
+    subprocess.run([PROGRAM, "view", path, "-o", page], check=True, stdout=subprocess.DEVNULL)
     script = DRAW.format(width=width * fineness, height=height * fineness, show=show)
     page.write_text(page.read_text(encoding="utf-8").replace("</body>", f"<script>{script}</script></body>"), encoding="utf-8")
     shown = browse("--dump-dom", page.as_uri()).stdout
@@ -153,7 +152,6 @@ def merge(whole, more):
 
 def first_hour(_, docs):
     """A picture of each step, as its commands make it."""
-    program = Path(__file__).resolve().parents[1] / "mixbeam"
     scene, pictures = {}, docs / "first_hour"
     steps = re.findall("```yaml\n(.*?)```", (docs / "first_hour.md").read_text(encoding="utf-8"), re.S)
     deformed = """() => { app.camera.look(0, -90); app.setScale(20); app.fit(); return app.picture(); }"""
@@ -162,7 +160,7 @@ def first_hour(_, docs):
         folder = Path(name)
 
         def mixbeam(*words):
-            subprocess.run([program, *words], cwd=folder, check=True, stdout=subprocess.DEVNULL)
+            subprocess.run([PROGRAM, *words], cwd=folder, check=True, stdout=subprocess.DEVNULL)
 
         for number, step in enumerate(steps, 1):
             merge(scene, yaml.safe_load(step))
