@@ -25,7 +25,7 @@ readonly required_packages=(
   python3-matplotlib python3-h5py
   # scenes in YAML; the module for Python
   libyaml-cpp-dev pybind11-dev python3-dev
-  # a test checks the JSON Schema of scenes with them
+  # tests: the JSON Schema of scenes, steps of the first hour
   python3-jsonschema python3-yaml
 )
 
