@@ -271,6 +271,10 @@ class Step:
         """Those that the path passed since the step before."""
         return [CriticalPoint(point, self._selection) for point in self._group.numbered("critical_points")]
 
+    def buckling_modes(self):
+        """[(factor of the loads of the next stage, displacements (n, 3))] about this state, at the end of a stage."""
+        return [(mode.attribute("load_factor"), self._selection.of(mode, "mode")) for mode in self._group.numbered("buckling")]
+
     @property
     def jump(self):
         """With which the step was made: {"from", "to", "released", "motion", "largest", "place"}; None where it was not."""

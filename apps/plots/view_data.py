@@ -177,10 +177,11 @@ class ViewData:
                                   "before": point.negative_before, "after": point.negative_after})
                 self._add(f"critical-displacement-{at}", point.field("displacement")[self._kept], FOR_READING)
                 self._add_mode(f"mode-{at}", point.field("mode"))
-        for factor, mode in self._run.buckling_modes():
-            at = len(described)
-            described.append({"kind": "buckling mode", "factor": factor, "step": 0})
-            self._add_mode(f"mode-{at}", mode)
+        for step_number, modes in enumerate([self._run.buckling_modes(), *(step.buckling_modes() for step in self._run.steps[1:])]):
+            for factor, mode in modes:
+                at = len(described)
+                described.append({"kind": "buckling mode", "factor": factor, "step": step_number})
+                self._add_mode(f"mode-{at}", mode)
         self.description["modes"] = described
 
     def _add_mode(self, name, mode):

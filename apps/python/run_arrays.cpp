@@ -143,9 +143,9 @@ py::list critical_points_of(const SolvedRun& run, int step) {
   return result;
 }
 
-py::list buckling_modes_of(const SolvedRun& run, int count) {
+py::list buckling_modes_of(const SolvedRun& run, int count, int step) {
   py::list result;
-  for (RecordedBucklingMode& mode : in_turn([&] { return run.at(0).buckling_modes(count, kPointsByOrder); }))
+  for (RecordedBucklingMode& mode : in_turn([&] { return run.at(step).buckling_modes(count, kPointsByOrder); }))
     result.append(dict_of(mode));
   return result;
 }

@@ -252,9 +252,10 @@ std::vector<ResultTable> tables_of_step(const StepRecord& record, RankNumber ran
       if constexpr (kIsAtSamples<decltype(value)>) add(group + field.name, value);
     });
   };
-  for (std::size_t i = 0; i < record.buckling.size(); ++i)
-    add_fields_of("/buckling/" + std::to_string(i) + "/", record.buckling[i]);
   const std::string group = "/steps/" + step_group_name(record.step) + "/";
+  const std::string buckling = record.step == 0 ? "/buckling/" : group + "buckling/";
+  for (std::size_t i = 0; i < record.buckling.size(); ++i)
+    add_fields_of(buckling + std::to_string(i) + "/", record.buckling[i]);
   add_fields(group, record.members, tables);
   const std::vector<std::string> stresses = stresses_of_step(record);
   for (std::size_t i = 0; i < stresses.size(); ++i)

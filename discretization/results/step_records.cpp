@@ -151,9 +151,9 @@ RecordedCriticalPoint read_critical_point(hid_t group) {
 }  // namespace
 
 void write_step(hid_t file, const StepRecord& record) {
-  write_buckling(file, record.buckling);
   const auto steps = hdf5::open_group(file, "steps");
   const auto group = hdf5::create_group(steps, step_group_name(record.step));
+  write_buckling(record.step == 0 ? file : static_cast<hid_t>(group), record.buckling);
   visit_fields<const StepSummary>(record, Writing{group});
   write_reactions(group, record);
   write_history(group, record.history);

@@ -221,15 +221,24 @@ RecordedErrorEstimate Simulation::record_error(const ErrorEstimate& estimate,
   return record;
 }
 
+bool Simulation::is_between_stages() const {
+  return load_factor_ >= 1.0 && load_factor_ < scene().stages && load_factor_ == std::floor(load_factor_);
+}
+
 std::vector<RecordedBucklingMode> Simulation::buckling_modes(int count, int points_per_element) const {
-  const Simulation undeformed = at(model().reference_state(), 0.0);
+  const Simulation base = is_between_stages() ? *this : at(model().reference_state(), 0.0);
   std::vector<RecordedBucklingMode> recorded;
   try {
-    for (const EigenMode& mode : linear_buckling(*problem_, count))
-      recorded.push_back({mode.eigenvalue, undeformed.displacement_of_mode(mode.mode, points_per_element), mode.error,
-                          mode.converged});
+    for (const EigenMode& mode : linear_buckling(*problem_, count, base.state_, base.load_factor_))
+      recorded.push_back(
+          {mode.eigenvalue, base.displacement_of_mode(mode.mode, points_per_element), mode.error, mode.converged});
     if (recorded.empty() || !estimates_error(parameters_.analysis, model().mesh().elements.size())) return recorded;
-    const std::vector<EigenMode> finer = linear_buckling(*richer_problem(*problem_, parameters_), count);
+    std::vector<EigenMode> finer;
+    if (base.load_factor_ == 0.0) {
+      finer = linear_buckling(*richer_problem(*problem_, parameters_), count);
+    } else if (const ErrorEstimate there = base.estimate_error(); there.exists()) {
+      finer = linear_buckling(*there.richer, count, there.richer_state, base.load_factor_);
+    }
     for (size_t i = 0; i < std::min(finer.size(), recorded.size()); ++i)
       recorded[i].error = std::abs(finer[i].eigenvalue - recorded[i].load_factor);
   } catch (const LinearSolverError&) {  // of the first, or of the richer space: no factors, or no errors

@@ -100,8 +100,10 @@ class Simulation {
   StepRecord record(const StepReport& report, int points_per_element,
                     const std::vector<std::string>& monitored_points) const;
 
-  /// The first `count` modes of linear_buckling(), and none when the undeformed structure is not stable; of this rank's
-  /// samples.
+  /// Whether state() is that at the end of a stage which another one follows.
+  bool is_between_stages() const;
+  /// The first `count` modes of linear_buckling(), about state() between two stages, else of the undeformed structure;
+  /// none when that is not stable. Of this rank's samples.
   std::vector<RecordedBucklingMode> buckling_modes(int count, int points_per_element) const;
 
  private:

@@ -40,7 +40,7 @@ double rank(double factor) {
 
 class LinearBuckling : private StressedStructure {
  public:
-  explicit LinearBuckling(BeamProblem& problem) : StressedStructure(problem) {}
+  using StressedStructure::StressedStructure;
 
   std::vector<EigenMode> modes(int count) {
     const double stress = largest_stress();
@@ -214,7 +214,7 @@ class LinearBuckling : private StressedStructure {
   }
 
   std::vector<MixedVector> motions_at(const State& state, const std::vector<std::vector<double>>& y) {
-    const Tangent tangent = tangent_at(state, 0.0);
+    const Tangent tangent = tangent_at(state);
     unknowns_.reduce(tangent);
     std::vector<MixedVector> motions;
     for (const std::vector<double>& one : y) motions.push_back(complete_motion(tangent, unknowns_, one));
@@ -253,7 +253,7 @@ class LinearBuckling : private StressedStructure {
 
   /// At the reference state.
   std::vector<EigenMode> modes_of(const std::vector<Factor>& factors) {
-    const Tangent tangent = tangent_at(reference_, 0.0);
+    const Tangent tangent = tangent_at(reference_);
     unknowns_.reduce(tangent);
     std::vector<EigenMode> result;
     for (const Factor& factor : factors) {
@@ -292,6 +292,12 @@ class LinearBuckling : private StressedStructure {
 
 }  // namespace
 
-std::vector<EigenMode> linear_buckling(BeamProblem& problem, int count) { return LinearBuckling(problem).modes(count); }
+std::vector<EigenMode> linear_buckling(BeamProblem& problem, int count) {
+  return LinearBuckling(problem, problem.model.reference_state(), 0.0).modes(count);
+}
+
+std::vector<EigenMode> linear_buckling(BeamProblem& problem, int count, const State& state, double load_factor) {
+  return LinearBuckling(problem, state, load_factor).modes(count);
+}
 
 }  // namespace mixbeam

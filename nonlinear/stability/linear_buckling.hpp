@@ -27,4 +27,8 @@ namespace mixbeam {
 /// Throws LinearSolverError when the unloaded structure is not stable.
 std::vector<EigenMode> linear_buckling(BeamProblem& problem, int count);
 
+/// The same about a state in equilibrium at the end of a stage, with the stiffness that its stresses give: factors of
+/// the loads that begin to act there. Throws LinearSolverError when it is not stable.
+std::vector<EigenMode> linear_buckling(BeamProblem& problem, int count, const State& state, double load_factor);
+
 }  // namespace mixbeam

@@ -15,19 +15,21 @@ constexpr double kBucklingCap = 100.0;
 
 }  // namespace
 
-StressedStructure::StressedStructure(BeamProblem& problem)
+StressedStructure::StressedStructure(BeamProblem& problem, const State& state, double load_factor)
     : problem_(problem),
       model_(problem.model),
       unknowns_(model_),
-      reference_(model_.reference_state()),
-      scales_(scales_of(model_, reference_, 0.0)),
+      reference_(state),
+      base_(load_factor),
+      scales_(scales_of(model_, reference_, base_)),
       cap_(cap_for(model_, scales_, kBucklingCap)),
       response_(model_.create_vector()),
       work_(model_.create_vector()) {
   find_response();
   keep_stresses();
-  stiffness_ = stiffness_at(reference_, 0.0);
+  unknowns_.reduce(tangent_at(reference_));
   factorize();
+  stiffness_ = symmetric_part(unknowns_.matrix());
 }
 
 void StressedStructure::factorize() {
@@ -38,8 +40,24 @@ void StressedStructure::factorize() {
     solver_ = std::make_unique<InertiaSolver>(kind, matrix_);
     const InertiaSolver::Signs signs = solver_->factorize(matrix_);
     if (signs.null > 0 || signs.negative > 0)
-      throw LinearSolverError("linear buckling needs a structure that is stable without loads");
+      throw LinearSolverError(base_ == 0.0 ? "linear buckling needs a structure that is stable without loads"
+                                           : "linear buckling needs a state that is stable");
   });
+}
+
+/// About a state that carries stress the stresses to come balance in the motion that they cause, not in the state where
+/// they are put: what this leaves of moments is the skew part of a stiffness that is symmetric along the path.
+std::vector<double> StressedStructure::symmetric_part(const SparseMatrix& matrix) const {
+  if (base_ == 0.0 || !symmetric_) return matrix.value;
+  std::vector<double> value = matrix.value;
+  const auto columns = matrix.column.begin();
+  for (int i = 0; i < matrix.rows(); ++i)
+    for (int k = matrix.row_start[i]; k < matrix.row_start[i + 1]; ++k) {
+      const int j = matrix.column[k];
+      const auto end = columns + matrix.row_start[j + 1], other = std::find(columns + matrix.row_start[j], end, i);
+      value[k] = 0.5 * (matrix.value[k] + (other == end ? 0.0 : matrix.value[other - columns]));
+    }
+  return value;
 }
 
 /// Of the response its N and M alone: the linear theory of buckling lets stresses act on the undeformed structure.
@@ -56,12 +74,12 @@ void StressedStructure::keep_stresses() {
   });
 }
 
-/// dx / d(load factor) at the reference state. Solved with the capped tangent and refined to the true one: where
-/// forces are shared according to stiffness the cap would shift them.
+/// dx / d(load factor) at the reference state, of what begins to act there. Solved with the capped tangent and refined
+/// to the true one: where forces are shared according to stiffness the cap would shift them.
 void StressedStructure::find_response() {
   Linearization linearization(problem_, point_at(reference_, 0.0), cap_for(model_, scales_), {true, false});
   MixedVector rhs = model_.create_vector();
-  load_derivative(model_, reference_, 0.0, scales_, rhs);
+  load_derivative(model_, reference_, base_, scales_, rhs);
   linearization.solve(rhs, response_);
   MixedVector correction = response_.clone(true);
   for (int i = 0; i < kRefinements; ++i) {
@@ -92,8 +110,8 @@ std::vector<double> StressedStructure::geometric_stiffness(double t) {
     for (size_t i = 0; i < result.size(); ++i) result[i] += factor * k[i];
   };
   for (double sign : {1.0, -1.0}) {
-    add(sign * 4.0 / (6.0 * t), stiffness_at(state_at(sign * t), 0.0));
-    add(-sign / (12.0 * t), stiffness_at(state_at(sign * 2.0 * t), 0.0));
+    add(sign * 4.0 / (6.0 * t), stiffness_at(state_at(sign * t)));
+    add(-sign / (12.0 * t), stiffness_at(state_at(sign * 2.0 * t)));
   }
   const double load_factor = std::min(t, 1.0);
   by_loads_ = stiffness_at(reference_, load_factor);
@@ -106,10 +124,10 @@ std::vector<double> StressedStructure::geometric_stiffness(double t) {
 
 /// K at the stresses of a load factor, interiors condensed exactly; loads without a potential apart.
 Tangent StressedStructure::tangent_under_stress(double load_factor) {
-  Tangent tangent = tangent_at(state_at(load_factor), 0.0);
+  Tangent tangent = tangent_at(state_at(load_factor));
   under_stress_.row_start = matrix_.row_start;
   under_stress_.column = matrix_.column;
-  under_stress_.value = unknowns_.reduce(tangent).value;
+  under_stress_.value = symmetric_part(unknowns_.reduce(tangent));
   for (size_t i = 0; i < by_loads_.size(); ++i) under_stress_.value[i] += load_factor * by_loads_[i];
   return tangent;
 }

@@ -1,4 +1,5 @@
-/// The undeformed structure with the stresses of its linear response to the loads: what linear buckling is computed of.
+/// A structure in equilibrium, undeformed or under the loads of its first stages, with the stresses of its linear
+/// response to the loads that follow: what linear buckling is computed of.
 #pragma once
 
 #include "nonlinear/newton/step.hpp"
@@ -12,27 +13,29 @@ namespace mixbeam {
 /// A matrix whose entries are this symmetric, see Stability, is treated so.
 inline constexpr double kNearlySymmetric = 1e-9;
 
-/// All functions are collective. Throws LinearSolverError when the unloaded structure is not stable.
+/// Load factors count from that of the state on. All functions are collective. Throws LinearSolverError when the
+/// structure is not stable there.
 class StressedStructure {
  public:
-  explicit StressedStructure(BeamProblem& problem);
+  /// `state`: in equilibrium at `load_factor`, where the loads that follow begin to act.
+  StressedStructure(BeamProblem& problem, const State& state, double load_factor);
   StressedStructure(const StressedStructure&) = delete;
   StressedStructure& operator=(const StressedStructure&) = delete;
 
  protected:
   /// All tangents have the cap of the reference state: else their differences would be those of their caps.
-  Tangent tangent_at(const State& state, double load_factor) {
+  Tangent tangent_at(const State& state, double load_factor = 0.0) {
     return Tangent(model_, point_at(state, load_factor), cap_, {true, true});
   }
   EvaluationPoint point_at(const State& state, double load_factor) {
-    EvaluationPoint point = mixed_residual(model_, state, load_factor, work_);
+    EvaluationPoint point = mixed_residual(model_, state, base_ + load_factor, work_);
     point.scales = scales_;
     return point;
   }
-  std::vector<double> stiffness_at(const State& state, double load_factor) {
-    return unknowns_.reduce(tangent_at(state, load_factor)).value;
+  std::vector<double> stiffness_at(const State& state, double load_factor = 0.0) {
+    return symmetric_part(unknowns_.reduce(tangent_at(state, load_factor)));
   }
-  /// The undeformed structure with the stresses of a load factor.
+  /// The state with the stresses of a load factor.
   State state_at(double load_factor) { return model_.apply(reference_, response_, load_factor); }
 
   double largest_stress() const;
@@ -44,6 +47,7 @@ class StressedStructure {
   const Model& model_;
   IndependentUnknowns unknowns_;
   State reference_;
+  double base_;  ///< its load factor
   ResidualScales scales_;
   Cap cap_;
   MixedVector response_, work_;
@@ -53,6 +57,7 @@ class StressedStructure {
   std::unique_ptr<InertiaSolver> solver_, moving_solver_;
 
  private:
+  std::vector<double> symmetric_part(const SparseMatrix& matrix) const;
   void factorize();
   void keep_stresses();
   void find_response();

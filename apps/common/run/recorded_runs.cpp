@@ -104,7 +104,7 @@ class Application::Recorder {
     StepRecord step = running.record(report, recording_.points_per_element, points_);
     follow_reactions(points_, step);
     if (recording_.quantities != nullptr) follow_quantities(running, report, step);
-    if (report.step == 0 && parameters_.analysis.buckling_modes > 0)
+    if ((report.step == 0 || running.is_between_stages()) && parameters_.analysis.buckling_modes > 0)
       step.buckling = running.buckling_modes(parameters_.analysis.buckling_modes, recording_.points_per_element);
     if (estimate != nullptr)
       add_errors(running, *estimate, step);

@@ -279,12 +279,12 @@ class Run:
                                 modes=point.modes, **{name: point.field(name) for name in fields})
                 for point in self.results.critical_points()]
 
-    def buckling_modes(self, count=1):
-        """The first modes of linear buckling of the undeformed structure: load_factor, mode (samples, 3), residual,
-        confirmed."""
+    def buckling_modes(self, count=1, step=0):
+        """The first modes of linear buckling: load_factor, mode (samples, 3), residual, confirmed. Of the undeformed structure, or,
+        where `step` is the end of a stage that another one follows, about the state there: factors of the loads of the next one."""
         if operator.index(count) < 1:
             raise InputError(f"buckling modes: {count}; allowed: 1, 2, ...")
-        return [SimpleNamespace(**one) for one in self._core.buckling_modes(count)]
+        return [SimpleNamespace(**one) for one in self._core.buckling_modes(count, self._number(step))]
 
     def error_estimate(self, step=-1):
         """Estimated discretization errors: {name: (error, size of the quantity)}; a text: why there are none."""
