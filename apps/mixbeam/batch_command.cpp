@@ -10,6 +10,7 @@
 #include "apps/mixbeam/case_groups.hpp"
 #include "apps/mixbeam/case_scenes.hpp"
 #include "apps/mixbeam/commands.hpp"
+#include "apps/mixbeam/mesh_report.hpp"
 #include "apps/mixbeam/run_report.hpp"
 #include "apps/mixbeam/scene_run.hpp"
 #include "discretization/scene/load_cases.hpp"
@@ -119,6 +120,7 @@ void require_memory_of_cases(const Application& app, const Scene& scene, std::si
 void BatchRun::read_scenes() {
   const Stopwatch stopwatch(app_, "batch set-up");
   if (batch_.size() > 0) require_memory_of_cases(app_, case_scenes_.scene_of(0), batch_.size());
+  choose_mesh(app_, batch_.size(), [this](std::size_t row) { return case_scenes_.scene_of(row); });
   grouped_ = grouped_cases(case_scenes_, batch_.size());
 }
 

@@ -3,6 +3,7 @@
 #include "apps/common/run/scene_file.hpp"
 #include "apps/common/session/interrupt.hpp"
 #include "apps/common/session/mpi_session.hpp"
+#include "apps/mixbeam/mesh_report.hpp"
 #include "discretization/results/disk_file.hpp"
 #include "discretization/results/result_file.hpp"
 #include "discretization/text/errors.hpp"
@@ -92,29 +93,48 @@ std::optional<Answer> received(FILE* socket) {
   return Answer::from_cbor(bytes);
 }
 
+/// The case, and of a scene that names no mesh the one that was chosen for all cases.
+Answer question_for(const Application& app, std::size_t number) {
+  Answer question = {{"case", number}};
+  if (app.mesh_note.empty()) return question;
+  question["note"] = app.mesh_note;
+  for (const MemberMesh& mesh : mesh_of(app.scene)) question["mesh"].push_back({mesh.order, mesh.elements});
+  return question;
+}
+
+MeshChoice mesh_from(const Answer& question) {
+  MeshChoice mesh;
+  for (const Answer& member : question) mesh.push_back({member[0], member[1]});
+  return mesh;
+}
+
 /// The life of a process.
 void answer_questions(FILE* socket, const CaseWork& work) {
-  std::optional<Answer> number = received(socket);
-  if (!number) return;
-  std::ostringstream printed;
+  std::optional<Answer> question = received(socket);
+  if (!question) return;
+  std::ostringstream printed, reports;
   std::cout.rdbuf(printed.rdbuf());
   const MpiSession session;
   Application app;
   app.communicator = session.communicator();
+  app.reports = &reports;
   app.asked_to_stop = [socket] {  // while a case is solved nothing comes but the end of the questions
-    pollfd question{fileno(socket), POLLIN, 0};
-    return poll(&question, 1, 0) > 0;
+    pollfd more{fileno(socket), POLLIN, 0};
+    return poll(&more, 1, 0) > 0;
   };
-  for (bool is_first = true; number; is_first = false, number = received(socket)) {
+  for (bool is_first = true; question; is_first = false, question = received(socket)) {
     Answer answer = answer_of(app, [&] {
       if (is_first) work.set_up(app);
+      if (app.mesh_is_free) take_mesh(app, mesh_from((*question)["mesh"]), (*question)["note"]);
+      reports.str("");
       printed.str("");  // who asks has told what belongs to the scene
       Summary of_case;
       of_case.threads = app.summary.threads;
       app.summary = of_case;
-      return work.solve(app, *number);
+      return work.solve(app, (*question)["case"]);
     });
     answer["printed"] = printed.str();
+    answer["report"] = reports.str();
     answer["summary"] = app.summary.packed();
     send(socket, answer);
   }
@@ -132,6 +152,7 @@ Answer answer_of_ended(pid_t process, const std::string& load_case) {
 void tell(Application& app, const Answer& answer) {
   if (!answer.contains("summary")) return;  // of a process that was ended
   app.out() << answer["printed"].get_ref<const std::string&>() << std::flush;
+  if (app.reports != nullptr) *app.reports << answer["report"].get_ref<const std::string&>();
   app.summary.append(answer["summary"]);
 }
 
@@ -172,10 +193,10 @@ void CaseProcesses::stop() {
   for (const Process& process : processes_) shutdown(fileno(process.socket), SHUT_WR);
 }
 
-void CaseProcesses::ask(Process& process, std::size_t number) {
+void CaseProcesses::ask(const Application& app, Process& process, std::size_t number) {
   process.number = number;
   process.is_busy = true;
-  send(process.socket, number);
+  send(process.socket, question_for(app, number));
 }
 
 RunEnd CaseProcesses::solve(Application& app, const std::vector<std::string>& cases) {
@@ -185,7 +206,7 @@ RunEnd CaseProcesses::solve(Application& app, const std::vector<std::string>& ca
   bool goes_on = true, stopped = false;
   const auto ask_next = [&](Process& process) {
     if (!goes_on || asked == cases.size()) return;
-    ask(process, asked++);
+    ask(app, process, asked++);
     ++open;
   };
   for (Process& process : processes_) ask_next(process);

@@ -42,7 +42,7 @@ class CaseProcesses {
   };
 
   void stop();
-  void ask(Process& process, std::size_t number);
+  void ask(const Application& app, Process& process, std::size_t number);
 
   std::vector<Process> processes_;
 };

@@ -129,7 +129,10 @@ void CaseScenes::set(const Place& place, double value, std::size_t index, const 
 Scene CaseScenes::scene_of(std::size_t index) {
   for (std::size_t i = 0; i < places_.size(); ++i) set(places_[i], batch_.value(index, i), index, batch_.columns[i]);
   try {
-    const Scene scene = read_scene(app_.xml.list->sublist("Scene"), app_.xml.source);
+    Scene scene = read_scene(app_.xml.list->sublist("Scene"), app_.xml.source);
+    const bool is_alike = scene.members.size() == app_.scene.members.size();
+    if (names_no_mesh(scene))
+      scene = on_mesh(scene, is_alike ? mesh_of(app_.scene) : start_mesh(scene, kAccuracyWithoutMesh));
     return scene_of_case(with_mode_shapes(scene, app_.solver, app_.communicator, {app_.xml.source, {"Scene"}}),
                          load_case_);
   } catch (const InputError& error) {

@@ -200,6 +200,11 @@ void print_check(Application& app, const std::string& load_case) {
     out << formatted("  start mesh for an accuracy of %.1e\n", *scene.accuracy);
     print_members(out, members_by_mesh(scene, start));
   }
+  if (app.mesh_is_free) {
+    out << formatted("  no mesh is given: a run chooses one for an accuracy of %.1e, from this one on\n",
+                     kAccuracyWithoutMesh);
+    print_members(out, members_by_mesh(scene, mesh_of(scene)));
+  }
   if (!scene.units.empty()) out << "  units of length, force: " << excerpt(scene.units) << "\n";
   const Needs needs = needs_of_run(app, scene, app.solver);
   print_needs(out, needs, app.communicator->getSize());

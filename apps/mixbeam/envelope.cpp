@@ -76,7 +76,7 @@ void write_envelope_of(Application& app, const std::vector<FollowedQuantity>& qu
   const std::filesystem::path csv = file.parent_path() / (file.stem().string() + "-envelope.csv");
   CsvTable table(csv, {"quantity", "largest", "largest in", "smallest", "smallest in"}, Appears::when_closed);
   app.out() << formatted("%-30s %18s %-20s %18s %s\n", "envelope of the ends", "largest", "in", "smallest", "in");
-  constexpr std::size_t kMostPrinted = 100;  // the file has them all
+  constexpr std::size_t kMostPrinted = 30;  // the file has them all
   std::size_t printed = 0;
   for (const QuantityEnvelope& one : app.summary.envelope) {
     table.add_row({one.name, one.largest, one.largest_in, one.smallest, one.smallest_in});

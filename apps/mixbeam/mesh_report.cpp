@@ -1,6 +1,9 @@
 #include "apps/mixbeam/mesh_report.hpp"
 
 #include "apps/common/tables/formatted.hpp"
+#include "discretization/scene/load_cases.hpp"
+#include "discretization/text/errors.hpp"
+#include "kernels/element/layout.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -27,6 +30,12 @@ void print_rounds(std::ostream& out, const std::vector<ChosenMesh::Round>& round
                      round.followed ? "load path" : "correction", round.steps, round.iterations, round.seconds,
                      error.c_str(), round.remark.empty() ? "" : "  ", round.remark.c_str());
   }
+}
+
+void add_rounds(const AccurateRun& run, ChosenMesh& report) {
+  for (const MeshRound& round : run.rounds)
+    report.rounds.push_back(
+        {round.elements, round.followed, round.steps, round.iterations, round.seconds, round.error, round.remark});
 }
 
 /// What the last two meshes tell about critical load factors, if there are any.
@@ -82,9 +91,7 @@ void report_mesh(Application& app, const std::string& run, const AccurateRun& ac
     choice.push_back({accurate.simulation.scene().members[m].order,
                       accurate.simulation.model().mesh().elements_of(static_cast<int>(m))});
   report.members = members_by_mesh(accurate.simulation.scene(), choice);
-  for (const MeshRound& round : accurate.rounds)
-    report.rounds.push_back(
-        {round.elements, round.followed, round.steps, round.iterations, round.seconds, round.error, round.remark});
+  add_rounds(accurate, report);
   const std::string& of = accurate.simulation.scene().accuracy_of;
   const std::string name = of.empty() ? "displacements" : "\"" + of + "\"";
   app.out() << "  wanted accuracy of " << name
@@ -100,6 +107,112 @@ void report_mesh(Application& app, const std::string& run, const AccurateRun& ac
                                   accurate.rounds.back().buckling_error, report.wanted,
                                   "accuracy that the scene asks for");
   app.summary.chosen_meshes.push_back(std::move(report));
+}
+
+namespace {
+
+/// Larger structures keep their start mesh: whoever solves them wants to be asked before that happens twice.
+constexpr long long kMostElementsToSearch = 20'000;
+
+/// Why no mesh is searched; empty where one is.
+std::string obstacle_to_search(const Application& app) {
+  long long elements = 0;
+  for (const Member& member : app.scene.members) elements += member.elements;
+  if (elements > kMostElementsToSearch) return std::to_string(elements) + " elements are too many to solve them twice";
+  if (app.solver.analysis.snap == Snap::jump) return "a path that jumps has no error estimate";
+  return "";
+}
+
+/// Of one case, from its start mesh or from that of the cases before; the scene of the application takes it.
+void search_mesh_of(Application& app, Scene scene, ChosenMesh& report) {
+  const bool is_first = report.rounds.empty();
+  const MeshChoice start = is_first ? start_mesh(scene, report.wanted) : mesh_of(app.scene);
+  // a row of a batch may have another number of members, or name its mesh
+  if (!names_no_mesh(scene) || start.size() != app.scene.members.size()) return;
+  scene.accuracy = report.wanted;
+  AccurateRunObserver observer;
+  observer.stop = [&app] { return app.is_asked_to_stop(); };
+  observer.threads = [&app](const Scene& on_mesh) { return app.threads_for(on_mesh, app.solver); };
+  const AccurateRun run = search_mesh(scene, app.solver, app.communicator, start, observer);
+  add_rounds(run, report);
+  for (const MeshRound& round : run.rounds) app.summary.newton_iterations += round.iterations;
+  MeshChoice mesh = run.rounds.back().mesh;
+  if (run.end == AccuracyEnd::no_equilibrium) mesh = doubled(scene, mesh);
+  app.scene = on_mesh(app.scene, is_first ? mesh : joined(std::move(mesh), mesh_of(app.scene)));
+  if (is_first || run.end != AccuracyEnd::reached) report.outcome = text_of(run.end);
+  if (!(run.rounds.back().error <= report.estimated)) report.estimated = run.rounds.back().error;  // keeps NaN
+}
+
+std::string note_of(const ChosenMesh& report) {
+  const std::string wanted = formatted("for an accuracy of %.1e of displacements", report.wanted);
+  if (report.rounds.empty() || std::isnan(report.estimated))
+    return wanted + " by the sizes of the loads alone: " + report.outcome;
+  return wanted + formatted(", estimated error %.1e: ", report.estimated) + report.outcome;
+}
+
+}  // namespace
+
+void take_mesh(Application& app, const MeshChoice& mesh, const std::string& note) {
+  app.scene = on_mesh(app.scene, mesh);
+  app.mesh_is_free = false;
+  app.mesh_note = note;
+}
+
+void choose_mesh(Application& app, std::size_t count, const std::function<Scene(std::size_t)>& case_of) {
+  if (!app.mesh_is_free || count == 0) return;
+  ChosenMesh report;
+  report.run = app.scene.name;
+  report.wanted = kAccuracyWithoutMesh;
+  report.outcome = obstacle_to_search(app);
+  try {
+    if (report.outcome.empty()) {
+      search_mesh_of(app, case_of(0), report);
+      if (count > 1) search_mesh_of(app, case_of(count - 1), report);
+    }
+    if (report.outcome.empty()) report.outcome = "the rows have members or meshes of their own";
+  } catch (...) {  // whatever it is, the run meets it too and tells
+    report.outcome = "the search for a better one failed";
+    report.estimated = std::nan("");
+  }
+  app.mesh_is_free = false;
+  app.mesh_note = note_of(report);
+  report.members = members_by_mesh(app.scene, mesh_of(app.scene));
+  app.out() << "no mesh is given: chosen " << app.mesh_note << "\n";
+  print_members(app.out(), report.members);
+  app.summary.chosen_meshes.push_back(std::move(report));
+}
+
+void choose_mesh(Application& app) {
+  std::vector<std::string> cases = alternatives(app.scene);
+  if (cases.empty()) cases = {""};
+  choose_mesh(app, cases.size(), [&](std::size_t i) { return scene_of_case(app.scene, cases[i]); });
+}
+
+Scene on_mesh_of(const StoredRun& run, const Scene& scene) {
+  MeshChoice mesh;
+  bool is_mesh = run.members().size() == scene.members.size();
+  for (const SampledMember& member : run.members()) {
+    mesh.push_back({member.order, member.elements});
+    is_mesh = is_mesh && member.order >= 1 && member.order <= kMaximumOrder && member.elements >= 1;
+  }
+  if (!is_mesh)
+    throw InputError(run.path().string() + ": its members are not those of its scene; allowed: results of mixbeam run");
+  Scene result = on_mesh(scene, mesh);
+  for (std::size_t m = 0; m < mesh.size(); ++m) {  // files of older versions have no vertices where formulas need them
+    Member& member = result.members[m];
+    if (member.elements == mesh[m].elements) continue;
+    member.elements = mesh[m].elements;
+    member.stations = scene.members[m].stations;
+  }
+  return result;
+}
+
+void take_stored_mesh(Application& app, const StoredRun& run) {
+  if (!app.mesh_is_free || run.members().empty()) return;
+  app.scene = on_mesh_of(run, app.scene);
+  app.mesh_is_free = false;
+  const auto note = run.header().properties.find(kMeshProperty);
+  if (note != run.header().properties.end()) app.mesh_note = note->second;
 }
 
 }  // namespace mixbeam

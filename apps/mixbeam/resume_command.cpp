@@ -3,6 +3,7 @@
 #include "apps/common/session/interrupt.hpp"
 #include "apps/common/session/mpi_session.hpp"
 #include "apps/mixbeam/commands.hpp"
+#include "apps/mixbeam/mesh_report.hpp"
 #include "apps/mixbeam/scene_run.hpp"
 #include "apps/mixbeam/verify_command.hpp"
 #include "discretization/parameters/parameter_file.hpp"
@@ -86,10 +87,12 @@ int resume_command(const Arguments& arguments) {
     warn_without_lock(app, lock);
     const StoredRun run(*line.scene_file, line.last_step);
     set_up(app, line, run);
+    take_stored_mesh(app, run);
     require_reachable(app, {property(run, "load_case")});
     say_where(app, run);
     watch_for_interrupts();
     return finish_runs(app, line, [&] {
+      choose_mesh(app);  // of a file without steps
       const RunEnd end = run_case(app, property(run, "load_case"), run.path(), {lock, line.durable}, &run);
       if (end == RunEnd::arrived) fail_what_was_missed(app, {property(run, "load_case")});
       if (end == RunEnd::arrived) renew_envelope_beside(app, run);

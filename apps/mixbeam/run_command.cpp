@@ -5,6 +5,7 @@
 #include "apps/common/session/mpi_session.hpp"
 #include "apps/mixbeam/case_processes.hpp"
 #include "apps/mixbeam/commands.hpp"
+#include "apps/mixbeam/mesh_report.hpp"
 #include "apps/mixbeam/scene_run.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/text/errors.hpp"
@@ -15,6 +16,7 @@
 #include <cstdlib>
 #include <memory>
 #include <ostream>
+#include <sstream>
 
 namespace mixbeam {
 
@@ -107,12 +109,26 @@ int run_command(const Arguments& arguments) {
     watch_for_interrupts();
     return finish_runs(app, line, [&] {
       RunEnd end = RunEnd::arrived;
-      if (jobs > 1)
-        end = processes->solve(app, cases);
-      else
-        for (std::size_t i = 0; i < cases.size() && end == RunEnd::arrived; ++i)
-          end = solve_case(app, line, cases[i], locks[i]);
+      choose_mesh(app);
+      std::ostringstream reports;  // of several cases: the envelope comes first
+      if (cases.size() > 1) app.reports = &reports;
+      app.quiet = app.quiet || cases.size() > 1;
+      const auto tell = [&] {
+        app.out() << reports.str();
+        app.reports = nullptr;
+      };
+      try {
+        if (jobs > 1)
+          end = processes->solve(app, cases);
+        else
+          for (std::size_t i = 0; i < cases.size() && end == RunEnd::arrived; ++i)
+            end = solve_case(app, line, cases[i], locks[i]);
+      } catch (...) {
+        tell();
+        throw;
+      }
       if (end == RunEnd::arrived) line.load_case ? renew_envelope(app, of_all) : write_envelope(app, of_all);
+      tell();
       return end;
     });
   });

@@ -79,6 +79,32 @@ void print_left_out(std::ostream& out, std::size_t count) {
   if (count > kMostLines) out << "  ... and " << count - kMostLines << " more in the files\n";
 }
 
+/// "0.25 in member left at s = 2": the longest of `vector_at(member, i)` over all samples i, of equal ones the first;
+/// empty where samples are held elsewhere.
+template <class VectorAt>
+std::string longest_vector(const SampledMembers& members, const VectorAt& vector_at) {
+  const MemberSamples* where = nullptr;
+  double largest = 0.0, at = 0.0;
+  std::size_t held = 0;
+  for (const MemberSamples& member : members)
+    for (std::size_t i = 0; i < member.size(); ++i, ++held) {
+      const double size = vector_algebra::norm(vector_at(member, i));
+      if (size <= largest * (1.0 + kRoundingOfSize)) continue;
+      largest = size;
+      where = &member;
+      at = member.arc_length[i];
+    }
+  if (where == nullptr || held != members.samples()) return "";
+  return formatted("%.6g in member ", largest) + where->name + formatted(" at s = %.4g", at);
+}
+
+/// ", its mode moves member left at s = 2 most".
+std::string moves_most(const SampledMembers& members, const std::vector<Vector3>& mode) {
+  std::size_t next = 0;
+  const std::string place = longest_vector(members, [&](const MemberSamples&, std::size_t) { return mode[next++]; });
+  return place.empty() ? "" : ", its mode moves" + place.substr(place.find(" in ") + 3) + " most";
+}
+
 /// "false (2 negative eigenvalues)".
 std::string verdict_text(const EndOfRun& end) {
   if (end.stable == "neutral") return "neutral (an eigenvalue is zero: some motion has no stiffness)";
@@ -134,10 +160,19 @@ void RunReport::add(const StepRecord& record) {
       balance_tolerance_, balance_tolerance(static_cast<double>(record.members.elements()), longest, record.residual));
   force_error_ = larger(force_error_, record.balance.force_error);
   moment_error_ = larger(moment_error_, record.balance.moment_error);
+  farthest_ =
+      longest_vector(record.members, [](const MemberSamples& member, std::size_t i) { return member.displacement[i]; });
   last_ = without_rows(record);
   for (const RecordedBucklingMode& mode : record.buckling)
-    buckling_.push_back({mode.load_factor, {}, mode.residual, mode.confirmed, mode.error});
-  for (const RecordedCriticalPoint& point : record.critical_points) critical_.push_back(without_rows(point));
+    buckling_.push_back({{mode.load_factor, {}, mode.residual, mode.confirmed, mode.error},
+                         record.load_factor,
+                         moves_most(record.members, mode.mode)});
+  for (const RecordedCriticalPoint& point : record.critical_points) {
+    if (collapse_.empty() && point.negative_before == 0 && point.negative_after > 0)
+      collapse_ = point.kind + " at load factor " + in_known_digits(point.load_factor, point.load_factor_error) +
+                  moves_most(record.members, point.mode);
+    critical_.push_back(without_rows(point));
+  }
   if (record.jump) jumps_.push_back(*record.jump);
 }
 
@@ -160,15 +195,42 @@ void RunReport::check_balance(Application& app, const std::string& run) const {
 }
 
 void RunReport::print_buckling(std::ostream& out) const {
-  if (buckling_.empty()) return;
-  out << "  linear buckling of the undeformed structure at load factors";
-  for (const RecordedBucklingMode& mode : buckling_)
+  double base = -1.0;
+  bool is_negative = false;
+  const auto finish = [&] {
+    if (base >= 0.0) out << (is_negative ? "; negative: under the reversed loads\n" : "\n");
+    is_negative = false;
+  };
+  for (const Buckling& one : buckling_) {
+    const RecordedBucklingMode& mode = one.mode;
+    if (one.base != base) {
+      finish();
+      base = one.base;
+      out << (base == 0.0
+                  ? "  linear buckling of the undeformed structure at load factors"
+                  : formatted("  linear buckling about the end of stage %.0f, at factors of the loads of stage %.0f",
+                              base, base + 1.0));
+    }
     out << formatted(" %.8g (%sresidual %.0e%s)", mode.load_factor,
                      std::isnan(mode.error) ? "" : formatted("error %.0e, ", mode.error).c_str(), mode.residual,
                      mode.confirmed ? "" : ", not confirmed");
-  const auto is_negative = [](const RecordedBucklingMode& mode) { return mode.load_factor < 0.0; };
-  out << (std::any_of(buckling_.begin(), buckling_.end(), is_negative) ? "; negative: under the reversed loads\n"
-                                                                       : "\n");
+    is_negative = is_negative || mode.load_factor < 0.0;
+  }
+  finish();
+}
+
+/// The least load that the path or, where it does not say, linear buckling about its last prestressed state tells.
+std::string RunReport::collapse_text() const {
+  if (!collapse_.empty()) return collapse_;
+  const Buckling* first = nullptr;
+  for (const Buckling& one : buckling_)
+    if (one.mode.load_factor > 0.0 && (first == nullptr || one.base > first->base)) first = &one;
+  if (first == nullptr) return "";
+  const std::string state =
+      first->base == 0.0 ? "" : formatted(" about the end of stage %.0f, times the loads of the next", first->base);
+  return formatted("none up to load factor %.6g; linear buckling%s: %.6g", last_.load_factor, state.c_str(),
+                   first->mode.load_factor) +
+         first->place;
 }
 
 void RunReport::print_critical_points(std::ostream& out) const {
@@ -188,7 +250,8 @@ void RunReport::print_jumps(std::ostream& out) const {
 
 void RunReport::add_end(Application& app, const std::string& run) const {
   const RecordedStability& known = last_.stability;
-  EndOfRun end{run, last_.point.load_factor, known.stable, known.held, known.negative, known.has_potential, jumps_};
+  EndOfRun end{run,    last_.point.load_factor, known.stable, known.held, known.negative, known.has_potential,
+               jumps_, collapse_text()};
   app.summary.ends.push_back(end);
   // where the displacement is controlled, only a state that is unstable with it prescribed is left by the structure
   if (end.stable == "false" && end.held != "true")
@@ -201,9 +264,10 @@ void print_ends(std::ostream& out, const Summary& summary, bool controlled) {
     if (end.stable == "false")
       out << ": " << kDoesNotStay << (end.held == "true" ? " unless the displacement is prescribed" : "");
     out << "\n";
-    if (end.held.empty()) continue;
-    out << end.run << ": stable: " << end.held << " with the displacement prescribed"
-        << (end.held == "false" ? std::string(": ") + kDoesNotStay : "") << "\n";
+    if (!end.held.empty())
+      out << end.run << ": stable: " << end.held << " with the displacement prescribed"
+          << (end.held == "false" ? std::string(": ") + kDoesNotStay : "") << "\n";
+    if (!end.collapse.empty()) out << end.run << ": collapse: " << end.collapse << "\n";
   }
 }
 
@@ -220,7 +284,7 @@ void RunReport::add_errors(Application& app, const std::string& run) const {
     for (const NamedError& quantity : named(estimate, length_, bending_))
       errors.quantities.push_back({quantity.name, quantity.error.error, relative(quantity.error, quantity.scale)});
     const double large = errors.quantities.front().relative;
-    if (large > kLargeError) {
+    if (large > (app.mesh_note.empty() ? kLargeError : kAccuracyWithoutMesh)) {
       warn(formatted("the estimated error of displacements is %.2g %% of the largest: ", 100.0 * large) +
            "more \"Elements\", a higher \"Order\", or \"Accuracy\" in the scene");
     }
@@ -353,6 +417,28 @@ void RunReport::print_reactions(std::ostream& out) const {
   }
   if (last_.reactions.size() > kMostLines)
     out << "  ... and " << last_.reactions.size() - shown.size() + 1 << " smaller ones in the files\n";
+}
+
+void RunReport::print_short(std::ostream& out, const std::string& run) const {
+  out << run;
+  const char* separator = ": ";
+  const auto add = [&](const std::string& text) {
+    out << separator << text;
+    separator = ", ";
+  };
+  if (!farthest_.empty()) add("largest displacement " + farthest_);
+  if (last_.error_estimate && last_.error_estimate->not_estimated.empty()) {
+    const NamedError largest = named(*last_.error_estimate, length_, bending_).front();
+    add(formatted("estimated error %.1e of it", relative(largest.error, largest.scale)));
+  }
+  add(formatted("strain energy %.6g", last_.strain_energy));
+  out << "\n";
+  if (last_.stresses && !last_.stresses->members.empty()) {
+    const StressedMember& most = last_.stresses->members.front();
+    out << formatted("  largest von Mises stress %.6g in %s at s = %.4g", most.stresses.von_mises.value,
+                     most.member.c_str(), most.arc_length)
+        << (most.utilisation ? formatted(", utilisation %.3g", *most.utilisation) : "") << "\n";
+  }
 }
 
 void RunReport::print(std::ostream& out) const {

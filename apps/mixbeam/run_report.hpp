@@ -41,9 +41,12 @@ class RunReport {
   /// Displacements of points and reactions of supports in the last step (a few of them), energies, quantities,
   /// stresses, estimated errors, balance.
   void print(std::ostream& out) const;
+  /// The same of one run among several, in a few lines.
+  void print_short(std::ostream& out, const std::string& run) const;
 
  private:
   void print_buckling(std::ostream& out) const;
+  std::string collapse_text() const;
   void print_critical_points(std::ostream& out) const;
   void print_jumps(std::ostream& out) const;
   void print_errors(std::ostream& out) const;
@@ -69,7 +72,14 @@ class RunReport {
   StepRecord last_;                              ///< without its members and rows
   std::vector<RecordedCriticalPoint> critical_;  ///< of all steps, without rows
   std::vector<RecordedJump> jumps_;              ///< likewise
-  std::vector<RecordedBucklingMode> buckling_;   ///< without rows
+  struct Buckling {
+    RecordedBucklingMode mode;  ///< without rows
+    double base = 0.0;          ///< load factor of the state that it is about
+    std::string place;          ///< where it moves most
+  };
+  std::vector<Buckling> buckling_;
+  std::string farthest_;  ///< the largest displacement of the last step and its place
+  std::string collapse_;  ///< the first critical point at which the path turns unstable, in words
   double force_error_ = 0.0, moment_error_ = 0.0;
   double balance_tolerance_ = 0.0;
 };

@@ -2,8 +2,8 @@
 
 #include "apps/common/run/scene_file.hpp"
 #include "apps/common/session/guarded_run.hpp"
-#include "apps/common/session/interrupt.hpp"
 #include "apps/common/studies/variants.hpp"
+#include "apps/common/tables/csv_table.hpp"
 #include "apps/common/tables/formatted.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "apps/mixbeam/mesh_report.hpp"
@@ -13,6 +13,7 @@
 #include "discretization/text/message_text.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <iostream>
 
 namespace mixbeam {
@@ -42,6 +43,38 @@ void say_how_to_resume(Application& app, const Simulation& simulation, const std
     app.out() << "To continue:\n  mixbeam resume " << file.string() << "\n";
   else
     app.out() << "This run cannot be resumed: " << obstacle << ".\n";
+}
+
+/// "1.35 dead + 1.5 wind"; empty where that is no combination.
+std::string combination_text(const Scene& scene, const std::string& name) {
+  for (const Combination& one : scene.combinations) {
+    if (one.name != name) continue;
+    std::string text;
+    for (const auto& [load_case, factor] : one.cases)
+      text += formatted(text.empty()   ? "%.6g "
+                        : factor < 0.0 ? " - %.6g "
+                                       : " + %.6g ",
+                        text.empty() ? factor : std::abs(factor)) +
+              load_case;
+    return text;
+  }
+  return "";
+}
+
+/// Checks of limits since `first`, in a table beside the result file; none where the scene has no limits.
+void write_limits(const Application& app, std::size_t first, const std::filesystem::path& file) {
+  if (file.empty() || !app.writes_files()) return;
+  const std::filesystem::path csv = file.parent_path() / (file.stem().string() + "-limits.csv");
+  std::optional<CsvTable> table;
+  for (std::size_t i = first; i < app.summary.checks().size(); ++i) {
+    const CheckedQuantity& check = app.summary.checks()[i];
+    if (check.source != kLimitOfScene) continue;
+    if (!table)
+      table.emplace(csv, std::vector<std::string>{"limit", "value", "allowed", "passed"}, Appears::when_closed);
+    table->add_row({check.name, check.value, check.reference, check.pass ? "yes" : "NO"});
+  }
+  std::error_code ignored;
+  table ? table->close() : void(std::filesystem::remove(csv, ignored));  // of an earlier run
 }
 
 }  // namespace
@@ -102,12 +135,13 @@ RunEnd run_case(Application& app, const std::string& load_case, const std::files
   recording.file = file;
   if (!file.empty()) recording.monitor = file.parent_path() / (file.stem().string() + "-monitor.csv");
   recording.properties = properties_of_case(load_case);
+  const std::string combination = combination_text(app.scene, load_case);
+  if (!combination.empty()) recording.properties["combination"] = combination;
+  if (!app.mesh_note.empty()) recording.properties[kMeshProperty] = app.mesh_note;
   if (!app.quantities.empty()) recording.quantities = &app.quantities;
   recording.resume = resume;
   recording.writing = writing;
-  recording.stop = [&app] {
-    return interrupt_requested(app.communicator) || (app.asked_to_stop && app.asked_to_stop());
-  };
+  recording.stop = [&app] { return app.is_asked_to_stop(); };
   recording.record_observer = [&report](const StepRecord& record) { report.add(record); };
   recording.observer = [&app](const Simulation& simulation, const StepReport& step) {
     app.check_expected(simulation, step);
@@ -126,11 +160,12 @@ RunEnd run_case(Application& app, const std::string& load_case, const std::files
   app.out() << name << ": " << counted(simulation.result().steps, "step") << " to load factor "
             << simulation.result().load_factor << (file.empty() ? "" : ", " + file.string()) << "\n";
   if (accurate) report_mesh(app, name, *accurate);
-  report.print(app.out());
+  app.reports == nullptr ? report.print(app.out()) : report.print_short(*app.reports, name);
   warn_of_uncertain_forces(app, name, simulation);
   report.add_stresses(app, name);
   report.add_errors(app, name);
   report.add_quantities(app, name);
+  write_limits(app, checks, file);
   report.check_balance(app, name);
   const bool between_meshes = accurate && accurate->end == AccuracyEnd::interrupted;
   if (!simulation.result().interrupted && !between_meshes) {

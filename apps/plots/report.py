@@ -3,6 +3,7 @@
 that needs nothing else and prints well; where mixbeam view has written its file, a link leads there."""
 
 import argparse
+import csv
 import hashlib
 import json
 import time
@@ -13,9 +14,12 @@ import numpy as np
 
 from command import finish, inputs
 from html_page import MOST_ROWS, Page, bar, cell_text, view_beside
-from report_inputs import write_inputs
+from report_inputs import write_inputs, write_sections
 
 NOISE, ROUNDING = 1e-9, 1e-12  # of the largest: forces that count as zero, as in pictures; what rounding leaves of zero
+
+
+REPORT = "report / "  # before the names of the list Report, in the properties of a run
 
 
 def main():
@@ -38,12 +42,9 @@ def _write(options):
         yield _write_envelope_page(options)
         return
     with Run(options.result) as run:
-        page = Page(run.title)
-        page.title(run.title)
-        written = time.strftime("%Y-%m-%d %H:%M", time.localtime(run.path.stat().st_mtime))
-        page.text(f"Results of {written}; mixbeam {run.properties()['version'].split()[0]}; SHA-256 of the scene "
-                  f"{hashlib.sha256(run.scene_text().encode()).hexdigest()[:16]}.")
-        page.contents()
+        page = _begun_page(run, run.title)
+        _write_limits(page, [run.path])
+        page.heading("Result")
         _write_answers(page, run)
         envelope = envelope_beside(run)
         if envelope:
@@ -53,11 +54,10 @@ def _write(options):
         write_inputs(page, run)
         if options.summary:
             _write_checks(page, json.loads(options.summary.read_text()))
-        else:
-            page.text("Checks and limits: mixbeam run --summary FILE.json writes them, report --summary FILE.json adds them here.")
         _write_pictures(page, run)
         page.heading("Scene and versions")
-        page.table(("", ""), [(name, words) for name, words in sorted(run.properties().items()) if words])
+        page.table(("", ""), [(name, words) for name, words in sorted(run.properties().items())
+                             if words and not name.startswith(REPORT)])
         page.folded("The scene, word for word", run.scene_text())
         path = _page_path(options)
         view = view_beside(path.parent / options.result.name)
@@ -65,6 +65,51 @@ def _write(options):
             page.link("The structure in the browser, to turn and to ask", view.name)
         page.write(path)
         yield path
+
+
+def _begun_page(run, title):
+    """Title, project, author and date as the list Report of the scene says them; version and seal of the scene; contents."""
+    words = {name[len(REPORT):]: text for name, text in run.properties().items() if name.startswith(REPORT) and text}
+    page = Page(words.get("Title", title))
+    page.title(words.get("Title", title))
+    written = time.strftime("%Y-%m-%d %H:%M", time.localtime(run.path.stat().st_mtime))
+    rows = [(name, words[name]) for name in ("Project", "Author", "Checked By", "Date", "Remarks") if name in words]
+    if rows:
+        page.table(("", ""), [("Scene", title), *rows])
+    page.text(f"Results of {written}; mixbeam {run.properties()['version'].split()[0]}; SHA-256 of the scene "
+              f"{hashlib.sha256(run.scene_text().encode()).hexdigest()[:16]}.")
+    page.contents()
+    return page
+
+
+def _write_limits(page, files):
+    """The limits of runs, as they stand beside the result files: those that fail first, then those that are nearest."""
+    rows = []
+    for file in files:
+        path = file.with_name(f"{file.stem}-limits.csv")
+        if path.exists():
+            inputs.add(path)
+            with path.open(newline="", encoding="utf-8") as stream:
+                rows += [(row["limit"], row["value"], row["allowed"], row["passed"]) for row in csv.DictReader(stream)]
+
+    def number(text):
+        try:
+            return float(text)
+        except ValueError:
+            return np.nan
+
+    def used(row):
+        share = number(row[1]) / (number(row[2]) or np.nan)
+        return share if np.isfinite(share) else np.inf  # not known
+
+    if rows:
+        rows.sort(key=lambda row: (row[3] == "yes", -used(row)))
+        page.heading("Limits")
+        failed = sum(row[3] != "yes" for row in rows)
+        page.text(f"{failed} of {len(rows)} limits are exceeded." if failed else f"All {len(rows)} limits are kept.", bad=failed > 0)
+        page.table(("limit", "value", "allowed", "share", "kept"),
+                   [(name, cell_text(number(value)), allowed, bar(used((name, value, allowed)), kept != "yes"), kept)
+                    for name, value, allowed, kept in rows])
 
 
 def _page_path(options):
@@ -78,25 +123,46 @@ def _write_envelope_page(options):
     from results import Run
 
     envelope = Envelope(options.result)
-    page, path = Page(options.result.stem), _page_path(options)
-    page.title(f"{options.result.stem}: load cases and combinations")
-    page.contents()
+    path, files = _page_path(options), envelope.files()
+    with Run(files[0]) as run:
+        page = _begun_page(run, f"{options.result.stem}: load cases and combinations")
+    _write_limits(page, files)
+    _write_envelope(page, envelope)
     page.heading("Runs")
     rows = []
-    for file in envelope.files():
+    for file in files:
         with Run(file) as run:
             last = run.steps[-1]
-            rows.append((run.case, last.load_factor, {"false": "NO"}.get(last.stable, last.stable), len(run.critical_points())))
-    page.table(("run", "load factor at its end", "stable", "critical points on the way"), rows)
-    for file in envelope.files():
+            rows.append((run.case, run.properties().get("combination", ""), last.load_factor, {"false": "NO"}.get(last.stable, last.stable),
+                         len(run.critical_points())))
+    page.table(("run", "combination of", "load factor at its end", "stable", "critical points on the way"), rows)
+    for file in files:
         if (path.parent / file.name).with_suffix(".html").exists():
             page.link(f"Report of {file.stem}", file.with_suffix(".html").name)
-    _write_envelope(page, envelope)
     _write_worst(page, envelope)
+    with Run(files[0]) as run:
+        _write_structure(page, run)
+        write_sections(page, run)
+    for file in files:
+        with Run(file) as run:
+            page.heading(f"Case {run.case}")
+            _write_case(page, run)
     if options.summary:
         _write_checks(page, json.loads(options.summary.read_text()))
     page.write(path)
     return path
+
+
+def _write_case(page, run):
+    """One of several: answers, loads and the diagrams along its members."""
+    import diagram_figures
+    import style
+    from view import Look, View
+
+    _write_answers(page, run)
+    write_inputs(page, run, of_case=True)
+    page.picture(diagram_figures.over_arc_length_figure(View(run, [run.steps[-1]], Look()), run.steps[-1]),
+                 "section forces and moments along members", style)
 
 
 def _write_envelope(page, envelope):
@@ -125,7 +191,8 @@ def _write_worst(page, envelope):
 
 def _write_answers(page, run):
     last = run.steps[-1]
-    page.heading("Result")
+    if run.properties().get("combination"):
+        page.text(f"Combination {run.case} = {run.properties()['combination']}.")
     words = {"true": "stable", "false": "NOT STABLE: a real structure does not stay there", "neutral": "neutral",
              "unknown": "of unknown stability"}[last.stable]
     count = len(run.steps) - 1
@@ -138,6 +205,11 @@ def _write_answers(page, run):
     factors = [factor for factor, _ in run.buckling_modes()]
     if factors:
         page.table(("linear buckling mode of the undeformed structure", "load factor"), list(enumerate(factors, 1)))
+    for step in run.steps[1:]:
+        factors = [factor for factor, _ in step.buckling_modes()]
+        if factors:
+            page.table((f"linear buckling mode about the end of stage {step.load_factor:.4g}", "factor of the loads of the next stage"),
+                       list(enumerate(factors, 1)))
     jumps = [(step.number, step.jump) for step in run.steps if step.jump]
     if jumps:
         page.text(f"{len(jumps)} jump{'s' * (len(jumps) > 1)} from a stable state to the next:")
@@ -145,6 +217,11 @@ def _write_answers(page, run):
                     "largest displacement", "at"),
                    [(number, *(float(jump[name]) for name in ("from", "to", "released", "motion", "largest")),
                      jump["place"]) for number, jump in jumps])
+    sizes = [(float(size.max()), member, int(size.argmax())) for member in run.members
+             for size in [np.linalg.norm(last.field("displacement", member), axis=1)] if size.size]
+    if sizes:
+        size, member, at = max(sizes, key=lambda one: one[0])
+        page.text(f"Largest displacement {size:.4g} {run.units[0]} in member {member.name} at s = {member.arc_length[at]:.4g}.")
     quantities = run.quantities()
     members = [member.name for member in run.members]
     shown = [name for name in quantities if name.rpartition(".")[2] not in ("member", "arc_length", "side") or
@@ -228,6 +305,8 @@ def _write_structure(page, run):
         numbers.append((max((len(column) for column in table.values()), default=0), words))
     counted = ", ".join(f"{count} {word}{'s' * (count != 1)}" for count, word in numbers if count)
     page.text(f"{counted}; box {box}{units}.")
+    if "mesh chosen" in run.properties():
+        page.text(f"Mesh chosen {run.properties()['mesh chosen']}.")
     page.table(("member", "elements", "length"),
                [(member.name, len(member.vertices()) - 1, float(member.arc_length[-1])) for member in run.members[:MOST_ROWS + 1]])
 

@@ -14,16 +14,21 @@ SIZES = {"circle": ("diameter",), "tube": ("diameter", "", "wall"), "rectangle":
          "box": ("width", "height", "wall"), "I": ("width", "height", "flange", "web")}
 
 
-def write_inputs(page, run):
-    """Tables with a row for each different input; equal ones of several places share a row."""
+def write_sections(page, run):
+    _sections(page, run, run.acting(), run.units[0])
+
+
+def write_inputs(page, run, of_case=False):
+    """Tables with a row for each different input; equal ones of several places share a row. Of one case among several: its loads."""
     acting = run.acting()
     length, force = run.units
     units = {"force": force, "moment": f"{force} {length}", "force per length": f"{force}/{length}", "couple per length": force,
              "displacement": length, "rotation": "rad", "strain": "", "curvature": f"1/{length}"} if length else {}
-    _sections(page, run, acting, length)
+    if not of_case:
+        _sections(page, run, acting, length)
     _supports(page, run, acting.get("supports"), length)
     joints = acting.get("joints")
-    if joints:
+    if joints and not of_case:
         rows = defaultdict(list)
         for name, kind, point, axis, stiffness in zip(*(joints[column] for column in ("name", "kind", "point", "axis", "stiffness"))):
             rows[kind, _vector(axis) if kind != "ball" else "", float(stiffness) or ""].append(f"{name} at {point}")

@@ -3,6 +3,7 @@
 #include "apps/common/run/scene_file.hpp"
 #include "apps/mixbeam/batch_solver.hpp"
 #include "apps/mixbeam/commands.hpp"
+#include "apps/mixbeam/mesh_report.hpp"
 #include "apps/mixbeam/scene_run.hpp"
 #include "apps/python/arrays.hpp"
 #include "discretization/parameters/parameter_file.hpp"
@@ -165,6 +166,7 @@ py::dict batch(const std::string& text, const std::string& file, const std::opti
     const CaseQuantities quantities(base.app(), cases.output, name);
     CaseScenes scenes(base.app(), cases, name);
     BatchSolver solver(base.app(), quantities, cases.size(), [&] { return listener.stops(); });
+    choose_mesh(base.app(), cases.size(), [&](std::size_t row) { return scenes.scene_of(row); });
     GroupedCases grouped = grouped_cases(scenes, cases.size());
     std::size_t done = 0;
     solver.solve_all(grouped, [&](std::size_t g) { listener.call(done += grouped.groups[g].size(), cases.size()); });

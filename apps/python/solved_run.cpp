@@ -4,13 +4,15 @@
 #include "apps/common/session/interrupt.hpp"
 #include "apps/common/session/mpi_session.hpp"
 #include "apps/mixbeam/commands.hpp"
+#include "apps/mixbeam/mesh_report.hpp"
 #include "apps/mixbeam/scene_run.hpp"
 #include "discretization/parameters/parameter_file.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/text/message_text.hpp"
-#include "kernels/element/layout.hpp"
 
 #include <algorithm>
+#include <functional>
+#include <map>
 #include <tuple>
 
 namespace mixbeam {
@@ -24,16 +26,42 @@ void prepare(Application& app, std::ostream& report, bool force) {
   app.force = force;
 }
 
-/// That the program has chosen for a scene with an accuracy.
-MeshChoice mesh_of(const StoredRun& run, const Scene& scene) {
-  MeshChoice mesh;
-  bool is_mesh = run.members().size() == scene.members.size();
-  for (const SampledMember& member : run.members()) {
-    mesh.push_back({member.order, member.elements});
-    is_mesh = is_mesh && member.order >= 1 && member.order <= kMaximumOrder && member.elements >= 1;
-  }
-  if (is_mesh) return mesh;
-  throw InputError(run.path().string() + ": its members are not those of its scene; allowed: results of mixbeam run");
+/// Runs that differ in their loads alone share a mesh: what the rest of the scene says, in print.
+std::size_t key_without_loads(const XmlParameters& xml) {
+  Teuchos::ParameterList rest(*xml.list);
+  for (const char* name : {"Quantities", "Expected"}) rest.remove(name, false);
+  for (const char* name : {"Point Loads", "Distributed Loads", "Gravity", "Eigenstrains"})
+    rest.sublist("Scene").remove(name, false);
+  std::ostringstream text;
+  rest.print(text);
+  for (const auto& [file, content] : xml.source.files()) text << file << content;
+  return std::hash<std::string>()(text.str());
+}
+
+struct KnownMesh {
+  MeshChoice mesh{};
+  std::string note{};
+};
+/// By key_without_loads(), of this process.
+std::map<std::size_t, KnownMesh>& known_meshes() {
+  static std::map<std::size_t, KnownMesh> meshes;
+  return meshes;
+}
+
+/// For as long as the estimated errors of runs stay small enough.
+void choose_mesh_once(Application& app) {
+  if (!app.mesh_is_free) return;
+  KnownMesh& known = known_meshes()[key_without_loads(app.xml)];
+  if (known.mesh.size() == app.scene.members.size()) return take_mesh(app, known.mesh, known.note);
+  choose_mesh(app);
+  known = {mesh_of(app.scene), app.mesh_note};
+}
+
+void forget_poor_mesh(const Application& app) {
+  if (app.mesh_note.empty() || app.summary.estimated_errors.empty()) return;
+  const EstimatedErrors& errors = app.summary.estimated_errors.back();
+  if (errors.quantities.empty() || errors.quantities.front().relative > kAccuracyWithoutMesh)
+    known_meshes().erase(key_without_loads(app.xml));
 }
 
 }  // namespace
@@ -73,8 +101,9 @@ std::unique_ptr<SolvedRun> SolvedRun::from_file(const std::filesystem::path& fil
   auto run = std::make_unique<SolvedRun>(std::move(parameters), threads, true);
   Application& app = run->app_;
   app.load_case = property(stored, "load_case");
+  take_stored_mesh(app, stored);
   Scene scene = scene_of_case(app.scene, app.load_case);
-  if (scene.accuracy) scene = on_mesh(scene, mesh_of(stored, scene));
+  if (scene.accuracy) scene = on_mesh_of(stored, scene);
   run->simulation_.emplace(scene, app.solver, app.communicator);
   for (std::size_t i = 0; i < stored.steps().size(); ++i) {
     KeptStep& step = run->steps_.emplace_back();
@@ -98,6 +127,7 @@ void SolvedRun::solve(const std::string& load_case, const std::filesystem::path&
   const int code = finish_runs(app_, no_options, [&] {
     WritingOptions locked = writing;
     if (!file.empty()) locked.lock = lock_or_warn(app_, file);
+    choose_mesh_once(app_);
     const RunEnd end = run_case(app_, load_case, file, locked, resume);
     if (end == RunEnd::arrived) fail_what_was_missed(app_, {load_case});
     file_ = file.empty() ? file : std::filesystem::absolute(file);
@@ -105,6 +135,7 @@ void SolvedRun::solve(const std::string& load_case, const std::filesystem::path&
     return end;
   });
   interrupted_ = code == kInterruptedExitCode;
+  forget_poor_mesh(app_);
 }
 
 void SolvedRun::keep(const Simulation& simulation, const StepReport& report) {

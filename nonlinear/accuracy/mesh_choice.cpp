@@ -289,6 +289,24 @@ MeshChoice choose(const Candidates& members, double price, double aim, double& e
 
 }  // namespace
 
+bool names_no_mesh(const Scene& scene) {
+  return !scene.accuracy && std::none_of(scene.members.begin(), scene.members.end(), [](const Member& member) {
+    return member.keeps_order || member.keeps_elements;
+  });
+}
+
+MeshChoice mesh_of(const Scene& scene) {
+  MeshChoice mesh;
+  for (const Member& member : scene.members) mesh.push_back({member.order, member.elements});
+  return mesh;
+}
+
+MeshChoice joined(MeshChoice one, const MeshChoice& other) {
+  for (size_t m = 0; m < one.size(); ++m)
+    one[m] = {std::max(one[m].order, other[m].order), std::max(one[m].elements, other[m].elements)};
+  return one;
+}
+
 Scene on_mesh(const Scene& scene, const MeshChoice& choice) {
   Scene changed = scene;
   const std::vector<Member> with_places = members_with_places(scene);

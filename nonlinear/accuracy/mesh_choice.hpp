@@ -16,6 +16,16 @@ using MeshChoice = std::vector<MemberMesh>;  ///< (member)
 /// Elements of a member grow by at most this from mesh to mesh: further away nothing is known.
 inline constexpr int kLargestRefinement = 4;
 
+/// Of scenes that name neither a mesh nor an accuracy.
+inline constexpr double kAccuracyWithoutMesh = 1e-4;
+/// Whether a scene leaves its mesh to the program: no accuracy, no member that keeps an order or elements.
+bool names_no_mesh(const Scene& scene);
+
+/// Orders and elements as they stand.
+MeshChoice mesh_of(const Scene& scene);
+/// Member by member the larger order and the larger number of elements.
+MeshChoice joined(MeshChoice one, const MeshChoice& other);
+
 /// The scene on this mesh. What a member keeps (Member::keeps_order, keeps_elements) stays as it is.
 Scene on_mesh(const Scene& scene, const MeshChoice& choice);
 

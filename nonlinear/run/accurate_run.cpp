@@ -40,16 +40,18 @@ constexpr double kLargestFinishingCorrection = 20.0;
 class AccurateSolver {
  public:
   AccurateSolver(const Scene& scene, const SolverParameters& parameters, const Communicator& comm, bool keeps_path,
-                 const AccurateRunObserver& observer)
+                 const AccurateRunObserver& observer, const MeshChoice* start = nullptr)
       : scene_(scene),
         parameters_(parameters),
         comm_(comm),
         observer_(observer),
         accuracy_(*scene.accuracy),
         keeps_path_(keeps_path || parameters.analysis.control.has_value()),
-        compares_(std::none_of(scene.members.begin(), scene.members.end(),
+        compares_(start == nullptr &&
+                  std::none_of(scene.members.begin(), scene.members.end(),
                                [](const Member& member) { return member.keeps_order && member.keeps_elements; })),
-        choice_(start_mesh(scene, accuracy_)) {}
+        most_failures_(start == nullptr ? kMostFailures : 0),
+        choice_(start == nullptr ? start_mesh(scene, accuracy_) : *start) {}
 
   AccurateRun run() {
     const auto done = [&](AccuracyEnd end) { return AccurateRun{*simulation_, estimate_, end, rounds_}; };
@@ -69,7 +71,7 @@ class AccurateSolver {
         return done(AccuracyEnd::interrupted);
       } else {
         finish_round("no equilibrium");
-        if (++failures_ > kMostFailures || !try_finer()) return done(AccuracyEnd::no_equilibrium);
+        if (++failures_ > most_failures_ || !try_finer()) return done(AccuracyEnd::no_equilibrium);
       }
     }
   }
@@ -335,6 +337,7 @@ class AccurateSolver {
   const double accuracy_;
   bool keeps_path_;      ///< or some path had critical points
   const bool compares_;  ///< critical load factors: no member keeps its mesh
+  const int most_failures_;
   MeshChoice choice_;
   double aim_ = kFirstAim;
   int failures_ = 0;
@@ -372,6 +375,15 @@ std::string text_of(AccuracyEnd end) {
 AccurateRun run_accurately(const Scene& scene, const SolverParameters& parameters, const Communicator& comm,
                            bool keeps_path, const AccurateRunObserver& observer) {
   return AccurateSolver(scene, parameters, comm, keeps_path, observer).run();
+}
+
+AccurateRun search_mesh(const Scene& scene, const SolverParameters& parameters, const Communicator& comm,
+                        const MeshChoice& start, const AccurateRunObserver& observer) {
+  SolverParameters shorter = parameters;
+  AnalysisParameters& analysis = shorter.analysis;
+  if (!analysis.trace && !analysis.control && analysis.branch == Branch::primary) analysis.stability = false;
+  analysis.buckling_modes = 0;
+  return AccurateSolver(scene, shorter, comm, false, observer, &start).run();
 }
 
 }  // namespace mixbeam

@@ -75,4 +75,10 @@ inline constexpr double kShareOfAccuracy = 0.5;
 AccurateRun run_accurately(const Scene& scene, const SolverParameters& parameters, const Communicator& comm,
                            bool keeps_path, const AccurateRunObserver& observer = {});
 
+/// The same for the sake of the mesh of a scene that names none, from this mesh on: as short as it can be. Critical
+/// points are looked for where the path needs them, their load factors are not compared; a path that does not arrive
+/// ends the search.
+AccurateRun search_mesh(const Scene& scene, const SolverParameters& parameters, const Communicator& comm,
+                        const MeshChoice& start, const AccurateRunObserver& observer);
+
 }  // namespace mixbeam

@@ -2,6 +2,7 @@
 
 #include "apps/common/run/expected_quantity.hpp"
 #include "apps/common/run/room_check.hpp"
+#include "apps/common/session/interrupt.hpp"
 #include "apps/common/session/progress.hpp"
 #include "apps/common/session/sleeping_threads.hpp"
 #include "kernels/execution/execution_space.hpp"
@@ -68,6 +69,10 @@ std::ostream& Application::out() const {
 
 std::ostream& Application::progress_out(const std::string& label) const {
   return quiet || label.empty() ? nowhere() : out();
+}
+
+bool Application::is_asked_to_stop() const {
+  return interrupt_requested(communicator) || (asked_to_stop && asked_to_stop());
 }
 
 std::filesystem::path failure_file_of(const std::filesystem::path& results) {
@@ -208,6 +213,11 @@ ResultHeader Application::header(const Scene& solved, const std::map<std::string
                        {"threads", std::to_string(number_of_threads())},
                        {"ranks", std::to_string(communicator->getSize())}}};
   result.imported = xml.source.files();
+  if (xml.list->isSublist("Report")) {
+    const Teuchos::ParameterList& report = xml.list->sublist("Report");
+    for (auto entry = report.begin(); entry != report.end(); ++entry)
+      result.properties["report / " + report.name(entry)] = report.get<std::string>(report.name(entry));
+  }
   result.properties.insert(properties.begin(), properties.end());
   return result;
 }

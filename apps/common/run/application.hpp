@@ -54,6 +54,9 @@ class Application {
   std::string name;
   XmlParameters xml;
   Scene scene;  ///< as the XML file gives it; a study changes copies of it
+  /// The scene names no mesh and has a start mesh (start_mesh()) so far; a run chooses another one.
+  bool mesh_is_free = false;
+  std::string mesh_note{};  ///< how that mesh was chosen; empty where the scene names one
   SolverParameters solver;
   std::vector<ExpectedValue> expected;
   QuantitySet quantities{};      ///< of the scene; empty: none are asked for
@@ -65,12 +68,15 @@ class Application {
   SharedResultLock summary_lock{};  ///< of the file of the summary, where one is asked for
   Communicator communicator;
   std::ostream* terminal = nullptr;       ///< where rank 0 prints; null: standard output
+  std::ostream* reports = nullptr;        ///< of several runs, each in a few lines; null: each by itself, in full
   std::function<bool()> asked_to_stop{};  ///< a run asks it as it asks for interrupts; none: never
   RunObserver watch{};                    ///< of the steps of a run, after they were recorded
 
   std::ostream& out() const;
   /// Where progress lines of a run go: nowhere if the user or an empty label says so.
   std::ostream& progress_out(const std::string& label) const;
+  /// By a signal or by asked_to_stop. Collective.
+  bool is_asked_to_stop() const;
   bool writes_files() const { return communicator->getRank() == 0; }
   /// Parameters of the list "Study", validated against the application's own declaration.
   Teuchos::ParameterList& study() { return xml.list->sublist("Study"); }

@@ -26,6 +26,21 @@
 
 namespace mixbeam {
 
+namespace {
+
+ListSpec report_spec() {
+  ListSpec spec("Words for the head of the report (mixbeam report); they change nothing else.");
+  spec.add(text("Title"), "Of the report; default: the name of the scene.");
+  spec.add(text("Project"), "Name or number of the project.");
+  spec.add(text("Author"), "Who answers for it.");
+  spec.add(text("Checked By"), "Who has checked it.");
+  spec.add(text("Date"), "Of the document; default: that of the results.");
+  spec.add(text("Remarks"), "What a reader should know first.");
+  return spec;
+}
+
+}  // namespace
+
 ListSpec root_spec(const ApplicationDefinition& definition) {
   ListSpec root("Scene file of " + definition.name +
                 ". [Name] is a ParameterList, Name: a Parameter; <name> stands for names of your own.");
@@ -35,6 +50,7 @@ ListSpec root_spec(const ApplicationDefinition& definition) {
   root.add_list("Analysis", analysis_spec(), Presence::defaulted);
   root.add_list("Solver", solver_spec(), Presence::defaulted);
   if (definition.batch) root.add_list("Batch", *definition.batch, Presence::optional);
+  root.add_list("Report", report_spec(), Presence::optional);
   root.add_list("Study", definition.study, Presence::defaulted);
   return root;
 }
@@ -136,6 +152,16 @@ void read_quantities_of(Application& app) {
                                      "allowed: names that differ");
 }
 
+/// Of a scene that names no mesh. Why there is none is told where the scene is solved.
+void take_start_mesh(Application& app) {
+  app.mesh_is_free = names_no_mesh(app.scene);
+  if (!app.mesh_is_free) return;
+  try {
+    app.scene = on_mesh(app.scene, start_mesh(app.scene, kAccuracyWithoutMesh));
+  } catch (const std::exception&) {
+  }
+}
+
 }  // namespace
 
 void read_scene_file(Application& app, XmlParameters xml, const ApplicationDefinition& definition,
@@ -151,6 +177,7 @@ void read_scene_file(Application& app, XmlParameters xml, const ApplicationDefin
     throw app.xml.source.error({"Scene", "Accuracy"},
                                "given, but this program's meshes are those of its study; allowed: "
                                "in scenes for mixbeam run");
+  if (definition.chooses_meshes) take_start_mesh(app);
   app.solver = read_solver_parameters(app.xml.list->sublist("Solver"), app.xml.source);
   app.scene = with_mode_shapes(app.scene, app.solver, app.communicator, {app.xml.source, {"Scene"}});
   app.solver.analysis = read_analysis_parameters(app.xml.list->sublist("Analysis"), app.scene, app.xml.source);

@@ -71,7 +71,8 @@ inline constexpr auto kFields<EndOfRun> = std::tuple{field("run", &EndOfRun::run
                                                      field("stable_held", &EndOfRun::held, Kept::if_known),
                                                      field("negative_eigenvalues", &EndOfRun::negative, Kept::if_known),
                                                      field("has_potential", &EndOfRun::has_potential, Kept::inside),
-                                                     field("jumps", &EndOfRun::jumps, Kept::if_known)};
+                                                     field("jumps", &EndOfRun::jumps, Kept::if_known),
+                                                     field("collapse", &EndOfRun::collapse, Kept::if_known)};
 /// As it is sent; a summary has more to say of it.
 template <>
 inline constexpr auto kFields<CheckedQuantity> =
@@ -237,7 +238,7 @@ bool Summary::check_upper_bound(const std::string& name, double value, double bo
 
 void Summary::check_limit(const std::string& name, const std::string& where, double size, double error,
                           const std::string& not_estimated, double limit) {
-  const std::string source = "limit of the scene";
+  const std::string source = kLimitOfScene;
   if (not_estimated.empty())
     check_upper_bound(name + (error > 0.0 ? " and its error" : "") + where, size + error, limit, source);
   else

@@ -13,6 +13,9 @@
 
 namespace mixbeam {
 
+/// Source of the checks of limits.
+inline constexpr const char* kLimitOfScene = "limit of the scene";
+
 /// How a value is held against its reference.
 enum class Comparison {
   absolute,        ///< |value - reference| <= tolerance
@@ -104,6 +107,7 @@ struct EndOfRun {
   int negative = -1;   ///< eigenvalues below zero; -1: not counted
   bool has_potential = true;
   std::vector<RecordedJump> jumps{};  ///< of its path
+  std::string collapse{};  ///< first loss of stability on it, or the least factor of linear buckling, in words
 };
 
 /// Collects checks and costs during a run.
