@@ -2,13 +2,16 @@
 
 #include "discretization/parameters/access.hpp"
 #include "discretization/parameters/binding.hpp"
+#include "discretization/parameters/formula_value.hpp"
 #include "discretization/text/csv_file.hpp"
+#include "discretization/text/expression.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <stdexcept>
 
 namespace mixbeam {
 
@@ -104,13 +107,24 @@ class TableReader {
     for (std::size_t i = 0; i < columns; ++i) {
       double value = std::numeric_limits<double>::quiet_NaN();
       const std::string& cell = record.cells[i];
-      const Problem problem = cell.empty() ? "" : parse_number(cell, value);
+      const Problem problem = cell.empty() ? "" : is_formula(cell) ? evaluate(cell, value) : parse_number(cell, value);
       if (!problem.empty()) throw table_.error(record, i, problem);
       if (!cell.empty() && std::isnan(value))
         throw table_.error(record, i, "value " + excerpt(cell) + "; allowed: a number");
       batch_.values.push_back(value);
     }
     batch_.case_names.push_back(path_ + ":" + std::to_string(record.line));
+  }
+
+  /// Without names: each case has its own variables.
+  static Problem evaluate(const std::string& cell, double& value) {
+    try {
+      value = Expression(trimmed(cell).substr(1), {})(std::vector<double>{});
+    } catch (const std::invalid_argument& problem) {
+      return "value \"" + excerpt(cell) + "\" is no formula: " + excerpt(problem.what()) +
+             "; allowed in a table of a batch: numbers, functions, pi, e, deg";
+    }
+    return "";
   }
 
   const CsvFile& table_;

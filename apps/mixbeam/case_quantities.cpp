@@ -3,6 +3,7 @@
 #include "apps/common/run/followed_points.hpp"
 #include "apps/common/run/value_errors.hpp"
 #include "apps/mixbeam/commands.hpp"
+#include "discretization/scene/load_cases.hpp"
 #include "discretization/scene/merged_scene.hpp"
 
 #include <algorithm>
@@ -29,8 +30,18 @@ QuantityState state_of(const SolvedCases& solved, int part) {
 
 CaseQuantities::CaseQuantities(const Application& app, BatchOutput output, const std::string& load_case) {
   const std::vector<QuantitySet::Column>& asked = app.quantities.columns();
-  for (const QuantitySet::Column& column : asked)
-    if (column.limit) limits_.push_back({column.name, *column.limit});
+  const Scene& scene = app.scene;
+  const int stages = alternatives(scene).empty() ? scene.stages : scene_of_case(scene, load_case).stages;
+  for (const QuantitySet::Column& column : asked) {
+    const Quantity& quantity = app.quantities.asked(column);
+    is_limited_.push_back(column.is_limited && quantity.is_limited_in(load_case));
+    if (!is_limited_.back()) continue;
+    const bool is_early = quantity.stage.value_or(stages) < stages;
+    if (is_early || quantity.relative_to)
+      throw app.xml.source.error({"Quantities", quantity.name, is_early ? "Stage" : "Relative To"},
+                                 "a batch looks at the ends of paths; allowed there: limits of the value at the end");
+    limits_.push_back({column.name, *quantity.allowed()});
+  }
   if (!limits_.empty()) asked_ = app.quantities;
   if (output == BatchOutput::expected) take_expected(app, load_case);
   if (output == BatchOutput::followed) take_followed(app);
@@ -106,9 +117,9 @@ CaseValues CaseQuantities::of(const SolvedCases& solved, const RicherCases& rich
   if (limits_.empty()) return values;
   const std::vector<EstimatedValue> estimated = with_errors(asked_, asked, there, richer.not_estimated);
   auto one = estimated.begin();
-  for (const QuantitySet::Column& column : asked_.columns()) {
-    if (column.limit) values.limited.push_back(*one);
-    if (column.is_value) ++one;
+  for (std::size_t i = 0; i < is_limited_.size(); ++i) {
+    if (is_limited_[i]) values.limited.push_back(*one);
+    if (asked_.columns()[i].is_value) ++one;
   }
   if (there.empty() && richer.not_estimated.empty())
     for (EstimatedValue& limited : values.limited) limited.error = 0.0;

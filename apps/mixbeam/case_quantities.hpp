@@ -62,6 +62,7 @@ class CaseQuantities {
   QuantitySet asked_;                       ///< the list "Quantities", where numbers of it are needed
   std::vector<std::size_t> asked_columns_;  ///< of each name; kNotAsked: the next number of quantities_
   std::vector<Limit> limits_;
+  std::vector<bool> is_limited_;  ///< (column of the list "Quantities")
   std::vector<ExpectedValue> expected_;
 };
 

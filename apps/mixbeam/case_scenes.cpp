@@ -2,11 +2,13 @@
 
 #include "discretization/parameters/access.hpp"
 #include "discretization/reading/read_scene.hpp"
+#include "discretization/reading/variables.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 #include "nonlinear/run/imperfect_scene.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -50,12 +52,6 @@ int components_of(const Teuchos::ParameterEntry& entry) {
   return -1;
 }
 
-template <class Number>
-Teuchos::Array<Number> replaced(Teuchos::Array<Number> array, int component, Number value) {
-  array[component] = value;
-  return array;
-}
-
 bool is_whole(double value) { return std::floor(value) == value && std::abs(value) <= std::numeric_limits<int>::max(); }
 
 }  // namespace
@@ -63,6 +59,23 @@ bool is_whole(double value) { return std::floor(value) == value && std::abs(valu
 CaseScenes::CaseScenes(Application& app, const Batch& batch, std::string load_case)
     : app_(app), batch_(batch), load_case_(std::move(load_case)) {
   for (std::size_t i = 0; i < batch.columns.size(); ++i) places_.push_back(find(batch.columns[i], i));
+  check_formulas();
+}
+
+/// Only those of the scene are evaluated anew for each case.
+void CaseScenes::check_formulas() const {
+  const Teuchos::ParameterList& root = *app_.xml.list;
+  for (const std::string& name : names_of(root)) {
+    if (name == "Scene" || name == "Batch" || !root.isSublist(name)) continue;
+    if (name == "Expected" && batch_.output != BatchOutput::expected) continue;
+    for (const ParameterPath& path : paths_of_formulas(root.sublist(name), {name})) {
+      const auto is_own = [&](const OwnExpectation& own) { return path == ParameterPath{name, own.name, "Value"}; };
+      if (std::any_of(own_expectations_.begin(), own_expectations_.end(), is_own)) continue;
+      throw app_.xml.source.error(path,
+                                  "a formula outside of the list \"Scene\"; allowed in a batch: a number, and for "
+                                  "expected values a column of the table");
+    }
+  }
 }
 
 CaseScenes::Place CaseScenes::find(const BatchColumn& column, std::size_t index) {
@@ -117,13 +130,7 @@ void CaseScenes::set(const Place& place, double value, std::size_t index, const 
   if (std::isnan(value)) refuse("an empty cell", "a number; only expected values may be left out");
   const bool whole = entry.isType<int>() || entry.isType<Teuchos::Array<int>>();
   if (whole && !is_whole(value)) refuse("value " + shortest(value), "a whole number");
-  if (entry.isType<int>()) return entry.setValue(static_cast<int>(value));
-  if (entry.isType<double>()) return entry.setValue(value);
-  // set as a whole: a default that is changed is one no longer
-  if (whole)
-    entry.setValue(replaced(Teuchos::getValue<Teuchos::Array<int>>(entry), place.component, static_cast<int>(value)));
-  else
-    entry.setValue(replaced(Teuchos::getValue<Teuchos::Array<double>>(entry), place.component, value));
+  set_number(entry, place.component, value);
 }
 
 Scene CaseScenes::scene_of(std::size_t index) {

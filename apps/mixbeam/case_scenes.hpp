@@ -28,6 +28,7 @@ class CaseScenes {
     Teuchos::ParameterEntry* entry = nullptr;
     int component = -1;  ///< of an array
   };
+  void check_formulas() const;
   Place find(const BatchColumn& column, std::size_t index);
   Place find_in(Teuchos::ParameterList& list, const std::vector<std::string>& path, int component,
                 const BatchColumn& column) const;

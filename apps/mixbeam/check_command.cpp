@@ -10,6 +10,8 @@
 #include "apps/mixbeam/mesh_report.hpp"
 #include "discretization/checks/mechanism.hpp"
 #include "discretization/checks/scene_warnings.hpp"
+#include "discretization/parameters/access.hpp"
+#include "discretization/parameters/formula_value.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/text/errors.hpp"
 #include "discretization/text/message_text.hpp"
@@ -187,6 +189,18 @@ std::string case_words(const Scene& scene, const std::string& name) {
   return (is_case ? ", load case " : ", combination ") + name;
 }
 
+/// With the formulas that they come from.
+void print_variables(Application& app) {
+  const Teuchos::ParameterList& list = app.xml.list->sublist("Scene");
+  if (!list.isSublist("Variables")) return;
+  const Teuchos::ParameterList& variables = list.sublist("Variables");
+  for (const std::string& name : names_of(variables)) {
+    const ParameterValue written = written_value(variables.getEntry(name)).value;
+    app.out() << "  variable " << name << formatted(" = %.10g", variables.get<double>(name))
+              << (has_type(written, ParameterType::text) ? "  (" + excerpt(to_text(written)) + ")" : "") << "\n";
+  }
+}
+
 void print_check(Application& app, const std::string& load_case) {
   Scene scene = scene_of_case(app.scene, load_case);
   MeshChoice start;
@@ -205,6 +219,7 @@ void print_check(Application& app, const std::string& load_case) {
                      kAccuracyWithoutMesh);
     print_members(out, members_by_mesh(scene, mesh_of(scene)));
   }
+  print_variables(app);
   if (!scene.units.empty()) out << "  units of length, force: " << excerpt(scene.units) << "\n";
   const Needs needs = needs_of_run(app, scene, app.solver);
   print_needs(out, needs, app.communicator->getSize());

@@ -61,8 +61,9 @@ ParameterPath difference(const List& a, const List& b, const ParameterPath& path
 
 void require_equal(const XmlParameters& from, XmlParameters to, const ListSpec& spec) {
   List before(*from.list);
-  for (const std::string& warning : validate(before, spec, from.source)) std::cout << "warning: " << warning << "\n";
-  validate(*to.list, spec, to.source);
+  for (const std::string& warning : validate(before, spec, from.source, {}, true))
+    std::cout << "warning: " << warning << "\n";
+  validate(*to.list, spec, to.source, {}, true);
   const ParameterPath path = difference(before, *to.list);
   if (!path.empty() || from.list->name() != to.list->name())
     throw from.source.error(path, "cannot be written to " + to.source.file() +

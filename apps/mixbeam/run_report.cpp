@@ -140,13 +140,27 @@ void RunReport::follow(int step, double load_factor, const double* values) {
     Followed& one = followed_[i];
     one.last = values[i];
     if (step == 0 && !std::isfinite(values[i])) continue;  // a ratio of what is zero without loads
-    if (std::abs(values[i]) <= one.size) continue;         // keeps what is not a number
+    const QuantitySet::Column& column = quantities_->columns()[i];
+    if (column.is_limited) follow_limit(load_factor, values[i], quantities_->asked(column), one);
+    if (std::abs(values[i]) <= one.size) continue;  // keeps what is not a number
     if (std::isnan(one.size)) continue;
     one.size = std::abs(values[i]);
     one.at_size = values[i];
     one.step_of_size = step;
     one.load_factor_of_size = load_factor;
   }
+}
+
+/// Steps end at ends of stages.
+void RunReport::follow_limit(double load_factor, double value, const Quantity& asked, Followed& one) const {
+  constexpr double kRounding = 1e-9;
+  if (asked.relative_to && load_factor <= *asked.relative_to + kRounding) {
+    one.reference = value;
+    return;
+  }
+  if (asked.stage && !(load_factor > *asked.stage - 1 + kRounding && load_factor <= *asked.stage + kRounding)) return;
+  const double size = std::abs(value - one.reference);
+  if (!(size <= one.limited_size) && !std::isnan(one.limited_size)) one.limited_size = size;
 }
 
 void RunReport::add(const StepRecord& record) {
@@ -333,6 +347,7 @@ void RunReport::print_errors(std::ostream& out) const {
 
 /// "beam at s = 1.25, after a vertex" of an extreme along members; empty for others.
 std::string RunReport::place_of(std::size_t column) const {
+  if (column < places_.size() && !places_[column].empty()) return places_[column];
   const std::vector<QuantitySet::Column>& columns = quantities_->columns();
   if (column + 1 >= columns.size() || !columns[column + 1].is_member || std::isnan(followed_[column].last)) return "";
   const auto member = static_cast<std::size_t>(followed_[column + 1].last);
@@ -379,7 +394,9 @@ void RunReport::add_quantities(Application& app, const std::string& run) const {
     if (!column.is_value) continue;
     const Followed& one = followed_[i];
     FollowedQuantity quantity{run, column.name, one.last, one.at_size, one.load_factor_of_size, one.step_of_size};
-    if (!place_of(i).empty()) {
+    if (i < places_.size() && !places_[i].empty()) {
+      quantity.place = places_[i];
+    } else if (!place_of(i).empty()) {
       quantity.member = member_names_[static_cast<std::size_t>(followed_[i + 1].last)];
       quantity.arc_length = followed_[i + 2].last;
       quantity.side = static_cast<int>(followed_[i + 3].last);
@@ -388,9 +405,11 @@ void RunReport::add_quantities(Application& app, const std::string& run) const {
     quantity.error = estimated == nullptr ? std::nan("") : estimated->error;
     if (estimated != nullptr) quantity.not_estimated = estimated->not_estimated;
     app.summary.quantities.push_back(quantity);
-    if (!column.limit) continue;
-    app.summary.check_limit(run + ": size of " + column.name, ", every step", one.size,
-                            error_of_largest(one, estimated), quantity.not_estimated, *column.limit);
+    const Quantity& asked = quantities_->asked(column);
+    if (!column.is_limited || !asked.is_limited_in(app.load_case) || one.limited_size < 0.0) continue;
+    const std::string steps = asked.stage ? ", every step of stage " + std::to_string(*asked.stage) : ", every step";
+    app.summary.check_limit(run + ": size of " + column.name + asked.since(), steps, one.limited_size,
+                            error_of_largest(one, estimated), quantity.not_estimated, *asked.allowed());
   }
 }
 

@@ -32,6 +32,9 @@ class RunReport {
   /// Adds the estimated errors of the last step to the summary of the run.
   void add_errors(Application& app, const std::string& run) const;
 
+  /// Where extremes over places are at the end, see QuantitySet::places().
+  void add_places(std::vector<std::string> places) { places_ = std::move(places); }
+
   /// Adds the quantities to the summary of the run, and a check for each that has a limit.
   void add_quantities(Application& app, const std::string& run) const;
 
@@ -60,14 +63,16 @@ class RunReport {
     double last = 0.0, size = -1.0;  ///< the largest size so far, of `at_size`
     double at_size = 0.0, load_factor_of_size = 0.0;
     int step_of_size = 0;
+    double reference = 0.0, limited_size = -1.0;  ///< for a limit: value at the end of a stage, largest change since
   };
+  void follow_limit(double load_factor, double value, const Quantity& asked, Followed& one) const;
   /// Of a column at the end; null: no estimate was asked for.
   const EstimatedValue* estimate_of(std::size_t column) const;
   static double error_of_largest(const Followed& one, const EstimatedValue* estimated);
 
   double length_ = 1.0, bending_ = 0.0;  ///< of the structure; smallest EI: scales of what counts as zero
   const QuantitySet* quantities_ = nullptr;
-  std::vector<std::string> member_names_{};
+  std::vector<std::string> member_names_{}, places_{};
   std::vector<Followed> followed_{};             ///< (column of the set)
   StepRecord last_;                              ///< without its members and rows
   std::vector<RecordedCriticalPoint> critical_;  ///< of all steps, without rows

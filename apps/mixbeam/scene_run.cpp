@@ -1,5 +1,6 @@
 #include "apps/mixbeam/scene_run.hpp"
 
+#include "apps/common/run/expected_quantity.hpp"
 #include "apps/common/run/scene_file.hpp"
 #include "apps/common/session/guarded_run.hpp"
 #include "apps/common/studies/variants.hpp"
@@ -160,6 +161,7 @@ RunEnd run_case(Application& app, const std::string& load_case, const std::files
   app.out() << name << ": " << counted(simulation.result().steps, "step") << " to load factor "
             << simulation.result().load_factor << (file.empty() ? "" : ", " + file.string()) << "\n";
   if (accurate) report_mesh(app, name, *accurate);
+  report.add_places(places_of(app.quantities, simulation));
   app.reports == nullptr ? report.print(app.out()) : report.print_short(*app.reports, name);
   warn_of_uncertain_forces(app, name, simulation);
   report.add_stresses(app, name);

@@ -44,7 +44,7 @@ def options_of(words):
     parser.add_argument("--picture", nargs="+", choices=KINDS, metavar="PICTURE", help="these only: " + ", ".join(KINDS))
     parser.add_argument("--triads", action="store_true", help="draw axes 1, 2, 3 of some sections in space")
     parser.add_argument("--view", metavar="VIEW", help="xy, xz, yz, iso or azimuth/elevation [degrees]; default: the best")
-    parser.add_argument("--members", nargs="+", metavar="PATTERN", help="these members only; * stands for any characters")
+    parser.add_argument("--members", nargs="+", metavar="PATTERN", help="these members only; * stands for any characters, ? for one, [abc] for one of these")
     parser.add_argument("--scale", type=float, default=1.0, metavar="FACTOR", help="of displacements (default: 1)")
     parser.add_argument("--moments", choices=("tension", "compression", "left"), default="tension",
                         help="side on which diagrams of bending moments stand (default: tension)")

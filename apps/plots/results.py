@@ -1,6 +1,7 @@
 """Reads the result files that the applications write (layout: discretization/results/result_file.hpp)."""
 
 import difflib
+import fnmatch
 import math
 import os
 import re
@@ -331,7 +332,7 @@ def file_of_case(path, case):
 class Run:
     """An open result file: its members in the order of the scene, and its steps in the order of the path.
 
-    `members`: patterns of the names of those to look at, * for any characters; None: all.
+    `members`: patterns of the names of those to look at, * for any characters, ? for one, [abc]; None: all.
     """
 
     def __init__(self, path, case=None, members=None):
@@ -378,8 +379,8 @@ class Run:
         names = {member.name: member for member in self.members}
         chosen = set()
         for pattern in patterns:
-            matching = re.compile(".*".join(re.escape(part) for part in pattern.split("*")), re.DOTALL)
-            found = {name for name in names if matching.fullmatch(name)}
+            matching = re.compile(fnmatch.translate(pattern))
+            found = {pattern} & names.keys() or {name for name in names if matching.match(name)}
             if not found:
                 near = difflib.get_close_matches(pattern, names, 3, 0.0)
                 raise InputError(f"{option} {pattern}: no member of that name; the nearest are {', '.join(near)}")

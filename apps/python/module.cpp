@@ -6,6 +6,7 @@
 #include "apps/mixbeam/mesh_report.hpp"
 #include "apps/mixbeam/scene_run.hpp"
 #include "apps/python/arrays.hpp"
+#include "discretization/parameters/formula_value.hpp"
 #include "discretization/parameters/parameter_file.hpp"
 #include "discretization/parameters/print.hpp"
 #include "discretization/parameters/value.hpp"
@@ -32,7 +33,7 @@ py::dict entries_of(const Teuchos::ParameterList& list) {
       entries[py::str(name)] = entries_of(list.sublist(name));
       continue;
     }
-    const ParameterValue value = value_of(list.entry(entry));
+    const auto& [written, value] = written_value(list.entry(entry));
     const auto to_python = [](const auto& held) -> py::object {
       using Held = std::decay_t<decltype(held)>;
       if constexpr (std::is_same_v<Held, std::monostate>)
@@ -42,8 +43,8 @@ py::dict entries_of(const Teuchos::ParameterList& list) {
       else
         return py::cast(held);
     };
-    const auto type = static_cast<ParameterType>(value.index() - 1);
-    entries[py::str(name)] = py::make_tuple(xml_name(type), std::visit(to_python, value));
+    const std::string& type = written.empty() ? xml_name(static_cast<ParameterType>(value.index() - 1)) : written;
+    entries[py::str(name)] = py::make_tuple(type, std::visit(to_python, value));
   }
   return entries;
 }

@@ -2,6 +2,7 @@
 #include "apps/common/run/expected_quantity.hpp"
 #include "apps/common/run/value_errors.hpp"
 #include "apps/python/arrays.hpp"
+#include "discretization/reading/variables.hpp"
 #include "discretization/state/record_fields.hpp"
 #include "discretization/text/result_names.hpp"
 
@@ -46,6 +47,7 @@ py::tuple evaluate(const SolvedRun& run, const std::string& xml, const std::vect
   std::vector<double> values;
   in_turn([&] {
     const XmlParameters parameters = parse_xml(xml, "quantity");
+    Variables(run.app().xml.list->sublist("Scene"), parameters.source).resolve(*parameters.list, quantities_spec(), {});
     const std::vector<Quantity> wanted = read_quantities(*parameters.list, parameters.source, {});
     const QuantitySet quantities(wanted, run.at(-1).scene(), {parameters.source, {}});
     names = quantities.names();
@@ -56,6 +58,16 @@ py::tuple evaluate(const SolvedRun& run, const std::string& xml, const std::vect
   });
   const std::size_t columns = names.size();
   return py::make_tuple(std::move(names), table(std::move(values), columns));
+}
+
+/// Of each column: where an extreme over several places is.
+std::vector<std::string> places(const SolvedRun& run, const std::string& xml, int step) {
+  return in_turn([&] {
+    const XmlParameters parameters = parse_xml(xml, "quantity");
+    Variables(run.app().xml.list->sublist("Scene"), parameters.source).resolve(*parameters.list, quantities_spec(), {});
+    const std::vector<Quantity> wanted = read_quantities(*parameters.list, parameters.source, {});
+    return places_of(QuantitySet(wanted, run.at(-1).scene(), {parameters.source, {}}), run.at(step));
+  });
 }
 
 /// Fields at relative arc lengths of a member.
@@ -196,6 +208,7 @@ void bind_run(py::module_& module) {
   py::class_<SolvedRun, Run>(module, "SolvedRun")
       .def("path", path_of)
       .def("evaluate", evaluate)
+      .def("places", places)
       .def("sample", sample)
       .def("members", members_of)
       .def("state", state_of)

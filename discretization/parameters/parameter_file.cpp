@@ -1,5 +1,6 @@
 #include "discretization/parameters/parameter_file.hpp"
 
+#include "discretization/parameters/formula_value.hpp"
 #include "discretization/parameters/value.hpp"
 #include "discretization/parameters/yaml_reader.hpp"
 #include "discretization/text/message_text.hpp"
@@ -54,10 +55,10 @@ void write_xml(std::ostream& out, const Teuchos::ParameterList& list, const std:
       write_xml(out, list.sublist(inner), inner, depth + 1);
       continue;
     }
-    const ParameterValue value = value_of(list.entry(entry));
+    const auto& [type, value] = written_value(list.entry(entry));
     out << indent << "  <Parameter name=\"" << xml_escaped(inner) << "\" type=\""
-        << xml_name(static_cast<ParameterType>(value.index() - 1)) << "\" value=\"" << xml_escaped(xml_value(value))
-        << "\"/>\n";
+        << (type.empty() ? xml_name(static_cast<ParameterType>(value.index() - 1)) : type) << "\" value=\""
+        << xml_escaped(xml_value(value)) << "\"/>\n";
   }
   out << indent << "</ParameterList>\n";
 }
@@ -104,9 +105,14 @@ std::string yaml_scalar(double value, bool is_real) {
 std::string yaml_value(const ParameterValue& value, const ParameterSpec* spec) {
   const bool is_real =
       spec != nullptr && (spec->type == ParameterType::real || spec->type == ParameterType::real_array);
-  const auto scalar = [is_real](const auto& held) {
-    if constexpr (std::is_same_v<std::decay_t<decltype(held)>, double>) {
+  const bool is_partly_formula = spec != nullptr && stands_for_number(value, *spec);
+  const auto scalar = [&](const auto& held) {
+    using Held = std::decay_t<decltype(held)>;
+    if constexpr (std::is_same_v<Held, double>) {
       return yaml_scalar(held, is_real);
+    } else if constexpr (std::is_same_v<Held, std::string>) {
+      double number = 0.0;
+      return is_partly_formula && parse_number(held, number).empty() ? held : yaml_scalar(held);
     } else {
       return yaml_scalar(held);
     }

@@ -111,13 +111,16 @@ Json json_list(const ListSpec& spec, const std::vector<std::string>& path, Prese
 // JSON Schema
 
 /// Of each number of an array too.
-Json schema_of_number(const Range& range, bool is_whole) {
+Json schema_of_number(const Range& range, bool is_whole, bool is_any_text_formula) {
   Json schema = {{"type", is_whole ? "integer" : "number"}};
   if (std::isfinite(range.minimum)) schema[range.minimum_excluded ? "exclusiveMinimum" : "minimum"] = range.minimum;
   if (std::isfinite(range.maximum)) schema[range.maximum_excluded ? "exclusiveMaximum" : "maximum"] = range.maximum;
   if (is_whole && !std::isfinite(range.minimum)) schema["minimum"] = std::numeric_limits<int>::min();
   if (is_whole && !std::isfinite(range.maximum)) schema["maximum"] = std::numeric_limits<int>::max();
-  if (range.infinity_allowed) schema = {{"anyOf", {schema, {{"const", "inf"}}}}};
+  Json formula = {{"type", "string"}};
+  if (!is_any_text_formula) formula["pattern"] = "^\\s*=";
+  schema = {{"anyOf", {schema, formula}}};
+  if (range.infinity_allowed) schema["anyOf"].push_back({{"const", "inf"}});
   return schema;
 }
 
@@ -140,10 +143,10 @@ Json schema_of_value(const ParameterSpec& spec) {
       return {{"type", "boolean"}};
     case ParameterType::integer:
     case ParameterType::integer_array:
-      return schema_of_number(spec.range, true);
+      return schema_of_number(spec.range, true, !spec.other_words.empty());
     case ParameterType::real:
     case ParameterType::real_array:
-      return schema_of_number(spec.range, false);
+      return schema_of_number(spec.range, false, !spec.other_words.empty());
     case ParameterType::text:
     case ParameterType::text_array:
       break;

@@ -122,6 +122,19 @@ void add_typed_value(xmlNodePtr choice, const ParameterSpec& spec, ParameterType
   add_value(add_attribute(group, "value"), spec, type);
 }
 
+/// In place of numbers: one formula, or an array with some.
+void add_formula(xmlNodePtr choice, const ParameterSpec& spec) {
+  const bool numbers = spec.type == ParameterType::integer_array || spec.type == ParameterType::real_array;
+  if (!numbers && spec.type != ParameterType::integer && spec.type != ParameterType::real) return;
+  std::vector<std::string> types = {xml_name(spec.type), numbers ? "Array(string)" : "string"};
+  if (spec.type == ParameterType::real) types.push_back("int");
+  if (spec.type == ParameterType::real_array) types.push_back("Array(int)");
+  xmlNodePtr group = add(choice, "group");
+  add_words(add_attribute(group, "type"), types);
+  add_pattern(add_attribute(group, "value"), numbers ? R"(\s*\{[^\{]*=[^\{]*\}\s*)" : R"(\s*=[\s\S]*)");
+  if (!spec.other_words.empty()) add_typed_value(choice, ParameterSpec(), ParameterType::text);
+}
+
 /// What Teuchos writes into each tag.
 void add_other_attributes(xmlNodePtr element) { set(add(element, "ref"), "name", "other"); }
 
@@ -149,6 +162,7 @@ void add_parameter(xmlNodePtr element, const ParameterSpec& spec) {
   add_typed_value(choice, spec, spec.type);
   if (spec.type == ParameterType::real) add_typed_value(choice, spec, ParameterType::integer);
   if (spec.type == ParameterType::real_array) add_typed_value(choice, spec, ParameterType::integer_array);
+  add_formula(choice, spec);
   if (spec.words.empty()) return;
   for (const char* type : {"string", "bool"}) {
     xmlNodePtr group = add(choice, "group");

@@ -1,6 +1,7 @@
 #include "discretization/parameters/validate.hpp"
 
 #include "discretization/parameters/access.hpp"
+#include "discretization/parameters/formula_value.hpp"
 #include "discretization/text/message_text.hpp"
 
 #include <algorithm>
@@ -144,7 +145,8 @@ std::string described_forms(const ListSpec& spec, const std::vector<Form>& forms
 /// One walk over a list and its sublists; `path_` follows the walk.
 class Validator {
  public:
-  Validator(const ParameterSource& source, ParameterPath path) : source_(source), path_(std::move(path)) {}
+  Validator(const ParameterSource& source, ParameterPath path, bool keep_formulas)
+      : source_(source), path_(std::move(path)), keep_formulas_(keep_formulas) {}
 
   void check_list(ParameterList& list, const ListSpec& spec) {
     if (spec.unchecked) return;
@@ -231,9 +233,16 @@ class Validator {
     }
     if (is_allowed_word(list, spec, name)) return;
     const ParameterValue given = value_of(*entry);
+    if (keep_formulas_ && stands_for_number(given, spec)) return;
     const ParameterValue value = widened(given, spec.type);
-    if (const Problem problem = problem_of(value, spec); !problem.empty()) throw error(problem);
+    if (const Problem problem = problem_of(value, spec); !problem.empty()) throw error(of_formula(*entry) + problem);
     if (value.index() != given.index()) set_value(list, name, value);
+  }
+
+  /// What a value has come from.
+  static std::string of_formula(const ParameterEntry& entry) {
+    const ParameterValue written = written_value(entry).value;
+    return written == value_of(entry) ? "" : "formula " + excerpt(to_text(written)) + ": ";
   }
 
   void check_sublist(ParameterList& list, const SublistSpec& spec) {
@@ -284,6 +293,7 @@ class Validator {
   const ParameterSource& source_;
   const std::string list_ = source_.list_word(), parameter_ = source_.parameter_word();
   ParameterPath path_;
+  bool keep_formulas_;
   std::vector<std::string> warnings_;
 };
 
@@ -301,8 +311,8 @@ Problem problem_of(const ParameterValue& value, const ParameterSpec& spec) {
 }
 
 std::vector<std::string> validate(ParameterList& list, const ListSpec& spec, const ParameterSource& source,
-                                  const ParameterPath& path) {
-  Validator validator(source, path);
+                                  const ParameterPath& path, bool keep_formulas) {
+  Validator validator(source, path, keep_formulas);
   validator.check_list(list, spec);
   return validator.warnings();
 }

@@ -19,8 +19,10 @@ Problem problem_of(const ParameterValue& value, const ParameterSpec& spec);
 /// `file:line: XML path "...": what was seen; allowed: ...; did you mean "..."?`. A second call changes nothing.
 /// `path`: where `list` stands below the root of `source`.
 ///
+/// `keep_formulas`: formulas stand in place of numbers as they are, for who only writes the list somewhere else.
+///
 /// Takes out parameters that earlier versions had and returns a warning of each, `file:line: XML path "...": ...`.
 std::vector<std::string> validate(Teuchos::ParameterList& list, const ListSpec& spec, const ParameterSource& source,
-                                  const ParameterPath& path = {});
+                                  const ParameterPath& path = {}, bool keep_formulas = false);
 
 }  // namespace mixbeam

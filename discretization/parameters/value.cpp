@@ -1,5 +1,6 @@
 #include "discretization/parameters/value.hpp"
 
+#include "discretization/parameters/formula_value.hpp"
 #include "discretization/text/message_text.hpp"
 
 #include <type_traits>
@@ -95,6 +96,11 @@ bool take(const Teuchos::ParameterEntry& entry, ParameterValue& value) {
   return true;
 }
 
+bool is_number(ParameterType type) {
+  return type == ParameterType::integer || type == ParameterType::real || type == ParameterType::integer_array ||
+         type == ParameterType::real_array;
+}
+
 }  // namespace
 
 const std::vector<std::string>& xml_names() {
@@ -108,6 +114,11 @@ std::string to_text(const ParameterValue& value) {
 }
 
 Problem parse_value(const std::string& text, ParameterType type, ParameterValue& value) {
+  if (is_number(type) && text.find('=') != std::string::npos) {
+    ParameterValue formula;
+    const ParameterType written = is_array(type) ? ParameterType::text_array : ParameterType::text;
+    if (parse_value(text, written, formula).empty() && holds_formula(formula)) return value = formula, "";
+  }
   return kParsers[static_cast<std::size_t>(type)](text, value);
 }
 

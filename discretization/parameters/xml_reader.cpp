@@ -194,6 +194,8 @@ class ListBuilder {
     const Problem problem = parse_value(value, static_cast<ParameterType>(known - types.begin()), parsed);
     if (!problem.empty()) throw result_.source.error(path_, problem);
     set_value(*open_.back(), name, parsed);
+    if (!has_type(parsed, static_cast<ParameterType>(known - types.begin())))  // a formula
+      open_.back()->getEntry(name).setDocString(type);
     last_ended_ = path_;
     path_.pop_back();
     inside_parameter_ = true;

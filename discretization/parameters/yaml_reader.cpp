@@ -1,5 +1,6 @@
 #include "discretization/parameters/yaml_reader.hpp"
 
+#include "discretization/parameters/formula_value.hpp"
 #include "discretization/text/message_text.hpp"
 
 #include <libxml/xmlstring.h>
@@ -189,7 +190,11 @@ class YamlFiller {
       return result_.source.set_root_name(root);
     }
     const ParameterSpec* fixed = is_declared ? spec->find_parameter(name) : nullptr;
-    set_value(list, name, value_of(value, fixed != nullptr || !is_declared ? fixed : spec->named_parameter.get()));
+    const ParameterSpec* declared = fixed != nullptr || !is_declared ? fixed : spec->named_parameter.get();
+    const ParameterValue read = value_of(value, declared);
+    set_value(list, name, read);
+    if (declared != nullptr && holds_formula(read) && stands_for_number(read, *declared))
+      list.getEntry(name).setDocString(xml_name(declared->type));
   }
 
   ParameterValue value_of(const YamlNode& node, const ParameterSpec* spec) {

@@ -3,11 +3,13 @@
 #include "discretization/parameters/binding.hpp"
 #include "discretization/parameters/validate.hpp"
 #include "discretization/quantities/quantity_kind.hpp"
+#include "discretization/scene/load_cases.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/result_names.hpp"
 
 #include <algorithm>
 #include <map>
+#include <tuple>
 
 namespace mixbeam {
 
@@ -45,6 +47,10 @@ BoundList<Quantity> declared_quantity_parameters() {
   BoundList<Quantity> one("A number, or a vector, that is followed over the steps.");
   std::map<std::string, std::vector<Form>> forms;
   for (const QuantityKind& kind : quantity_kinds()) forms[kind.name] = forms_of(kind);
+  for (auto& [kind, allowed] : forms)
+    for (Form& form : allowed)
+      if (kind != "triad")
+        form.optional.insert(form.optional.end(), {"Span", "Span Ratio", "Case", "Stage", "Relative To"});
   std::vector<std::string> kinds;
   for (const auto& [kind, allowed] : forms) kinds.push_back(kind);
   one.bind(
@@ -55,11 +61,12 @@ BoundList<Quantity> declared_quantity_parameters() {
       "the largest over the section (Shape and Material), the utilisation von Mises stress over Strength.");
   one.bind(&Quantity::point, text("Point"),
            "Where: name of a point, MEMBER@s (arc length from the start of the member) or MEMBER@p% (share of its "
-           "length), or a pattern with *: each place that fits, or what Take says. Of a reaction: supported points.");
+           "length), or a pattern with *, ?, [abc]: each place that fits, or what Take says. Of a reaction: supported "
+           "points.");
   one.bind(&Quantity::other_point, text("Other Point"), "distance, angle: the second place.");
   one.bind(&Quantity::corner, text("Corner"), "angle: the place where its two sides meet.");
   one.bind(&Quantity::member, text("Member"),
-           "Name of a member, or a pattern with *; without Position all of it, of which Take says what.");
+           "Name of a member, or a pattern with *, ?, [abc]; without Position all of it, of which Take says what.");
   one.bind(&Quantity::position, real("Position").at_least(0.0).at_most(1.0),
            "Where along the member: arc length from its start over its length.");
   one.bind(&Quantity::before_vertex, text("Side").by_default(),
@@ -80,6 +87,16 @@ BoundList<Quantity> declared_quantity_parameters() {
            "Of quantities above it: NAME, NAME_x, NAME_1, ..., with _ in place of what is no letter or digit.");
   one.bind(&Quantity::limit, real("Limit").at_least(0.0),
            "Largest absolute value that is allowed in any completed step; beyond it the run ends with exit code 1.");
+  one.bind(&Quantity::ratio, real("Span Ratio").above(0.0), "In place of Limit: it is Span over this number, as 300.");
+  one.bind(&Quantity::span, real("Span").above(0.0),
+           "With Span Ratio: the length that it is a part of, a number or a formula, as \"=x('right')-x('left')\" "
+           "[length].");
+  one.bind(&Quantity::load_case, text("Case"),
+           "Load case or combination in which alone the limit counts; " + kWildcards + ".");
+  one.bind(&Quantity::stage, integer("Stage").at_least(1), "Stage in whose steps alone the limit counts.");
+  one.bind(&Quantity::relative_to, integer("Relative To").at_least(0),
+           "Stage from whose end on the limit counts, for the change since then: deflection by live load, without that "
+           "by dead load or by prestress.");
   one.spec.with_forms("Quantity", forms);
   return one;
 }
@@ -114,7 +131,45 @@ void check_take(const Quantity& quantity, const InputPlace& place) {
         "along a whole member; allowed without \"Position\": \"largest\", \"smallest\", \"largest size\"");
 }
 
+void check_limit(const Quantity& quantity, const Teuchos::ParameterList& list, const InputPlace& place) {
+  if (quantity.limit && quantity.ratio)
+    throw place["Span Ratio"].error("given beside \"Limit\"; allowed: one of the two");
+  if (quantity.ratio.has_value() != quantity.span.has_value())
+    throw place[quantity.ratio ? "Span" : "Span Ratio"].error("missing; needed: \"Span\" and \"Span Ratio\", or none");
+  for (const char* of_limit : {"Case", "Stage", "Relative To"})
+    if (list.isParameter(of_limit) && !quantity.allowed())
+      throw place[of_limit].error("given without a limit; allowed: with \"Limit\" or \"Span Ratio\"");
+  if (quantity.stage && quantity.relative_to && *quantity.relative_to >= *quantity.stage)
+    throw place["Relative To"].error("value " + std::to_string(*quantity.relative_to) +
+                                     "; allowed: a stage before \"Stage\", or 0 for the state before any load");
+}
+
 }  // namespace
+
+bool Quantity::is_limited_in(const std::string& one) const {
+  return allowed() && (load_case.empty() || load_case == one || (has_wildcard(load_case) && matches(load_case, one)));
+}
+
+std::string Quantity::since() const {
+  if (!relative_to) return "";
+  return *relative_to == 0 ? " since before any load" : " since the end of stage " + std::to_string(*relative_to);
+}
+
+void check_limits(const std::vector<Quantity>& quantities, const Scene& scene, const InputPlace& place) {
+  const std::vector<std::string> cases = alternatives(scene);
+  for (const Quantity& quantity : quantities) {
+    const InputPlace here = place[quantity.name];
+    if (!quantity.load_case.empty() && names_meant(quantity.load_case, cases).empty())
+      throw here["Case"].error("value \"" + excerpt(quantity.load_case) +
+                               "\" is not a load case or combination of the scene; allowed: " + quoted_list(cases) +
+                               did_you_mean(quantity.load_case, cases));
+    for (const auto& [stage, name, last] : {std::tuple(quantity.stage, "Stage", scene.stages),
+                                            std::tuple(quantity.relative_to, "Relative To", scene.stages - 1)})
+      if (stage && *stage > last)
+        throw here[name].error("value " + std::to_string(*stage) + "; allowed: up to " + std::to_string(last) +
+                               ", as the scene has " + std::to_string(scene.stages) + " stage(s)");
+  }
+}
 
 ListSpec quantities_spec() {
   return ListSpec("What is asked of a run: in every completed step, in monitor, result file, summary and report.")
@@ -133,6 +188,7 @@ std::vector<Quantity> read_quantities(Teuchos::ParameterList& list, const Parame
       throw place.error("name " + problem);
     check_component(quantity, place);
     check_take(quantity, place);
+    check_limit(quantity, list.sublist(list.name(entry)), place);
     quantities.push_back(quantity);
   }
   return quantities;

@@ -36,7 +36,16 @@ struct Quantity {
   std::string component{};           ///< empty: all
   Take take = Take::each;
   std::string formula{};
-  std::optional<double> limit{};  ///< largest absolute value allowed in any completed step
+  std::optional<double> limit{};          ///< largest absolute value allowed in any completed step, ...
+  std::optional<double> span{}, ratio{};  ///< ... or their quotient
+  std::string load_case{};                ///< in which alone the limit counts, or a pattern; empty: in all
+  std::optional<Stage> stage{};           ///< in whose steps alone it counts
+  std::optional<Stage> relative_to{};     ///< at the end of which the value is zero for the limit; 0: before any load
+
+  std::optional<double> allowed() const { return ratio ? *span / *ratio : limit; }
+  bool is_limited_in(const std::string& one) const;
+  /// Behind "the size": " since the end of stage 1".
+  std::string since() const;
 };
 
 /// Declaration of the list "Quantities".
@@ -45,6 +54,9 @@ ListSpec quantities_spec();
 /// Reads the list; whether points and members exist is the affair of QuantitySet. Throws InputError.
 std::vector<Quantity> read_quantities(Teuchos::ParameterList& list, const ParameterSource& source,
                                       const ParameterPath& path = {"Quantities"});
+
+/// Whether the cases and stages that limits name are in the scene. Throws InputError.
+void check_limits(const std::vector<Quantity>& quantities, const Scene& scene, const InputPlace& place);
 
 /// The quantity that a check of common_quantities() compares.
 Quantity quantity_of(const ExpectedValue& expected);

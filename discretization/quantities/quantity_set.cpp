@@ -14,6 +14,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <tuple>
 
 namespace mixbeam {
 
@@ -118,7 +119,11 @@ struct QuantitySet::Resolved {
   double stress_at(const QuantityState& at, int member, const PointSample& sample) const;
   ExtremeRequest request(const QuantityState& at) const;
   Numbers whole(const QuantityState& at) const;
-  Numbers taken(const QuantityState& at) const;
+  bool is_extreme_of_places() const {
+    return places.size() > 1 && !is_of_whole() && asked.take != Take::each && asked.take != Take::sum;
+  }
+  /// Of several places: what is taken of them, and the place of an extreme.
+  std::pair<Numbers, std::size_t> taken(const QuantityState& at) const;
   /// See hidden_in_layers().
   bool is_hidden(const QuantityState& at) const;
   bool is_clamped(std::size_t place, const QuantityState& at) const;
@@ -144,7 +149,7 @@ std::vector<std::string> QuantitySet::names() const {
   return all;
 }
 
-const std::string& QuantitySet::name_of(const Column& column) const { return (*resolved_)[column.quantity].asked.name; }
+const Quantity& QuantitySet::asked(const Column& column) const { return (*resolved_)[column.quantity].asked; }
 
 std::vector<std::string> QuantitySet::units(const std::string& scene_units) const {
   const std::size_t comma = scene_units.find(',');
@@ -228,13 +233,13 @@ void QuantitySet::resolve(const Quantity& quantity, std::size_t index, const Sce
       add_columns(quantity, index, one.places.size() == 1 ? "" : "[" + p.label + "]");
   if (one.is_along_members())
     for (const char* ending : {".member", kArcLength, ".side"})
-      columns_.push_back({quantity.name + ending, index, false, std::string(ending) == ".member", {}});
+      columns_.push_back({quantity.name + ending, index, false, std::string(ending) == ".member"});
   resolved_->push_back(std::move(one));
 }
 
 void QuantitySet::add_columns(const Quantity& quantity, std::size_t index, const std::string& place) {
   for (const std::string& ending : endings_of(quantity))
-    columns_.push_back({quantity.name + place + ending, index, true, false, quantity.limit});
+    columns_.push_back({quantity.name + place + ending, index, true, false, quantity.allowed().has_value()});
 }
 
 void QuantitySet::add_formula(const Quantity& quantity, std::size_t index, const InputPlace& place) {
@@ -352,17 +357,28 @@ ExtremeRequest QuantitySet::Resolved::request(const QuantityState& at) const {
   return request;
 }
 
-/// Of several places, what is taken of them.
-Numbers QuantitySet::Resolved::taken(const QuantityState& state) const {
+std::pair<Numbers, std::size_t> QuantitySet::Resolved::taken(const QuantityState& state) const {
   Numbers total = at(0, state);
+  std::size_t best = 0;
   for (std::size_t i = 1; i < places.size(); ++i) {
     const Numbers next = at(i, state);
     if (asked.take == Take::sum)
       for (std::size_t j = 0; j < total.size(); ++j) total[j] += next[j];
     else if (is_better(asked.take, picked(next, numbers[0]), picked(total, numbers[0])))
-      total = next;
+      std::tie(total, best) = std::tuple(next, i);
   }
-  return total;
+  return {total, best};
+}
+
+std::vector<std::string> QuantitySet::places(const QuantityState& state) const {
+  QuantityState at = state;
+  at.stresses = std::make_shared<StressedSections>(at.model.scene(), at.model.mesh());
+  std::vector<std::string> found;
+  for (const Column& column : columns_) {
+    const Resolved& one = (*resolved_)[column.quantity];
+    found.push_back(one.is_extreme_of_places() ? one.places[one.taken(at).second].label : "");
+  }
+  return found;
 }
 
 /// At the end of an element with a layer that no formula tells, or inside of any element with one.
@@ -427,7 +443,7 @@ std::vector<double> QuantitySet::values(const QuantityState& state) const {
     } else if (one.asked.take == Take::each) {
       for (std::size_t i = 0; i < one.places.size(); ++i) add(one, one.at(i, at));
     } else {
-      add(one, one.taken(at));
+      add(one, one.taken(at).first);
     }
   }
   return values;

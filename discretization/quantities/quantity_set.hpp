@@ -50,18 +50,22 @@ class QuantitySet {
     std::size_t quantity = 0;  ///< in the list
     bool is_value = true;      ///< false: place of an extreme
     bool is_member = false;    ///< index of a member
-    std::optional<double> limit{};
+    bool is_limited = false;   ///< as its quantity says, see asked()
   };
   const std::vector<Column>& columns() const { return columns_; }
   std::vector<std::string> names() const;
   /// Of the quantity that a column belongs to.
-  const std::string& name_of(const Column& column) const;
+  const std::string& name_of(const Column& column) const { return asked(column).name; }
+  const Quantity& asked(const Column& column) const;
   /// Of every column, empty where it has none; `scene_units`: Scene::units, without which nothing is known.
   std::vector<std::string> units(const std::string& scene_units) const;
   bool empty() const { return columns_.empty(); }
 
   /// Of every column. Collective.
   std::vector<double> values(const QuantityState& at) const;
+  /// (column): where the largest or smallest of several places is, "pier 2", "deck@50%"; empty for all others.
+  /// Collective.
+  std::vector<std::string> places(const QuantityState& at) const;
   /// (column): whether a layer of the state lies where a number of its quantity is taken, and no closed form tells it.
   std::vector<unsigned char> hidden_in_layers(const QuantityState& at) const;
 

@@ -65,7 +65,8 @@ BoundList<CurveDraft> declared_curve_parameters() {
       [](auto& d) -> auto& { return d.curve.end_tangents[1]; }, direction("End Tangent"),
       "spline: its direction at the end; no curvature there if absent (any length).");
   draft.bind(
-      [](auto& d) -> auto& { return d.curve.formula; }, array("Formula", ParameterType::text_array, 3),
+      [](auto& d) -> auto& { return d.curve.formula; },
+      array("Formula", ParameterType::text_array, 3).or_other("a formula"),
       "parametric: x, y and z as formulas of t, in global axes; the start point must be where they begin [length].");
   draft.bind(
       [](auto& d) -> auto& { return d.curve.range; },

@@ -41,7 +41,7 @@ struct Sway {
 
 BoundList<Bow> bow_parameters() {
   BoundList<Bow> bow("A half sine over the length of a straight member.");
-  bow.bind(&Bow::member, text("Member").required(), "Name of the member; * stands for any characters.");
+  bow.bind(&Bow::member, text("Member").required(), "Name of the member; " + kWildcards + ".");
   bow.bind(&Bow::amplitude, real("Amplitude"), "Offset of the middle [length].");
   bow.bind(&Bow::share, real("Share"), "Instead of Amplitude: the offset over the length of the member, like 0.002.");
   bow.bind(&Bow::direction, direction("Direction").required(), "Of the offset; its part across the member counts.");

@@ -1,8 +1,10 @@
 #include "discretization/reading/import.hpp"
 
+#include "discretization/parameters/formula_value.hpp"
 #include "discretization/parameters/validate.hpp"
 #include "discretization/reading/read_scene.hpp"
 #include "discretization/reading/scene_parts.hpp"
+#include "discretization/reading/variables.hpp"
 #include "discretization/scene/limits.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
@@ -60,12 +62,25 @@ std::string imported_name(const ImportTable& table, const CsvRecord& record) {
   return name;
 }
 
-/// Of a cell that is not empty.
-ParameterValue cell_value(const ImportTable& table, const CsvRecord& record, const ParameterSpec& spec) {
+/// Of a cell that is not empty, a formula as it stands there.
+ParameterValue written_cell(const ImportTable& table, const CsvRecord& record, const ParameterSpec& spec) {
   const std::string column = lower_case(spec.name);
   ParameterValue value;
   Problem problem = parse_value(table.cell(record, column), spec.type, value);
-  if (problem.empty()) problem = problem_of(value, spec);
+  if (problem.empty() && !stands_for_number(value, spec)) problem = problem_of(value, spec);
+  if (!problem.empty()) throw table.error(record, column, column + ": " + problem);
+  return value;
+}
+
+/// The same with the value of a formula.
+ParameterValue cell_value(const ImportTable& table, const CsvRecord& record, const ParameterSpec& spec,
+                          Variables* variables) {
+  ParameterValue value = written_cell(table, record, spec);
+  const std::string column = lower_case(spec.name);
+  const auto refusal = [&](const std::string& problem) { return table.error(record, column, column + ": " + problem); };
+  if (!stands_for_number(value, spec)) return value;
+  if (variables != nullptr) value = variables->value(value, spec.type, refusal);
+  const Problem problem = problem_of(value, spec);
   if (!problem.empty()) throw table.error(record, column, column + ": " + problem);
   return value;
 }
@@ -234,7 +249,7 @@ void add_entries(const ImportTable& table, const std::map<std::string, EntryColu
       ParameterPath inside = place;
       if (!target.list.empty()) inside.push_back(target.list);
       Teuchos::ParameterList& holder = target.list.empty() ? entry : entry.sublist(target.list);
-      set_value(holder, target.spec.name, cell_value(table, record, target.spec));
+      set_value(holder, target.spec.name, written_cell(table, record, target.spec));
       source.record(child(inside, target.spec.name), table.where(record, column));
     }
   });
@@ -273,29 +288,31 @@ ImportTable members_table(const Teuchos::ParameterList& list, const InputPlace& 
   return {table_of(list, kMembersFile, place), columns, required};
 }
 
-Vector3 imported_vector(const ImportTable& table, const CsvRecord& record, const std::array<std::string, 3>& columns) {
+Vector3 imported_vector(const ImportTable& table, const CsvRecord& record, const std::array<std::string, 3>& columns,
+                        Variables* variables) {
   Vector3 vector{};
   for (std::size_t i = 0; i < 3; ++i) {
     const ParameterSpec component = real(columns[i]).at_least(-kLargestCoordinate).at_most(kLargestCoordinate);
     if (table.cell(record, columns[i]).empty())
       throw table.error(record, columns[i], "missing \"" + columns[i] + "\"; allowed: a number");
-    vector[i] = std::get<double>(cell_value(table, record, component));
+    vector[i] = std::get<double>(cell_value(table, record, component, variables));
   }
   return vector;
 }
 
-Point imported_point(const ImportTable& table, const CsvRecord& record) {
-  return {imported_name(table, record), imported_vector(table, record, {"x", "y", "z"})};
+Point imported_point(const ImportTable& table, const CsvRecord& record, Variables& variables) {
+  return {imported_name(table, record), imported_vector(table, record, {"x", "y", "z"}, &variables)};
 }
 
-Member imported_member(const ImportTable& table, const CsvRecord& record, const Teuchos::ParameterList& list) {
+Member imported_member(const ImportTable& table, const CsvRecord& record, const Teuchos::ParameterList& list,
+                       Variables& variables) {
   Member member;
   member.name = imported_name(table, record);
   for (const BoundParameter<Member>& parameter : member_parameters().parameters) {
     if (!parameter.is_column) continue;
     const std::string column = lower_case(parameter.spec.name);
     if (!table.cell(record, column).empty())
-      parameter.give(member, cell_value(table, record, parameter.spec));
+      parameter.give(member, cell_value(table, record, parameter.spec, &variables));
     else
       parameter.read(list, member);
   }

@@ -15,6 +15,8 @@
 
 namespace mixbeam {
 
+class Variables;
+
 /// Declaration of the list "Import".
 ListSpec import_spec();
 
@@ -65,11 +67,13 @@ ImportTable points_table(const Teuchos::ParameterList& list, const InputPlace& p
 ImportTable members_table(const Teuchos::ParameterList& list, const InputPlace& place);
 ImportTable offsets_table(const Teuchos::ParameterList& list, const InputPlace& place);
 
-/// Three cells of a record as a vector.
-Vector3 imported_vector(const ImportTable& table, const CsvRecord& record, const std::array<std::string, 3>& columns);
+/// Three cells of a record as a vector. Without `variables` they are numbers, no formulas.
+Vector3 imported_vector(const ImportTable& table, const CsvRecord& record, const std::array<std::string, 3>& columns,
+                        Variables* variables = nullptr);
 
 /// One record as a point, or as a member with the defaults of the list "Import".
-Point imported_point(const ImportTable& table, const CsvRecord& record);
-Member imported_member(const ImportTable& table, const CsvRecord& record, const Teuchos::ParameterList& list);
+Point imported_point(const ImportTable& table, const CsvRecord& record, Variables& variables);
+Member imported_member(const ImportTable& table, const CsvRecord& record, const Teuchos::ParameterList& list,
+                       Variables& variables);
 
 }  // namespace mixbeam

@@ -29,7 +29,7 @@ void bind_section_along(BoundList<Member>& member) {
       .column("Section of the members whose record names none; may be absent where the scene has only one.");
   member.bind(&Member::end_section, text("End Section"),
               "Name of the section at its end: the section changes from start to end.");
-  member.bind(&Member::taper, text("Taper"),
+  member.bind(&Member::taper, text("Taper").or_other("a formula"),
               "with End Section: its weight as a formula of x = arc length over length of the member, 0 for the "
               "section of the start, 1 for that of the end; x itself if absent.");
 }
@@ -230,7 +230,7 @@ void SceneReader::import_members() {
   imported_members_.emplace(members_table(list, place_["Import"]));
   std::map<std::array<std::string, 3>, std::string> seen;  // by their points in alphabetical order, and the section
   imported_members_->for_each([&](const CsvRecord& record) {
-    Member member = imported_member(*imported_members_, record, list);
+    Member member = imported_member(*imported_members_, record, list, variables_);
     take_only_section(member);
     const auto [low, high] = std::minmax(member.start_point, member.end_point);
     const auto [first, is_new] = seen.try_emplace({low, high, member.section}, member.name);

@@ -12,7 +12,7 @@ namespace {
 BoundList<Pattern> declared_pattern_parameters() {
   BoundList<Pattern> pattern("Copies of members with their points; acts on the copies of the patterns before it too.");
   pattern.bind(&Pattern::members, array("Members", ParameterType::text_array).by_default(),
-               "Names of the members, where * stands for any characters.");
+               "Names of the members; " + kWildcards + ".");
   pattern.bind(
       &Pattern::kind, text("Kind").required(),
       "repeat: translated by Vector, repeatedly; rotate: about an axis; mirror: reflected in a plane. Points and "

@@ -7,6 +7,9 @@
 
 #include <Teuchos_ParameterList.hpp>
 
+#include <string>
+#include <vector>
+
 namespace mixbeam {
 
 inline constexpr int kMostElements =
@@ -18,8 +21,8 @@ ListSpec scene_spec();
 /// Validates the list (filling in defaults), then everything that names refer to and geometry must satisfy,
 /// supports that hold every part included.
 /// Throws InputError. Points that only the end of an arc or helix reaches are added to the scene's points.
-/// `path`: where the list stands below the root of `source`.
+/// `path`: where the list stands below the root of `source`. `notes`: what is left out where patterns end, and why.
 Scene read_scene(Teuchos::ParameterList& scene_list, const ParameterSource& source,
-                 const ParameterPath& path = {"Scene"});
+                 const ParameterPath& path = {"Scene"}, std::vector<std::string>* notes = nullptr);
 
 }  // namespace mixbeam

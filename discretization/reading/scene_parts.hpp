@@ -68,8 +68,8 @@ void apply_imperfection(const Teuchos::ParameterList& list, const InputPlace& pl
 /// Declares the lists "Supports", "Joints", "Point Loads", ... inside the list "Scene": what acts on the structure.
 void add_condition_lists(ListSpec& scene_spec);
 /// Reads those lists into a scene that has all its points and members, and lets them go with `copies`. `place`: of the
-/// list "Scene".
-void read_conditions(const Teuchos::ParameterList& scene_list, const InputPlace& place, Scene& scene,
-                     const std::vector<CopiedPattern>& copies);
+/// list "Scene". Tells what was left out where patterns end, and why.
+std::vector<std::string> read_conditions(const Teuchos::ParameterList& scene_list, const InputPlace& place,
+                                         Scene& scene, const std::vector<CopiedPattern>& copies);
 
 }  // namespace mixbeam

@@ -24,6 +24,7 @@ constexpr std::size_t kLongestUnit = 16;  // letters: labels of axes have no mor
 ListSpec scene_spec() {
   ListSpec spec(
       "The structure, its supports and its loads; any consistent units, angles in radians, global axes x, y, z.");
+  spec.add_list("Variables", variables_spec(), Presence::optional);
   spec.add_list(
       "Sections",
       ListSpec("Cross sections; at least one here or by Import.").with_named_lists("section", section_spec()));
@@ -50,14 +51,21 @@ ListSpec scene_spec() {
   return spec;
 }
 
-Scene read_scene(Teuchos::ParameterList& scene_list, const ParameterSource& source, const ParameterPath& path) {
-  validate(scene_list, scene_spec(), source, path);
-  Scene scene = SceneReader(scene_list, {source, path}).read();
+Scene read_scene(Teuchos::ParameterList& scene_list, const ParameterSource& source, const ParameterPath& path,
+                 std::vector<std::string>* notes) {
+  const ListSpec spec = scene_spec();
+  Variables variables(scene_list, source, path);
+  variables.resolve(scene_list, spec, path);
+  validate(scene_list, spec, source, path);
+  SceneReader reader(scene_list, {source, path}, variables);
+  Scene scene = reader.read();
+  if (notes != nullptr) *notes = reader.notes();
   check_supports(scene, source, path);
   return scene;
 }
 
-SceneReader::SceneReader(const List& list, const InputPlace& place) : list_(list), place_(place) {}
+SceneReader::SceneReader(const List& list, const InputPlace& place, Variables& variables)
+    : list_(list), place_(place), variables_(variables) {}
 
 Scene SceneReader::read() {
   scene_.name = place_.source().root_name();
@@ -80,7 +88,7 @@ Scene SceneReader::read() {
   if (list_.isSublist("Patterns")) copies = apply_patterns(list_.sublist("Patterns"), place_["Patterns"], scene_);
   if (list_.isSublist("Imperfection"))
     apply_imperfection(list_.sublist("Imperfection"), place_["Imperfection"], scene_);
-  read_conditions(list_, place_, scene_, copies);
+  notes_ = read_conditions(list_, place_, scene_, copies);
   check_points_are_used();
   return std::move(scene_);
 }
@@ -131,7 +139,7 @@ void SceneReader::import_points() {
   if (!list_.isSublist("Import") || !list_.sublist("Import").isParameter("Points File")) return;
   const ImportTable table = points_table(list_.sublist("Import"), place_["Import"]);
   table.for_each([&](const CsvRecord& record) {
-    const Point point = imported_point(table, record);
+    const Point point = imported_point(table, record, variables_);
     if (add_point(point.name, point.position)) return;
     throw table.error(record, "name",
                       "value \"" + excerpt(point.name) + "\" is the name of another point; allowed: names that differ");

@@ -6,6 +6,7 @@
 #include "discretization/parameters/source.hpp"
 #include "discretization/reading/import.hpp"
 #include "discretization/reading/scene_parts.hpp"
+#include "discretization/reading/variables.hpp"
 #include "discretization/scene/scene.hpp"
 
 #include <Teuchos_ParameterList.hpp>
@@ -18,9 +19,11 @@ namespace mixbeam {
 
 class SceneReader {
  public:
-  SceneReader(const Teuchos::ParameterList& list, const InputPlace& place);
+  SceneReader(const Teuchos::ParameterList& list, const InputPlace& place, Variables& variables);
 
   Scene read();
+  /// What was left out where patterns end, and why.
+  const std::vector<std::string>& notes() const { return notes_; }
 
  private:
   using List = Teuchos::ParameterList;
@@ -85,6 +88,8 @@ class SceneReader {
 
   const List& list_;
   const InputPlace place_;
+  Variables& variables_;
+  std::vector<std::string> notes_;
   Scene scene_;
   Index section_index_, point_index_, member_index_;
   std::vector<bool> point_touched_;

@@ -44,7 +44,8 @@ bool has_one_end_at(const Member& member, const std::string& point) {
 InputError unknown_name(const InputPlace& place, const std::string& what, const std::string& name,
                         const std::vector<std::string>& known) {
   return place.error("value \"" + excerpt(name) + "\" is not a " + what +
-                     " of the scene; allowed: " + quoted_list(known) + did_you_mean(name, known));
+                     " of the scene; allowed: " + quoted_list(known) + did_you_mean(name, known) +
+                     (has_wildcard(name) ? "; in patterns " + kWildcards : ""));
 }
 
 }  // namespace mixbeam

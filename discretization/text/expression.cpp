@@ -1,10 +1,15 @@
 #include "discretization/text/expression.hpp"
 
+#include "discretization/text/formula.hpp"
+#include "discretization/text/message_text.hpp"
 #include "kernels/math/constants.hpp"
 
 #include <muParser.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <list>
 #include <stdexcept>
 
 namespace mixbeam {
@@ -25,6 +30,36 @@ void refuse_assignments(const std::string& text) {
   }
 }
 
+double radians(double degrees) { return degrees * (kPi / 180.0); }
+
+void define_words(mu::Parser& parser) {
+  parser.ClearConst();
+  parser.DefineConst("pi", kPi);
+  parser.DefineConst("e", kEuler);
+  parser.DefineFun("atan2", two_argument_arctangent);
+  parser.DefinePostfixOprt("deg", radians);
+}
+
+void check_text(const std::string& text) {
+  if (text.size() > kLongestFormula) throw std::invalid_argument("the formula is longer than 10000 characters");
+  refuse_assignments(text);
+}
+
+/// What the parser asks while it reads one formula.
+struct NameFinder {
+  const FormulaNames& names;
+  std::list<double> values{};  ///< whose addresses the parser holds
+
+  static double* variable(const char* name, void* finder) {
+    auto& self = *static_cast<NameFinder*>(finder);
+    return &self.values.emplace_back(self.names.variable(name));
+  }
+  template <int axis>
+  static double coordinate(void* finder, const char* point) {
+    return static_cast<NameFinder*>(finder)->names.coordinate(axis, point);
+  }
+};
+
 }  // namespace
 
 struct Expression::Formula {
@@ -37,16 +72,12 @@ Expression::Expression() : Expression("0", {}) {}
 
 Expression::Expression(const std::string& text, const std::vector<std::string>& variables)
     : formula_(std::make_shared<Formula>()) {
-  if (text.size() > kLongestFormula) throw std::invalid_argument("the formula is longer than 10000 characters");
-  refuse_assignments(text);
+  check_text(text);
   formula_->text = text;
   formula_->values.assign(variables.size(), 0.0);
   try {
     mu::Parser& parser = formula_->parser;
-    parser.ClearConst();
-    parser.DefineConst("pi", kPi);
-    parser.DefineConst("e", kEuler);
-    parser.DefineFun("atan2", two_argument_arctangent);
+    define_words(parser);
     for (std::size_t i = 0; i < variables.size(); ++i) parser.DefineVar(variables[i], &formula_->values[i]);
     parser.SetExpr(text);
     parser.Eval();  // parses; evaluation itself raises no error
@@ -70,5 +101,53 @@ double Expression::operator()(const std::vector<double>& values) const {
 double Expression::operator()(double value) const { return (*this)(std::vector<double>{value}); }
 
 const std::string& Expression::text() const { return formula_->text; }
+
+double value_of_formula(const std::string& text, const FormulaNames& names) {
+  check_text(text);
+  NameFinder finder{names};
+  try {
+    mu::Parser parser;
+    define_words(parser);
+    parser.DefineFunUserData("x", NameFinder::coordinate<0>, &finder, false);
+    parser.DefineFunUserData("y", NameFinder::coordinate<1>, &finder, false);
+    parser.DefineFunUserData("z", NameFinder::coordinate<2>, &finder, false);
+    parser.SetVarFactory(NameFinder::variable, &finder);
+    std::string quoted = text;  // XML and YAML have uses of their own for double quotes
+    if (text.find('"') == std::string::npos) std::replace(quoted.begin(), quoted.end(), '\'', '"');
+    parser.SetExpr(quoted);
+    const double value = parser.Eval();
+    if (parser.GetNumResults() != 1) throw std::invalid_argument("the formula gives more than one value");
+    return value;
+  } catch (const mu::Parser::exception_type& error) {
+    throw std::invalid_argument(excerpt(error.GetMsg()));
+  }
+}
+
+std::vector<std::string> formula_functions() {
+  mu::Parser parser;
+  define_words(parser);
+  std::vector<std::string> names;
+  for (const auto& function : parser.GetFunDef()) names.push_back(function.first);
+  return names;
+}
+
+std::string with_names_replaced(const std::string& text,
+                                const std::function<std::string(const std::string& name)>& replacement) {
+  const auto belongs = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '.'; };
+  std::string result;
+  for (std::size_t i = 0; i < text.size();) {
+    const bool is_number = std::isdigit(static_cast<unsigned char>(text[i])) != 0 || text[i] == '.';
+    const auto is_sign_of_exponent = [&](std::size_t at) {
+      return is_number && at > i && (text[at] == '-' || text[at] == '+') &&
+             (text[at - 1] == 'e' || text[at - 1] == 'E');
+    };
+    std::size_t end = i;
+    while (end < text.size() && (belongs(text[end]) || is_sign_of_exponent(end))) ++end;
+    const std::string word = text.substr(i, std::max<std::size_t>(end - i, 1));
+    result += end > i && !is_number ? replacement(word) : word;
+    i += word.size();
+  }
+  return result;
+}
 
 }  // namespace mixbeam

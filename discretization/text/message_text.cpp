@@ -85,12 +85,44 @@ std::string nearest_name(const std::string& name, const std::vector<std::string>
   return "";
 }
 
+namespace {
+
+/// Behind the bracket that closes the one at `i`, 0 if they hold nothing.
+std::size_t end_of_choice(const std::string& pattern, std::size_t i) {
+  const std::size_t close = pattern.find(']', i + 1);
+  return close == std::string::npos || close == i + 1 ? 0 : close + 1;
+}
+
+/// Bytes of the pattern at `p` and of the name at `n` that stand for each other, without a `*`; zeros if none do.
+std::pair<std::size_t, std::size_t> fitting(const std::string& pattern, std::size_t p, const std::string& name,
+                                            std::size_t n) {
+  if (p >= pattern.size()) return {0, 0};
+  std::size_t bytes = 1;  // of one character in UTF-8
+  while (n + bytes < name.size() && (static_cast<unsigned char>(name[n + bytes]) & 0xC0U) == 0x80U) ++bytes;
+  if (pattern[p] == '?') return {1, bytes};
+  const std::size_t end = pattern[p] == '[' ? end_of_choice(pattern, p) : 0;
+  if (end == 0)
+    return pattern[p] == name[n] ? std::make_pair<std::size_t, std::size_t>(1, 1) : std::make_pair(0UL, 0UL);
+  const std::string choice = pattern.substr(p + 1, end - p - 2);
+  bool is_one = choice.find(name.substr(n, bytes)) != std::string::npos;
+  for (std::size_t i = 1; i + 1 < choice.size(); ++i)
+    is_one = is_one || (choice[i] == '-' && choice[i - 1] <= name[n] && name[n] <= choice[i + 1]);
+  return is_one ? std::make_pair(end - p, bytes) : std::make_pair(0UL, 0UL);
+}
+
+}  // namespace
+
 std::string did_you_mean(const std::string& name, const std::vector<std::string>& candidates) {
   const std::string nearest = nearest_name(name, candidates);
   return nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?";
 }
 
-bool has_wildcard(const std::string& text) { return text.find('*') != std::string::npos; }
+bool has_wildcard(const std::string& text) {
+  if (text.find_first_of("*?") != std::string::npos) return true;
+  for (std::size_t i = text.find('['); i != std::string::npos; i = text.find('[', i + 1))
+    if (end_of_choice(text, i) > 0) return true;
+  return false;
+}
 
 bool matches(const std::string& pattern, const std::string& name) {
   // After a mismatch only the last `*` has to give way: it takes one character more.
@@ -99,9 +131,9 @@ bool matches(const std::string& pattern, const std::string& name) {
     if (p < pattern.size() && pattern[p] == '*') {
       star = p++;
       taken_from = n;
-    } else if (p < pattern.size() && pattern[p] == name[n]) {
-      ++p;
-      ++n;
+    } else if (const auto [in_pattern, in_name] = fitting(pattern, p, name, n); in_pattern > 0) {
+      p += in_pattern;
+      n += in_name;
     } else if (star != std::string::npos) {
       p = star + 1;
       n = ++taken_from;

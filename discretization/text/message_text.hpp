@@ -27,7 +27,11 @@ std::string did_you_mean(const std::string& name, const std::vector<std::string>
 /// In lower case, letters of ASCII only.
 std::string lower_case(std::string text);
 
-/// Whether `text` is a pattern: it contains a `*`, which stands for any characters, also none.
+/// What a pattern may hold, for messages and pages.
+inline const std::string kWildcards = "* stands for any characters, ? for one, [abc] or [a-c] for one of these";
+
+/// Whether `text` is a pattern: it contains a `*`, which stands for any characters, also none, a `?`, which stands for
+/// one, or characters in brackets, which stand for one of them.
 bool has_wildcard(const std::string& text);
 
 /// Whether the whole name fits the pattern. Takes time in proportion to both lengths at worst.

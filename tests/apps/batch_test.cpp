@@ -116,6 +116,26 @@ TEST_F(Batch, ATableOfLoadsGivesTheElastica) {
     EXPECT_EQ(contents->count(path), 1u) << path;
 }
 
+/// Whatever a formula makes of a variable follows it, in each case of its own.
+TEST_F(Batch, VariablesVaryWithAllThatComesOfThem) {
+  const std::string scene =
+      with(sweep(), "Scene: {Variables: {F: 1, twice: \"=2*F\"}, Point Loads: {weight: {Force: [0, \"=-twice\", 0]}}}");
+  const Ended ended = solve(scene, "Variables/F,Expected/tip turns/Value\n1,\n=8/2,\n");
+  EXPECT_EQ(ended.exit_code, kOk) << ended.err << ended.out;
+  const std::vector<Row> by_variable = rows();
+  ASSERT_EQ(by_variable.size(), 2u);
+  ASSERT_EQ(solve(sweep(), "Point Loads/weight/Force[1]\n-2\n-8\n").exit_code, kOk);
+  const std::vector<Row> by_force = rows();
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(by_variable[i].at("tip moves down"), by_force[i].at("tip moves down"));
+  EXPECT_NE(by_variable[0].at("tip moves down"), by_variable[1].at("tip moves down"));
+  const Ended wrong = solve(scene, "Variables/F\n=8*F\n");
+  EXPECT_EQ(wrong.exit_code, kBadInput);
+  expect_in(wrong.err, {"elastica_sweep.csv:2", "=8*F", "no formula"});
+  const Ended outside = solve(with(scene, "Expected: {tip turns: {Value: \"=-1.4*F\"}}"), "Variables/F\n1\n2\n");
+  EXPECT_EQ(outside.exit_code, kBadInput);
+  expect_in(outside.err, {"Expected / tip turns / Value", "a formula outside"});
+}
+
 TEST_F(Batch, AWrongClosedFormIsFound) {
   const Ended ended = solve(sweep(), changed(sweep_table(), "-0.8106090", "-0.8106091"));
   EXPECT_EQ(ended.exit_code, kCheckFailed) << ended.out;

@@ -4,6 +4,7 @@
 #include "mixbeam_files.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace mixbeam::convert_test {
 namespace {
@@ -154,6 +155,61 @@ TEST_F(Convert, RunsOfEitherFileAreTheSameBits) {
   const Ended resumed = run({"resume", results, "--quiet", "--from", "1", "--threads", "1"});
   EXPECT_EQ(resumed.exit_code, 0) << resumed.err;
   EXPECT_EQ(differences(*yaml, *contents_of(results)), "");
+}
+
+const std::string kWithFormulas = R"yaml(Scene:
+  Variables: {L: 2, slope: 30 deg, h: "=L*tan(slope)", n: "=5*L", F: "=1/L"}
+  Sections: {strip: {EA: "=100*L", Shear Rigid: true, GIt: 1, EI2: 1, EI3: 1}}
+  Points: {foot: [0, 0, 0], top: ["=L", 0, "=h"]}
+  Members: {rod: {Start: foot, End: top, Section: strip, Order: 3, Elements: "=n"}}
+  Supports: {clamp: {Point: foot}}
+  Point Loads: {push: {Point: top, Force: [0, "=-F", "=x('top')*0.01"]}}
+Quantities: {sag: {Quantity: displacement, Point: top, Component: y, Limit: "=2*L"}}
+Solver: {Load Path: {Maximum Step: "=1/4"}}
+)yaml";
+
+/// Formulas are those numbers that one would type, in runs of either format, in resumed ones and in what they tell.
+TEST_F(Convert, FormulasStayFormulasAndCountAsTheirNumbers) {
+  write_text(file("rod.yaml"), kWithFormulas);
+  convert(file("rod.yaml"), "rod.xml");
+  expect_in(text_of(file("rod.xml")),
+            {R"(type="int" value="=n")", R"xml(type="Array(double)" value="{0, =-F, =x('top')*0.01}")xml"});
+  convert(file("rod.xml"), "back.yaml");
+  expect_in(text_of(file("back.yaml")), {R"yaml(Force: [0, "=-F", "=x('top')*0.01"])yaml"});
+  std::string numbers = kWithFormulas;
+  for (const auto& [formula, number] : std::vector<std::pair<std::string, std::string>>{
+           {"  Variables: {L: 2, slope: 30 deg, h: \"=L*tan(slope)\", n: \"=5*L\", F: \"=1/L\"}\n", ""},
+           {"\"=100*L\"", "200"},
+           {"\"=L\"", "2"},
+           {"\"=h\"", shortest(2 * std::tan(30 * (std::acos(-1.0) / 180.0)))},
+           {"\"=n\"", "10"},
+           {"\"=-F\"", "-0.5"},
+           {"\"=x('top')*0.01\"", "0.02"},
+           {"\"=2*L\"", "4"},
+           {"\"=1/4\"", "0.25"}})
+    numbers = changed(numbers, formula, number);
+  write_text(file("typed.yaml"), numbers);
+  const auto solved = [&](const std::string& scene, const std::string& output) {
+    const Ended ended = run({"run", file(scene), "--quiet", "--threads", "1", "--output", file(output)});
+    EXPECT_EQ(ended.exit_code, 0) << ended.err << ended.out;
+    return contents_of(folder_ / output / (fs::path(scene).stem().string() + ".h5"));
+  };
+  const auto yaml = solved("rod.yaml", "yaml"), xml = solved("rod.xml", "xml"), typed = solved("typed.yaml", "typed");
+  ASSERT_TRUE(yaml && xml && typed);
+  EXPECT_EQ(differences(*yaml, *xml), "scene differs\n");
+  const std::string names = differences(*yaml, *typed);  // of the scene, and its text
+  EXPECT_EQ(std::count(names.begin(), names.end(), '\n'), 2) << names;
+  const std::string results = file("yaml/rod.h5");
+  EXPECT_EQ(run({"resume", results, "--quiet", "--from", "1", "--threads", "1"}).exit_code, 0);
+  EXPECT_EQ(differences(*yaml, *contents_of(results)), "");
+  const Ended check = run({"check", file("rod.yaml")});
+  expect_in(check.out,
+            {"variable L = 2\n", "variable slope = 0.5235987756  (\"30 deg\")", "variable n = 10  (\"=5*L\")"});
+  write_text(file("wrong.yaml"), changed(kWithFormulas, "=100*L", "=100*M"));
+  const Ended wrong = run({"check", file("wrong.yaml")});
+  EXPECT_EQ(wrong.exit_code, 2);
+  expect_in(wrong.err,
+            {"wrong.yaml:3:", "Scene / Sections / strip / EA", "=100*M", "unknown name \"M\"", "\"L\", \"slope\""});
 }
 
 TEST_F(Convert, ABatchReadsYamlAndItsTableBesideIt) {

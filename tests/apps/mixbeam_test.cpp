@@ -158,7 +158,7 @@ TEST_F(Mixbeam, ParametersAsTextAndMarkdown) {
   EXPECT_EQ(text.exit_code, kOk);
   EXPECT_EQ(markdown.exit_code, kOk);
   expect_in(text.out, {"[Scene] required", "Maximum Iterations: int", "[Expected]"});
-  expect_in(markdown.out, {"# Parameters of a scene file", "- [Scene](#scene): [Sections](#scene--sections), ",
+  expect_in(markdown.out, {"# Parameters of a scene file", "- [Scene](#scene): [Variables](#scene--variables), ",
                            "\n## Scene\n\nRequired. ", "\n### Scene / Members\n\nOptional. ",
                            "| Maximum Iterations | int", "| --- |", "\\<member>"});
 }

@@ -206,6 +206,29 @@ class Scenes(InFolder):
         rod.elements = None
         self.assertEqual(rod.elements, 1)
 
+    def test_formulas_are_kept_and_count(self):
+        scene = cantilever()
+        scene.variables["L"], scene.variables["F"], scene.variables["a"] = 1000, "=L/100", "30 deg"
+        scene.points["tip"] = "=L", 0, "=L*0"
+        scene.members["rod"].elements = "=L/50"
+        scene.point_loads["weight"].force = [0, 0, "=-F"]
+        for file in ("formulas.yaml", "formulas.xml"):
+            scene.write(file)
+            again = mixbeam.read(file)
+            self.assertEqual(again, scene)
+            self.assertEqual(again.members["rod"].elements, "=L/50")
+            self.assertEqual(again.points["tip"], ["=L", 0.0, "=L*0"])
+            self.assertEqual(again.variables["a"], "30 deg")
+        self.assertEqual(mixbeam.run(scene).displacement("tip")[2], deflection(-10.0))
+        self.assertNotEqual(mixbeam.run(scene).displacement("tip")[2], deflection(-10.001))
+        table = mixbeam.batch(scene, {"variables/F": [10.0, 20.0]})
+        self.assertEqual(len(table), 2)
+        with self.assertRaises(mixbeam.InputError):
+            scene.point_loads["weight"].force = [0, 0, "F"]
+        scene.point_loads["weight"].force = [0, 0, "=-G"]
+        with self.assertRaisesRegex(mixbeam.InputError, 'Force.*unknown name "G"'):
+            mixbeam.run(scene)
+
     def test_unknown_names_tell_the_nearest(self):
         scene = cantilever()
         run = mixbeam.run(scene)

@@ -89,6 +89,71 @@ TEST_F(Quantities, LimitsFailTheRunWhereTheyAreExceeded) {
   expect_in(beyond.out, {"FAIL", "size of sag", "at most 0.9"});
 }
 
+/// Bars of EA = 100 and length 1, 2, 3 pulled by 1 in stage 1 and by 0.5 more in stage 2, where a case adds 0.25: an
+/// end moves by N L / EA, which is exact however large it is.
+const std::string kBars = R"(Scene:
+  Sections: {bar: {EA: 100, Shear Rigid: true, GIt: 1, EI2: 1, EI3: 1}}
+  Points: {A: [0, 0, 0], end 1: [1, 0, 0], end 2: [0, 2, 0], end 3: [-3, 0, 0]}
+  Members: {bar 1: {Start: A, End: end 1}, bar 2: {Start: A, End: end 2}, bar 3: {Start: A, End: end 3}}
+  Load Cases: [calm, storm]
+  Supports: {clamp: {Point: A}}
+  Point Loads:
+    dead: {Point: end 1, Force: [1, 0, 0]}
+    live: {Point: end 1, Force: [0.5, 0, 0], Stage: 2}
+    gust: {Point: end 1, Force: [0.25, 0, 0], Stage: 2, Case: storm}
+    across: {Point: end 2, Force: [0, 1, 0]}
+    back: {Point: end 3, Force: [-1, 0, 0]}
+Quantities:
+  u: {Quantity: displacement, Point: end 1, Component: x, )";
+
+TEST_F(Quantities, LimitsOfCasesAndStagesAndOfChanges) {
+  const auto ended = [&](const std::string& limit) {
+    write_text(folder_ / "scene.yaml", kBars + limit + "}\n");
+    return run_process(program("mixbeam"), {"run", "scene.yaml", "--output", "out", "--quiet"}, folder_.path());
+  };
+  const auto expect_limit = [&](const std::string& within, const std::string& beyond) {
+    const Ended kept = ended(within), exceeded = ended(beyond);
+    EXPECT_EQ(kept.exit_code, kOk) << within << kept.out << kept.err;
+    EXPECT_EQ(exceeded.exit_code, kCheckFailed) << beyond << exceeded.err;
+  };
+  expect_limit("Limit: 0.0176", "Limit: 0.0174");
+  expect_limit("Limit: 0.0151, Case: calm", "Limit: 0.0149, Case: calm");
+  expect_limit("Limit: 0.0151, Case: 'c*'", "Limit: 0.0151, Case: '[cs]*'");
+  expect_limit("Limit: 0.0101, Stage: 1", "Limit: 0.0101, Stage: 2");
+  expect_limit("Limit: 0.0076, Relative To: 1", "Limit: 0.0074, Relative To: 1");
+  expect_limit("Limit: 0.0051, Relative To: 1, Case: calm", "Limit: 0.0149, Relative To: 0, Case: calm");
+  expect_limit("Span: \"=x('end 1')*3.5\", Span Ratio: 198, Relative To: 0", "Span: 3.5, Span Ratio: 202");
+  expect_in(ended("Limit: 0.0074, Relative To: 1").out,
+            {"FAIL", "size of u since the end of stage 1", "storm", "at most 0.0074"});
+  EXPECT_EQ(run_process(program("mixbeam"), {"resume", "out/scene-storm.h5", "--from", "1"}, folder_.path()).exit_code,
+            kCheckFailed);
+  const auto expect_refused = [&](const std::string& limit, const std::vector<std::string>& parts) {
+    const Ended refused = ended(limit);
+    EXPECT_EQ(refused.exit_code, kBadInput) << limit;
+    expect_in(refused.err, parts);
+  };
+  expect_refused("Limit: 1, Case: strom", {"scene.yaml:", "Quantities / u / Case", "did you mean \"storm\"?"});
+  expect_refused("Limit: 1, Stage: 3", {"u / Stage", "value 3", "up to 2"});
+  expect_refused("Limit: 1, Relative To: 2", {"u / Relative To", "up to 1"});
+  expect_refused("Limit: 1, Relative To: 1, Stage: 1", {"u / Relative To", "a stage before"});
+  expect_refused("Relative To: 1", {"u / Relative To", "without a limit"});
+  expect_refused("Span Ratio: 300", {"u / Span", "missing"});
+  expect_refused("Span: 3, Span Ratio: 300, Limit: 1", {"u / Span Ratio", "one of the two"});
+}
+
+/// 0.0175, 0.02 and 0.03 at the ends of the bars, in the storm.
+TEST_F(Quantities, TheLargestOfSeveralPlacesHasAPlace) {
+  write_text(folder_ / "scene.yaml",
+             kBars + "}\n  far: {Quantity: displacement, Point: 'end *', Component: norm, Take: largest}\n" +
+                 "  half: {Quantity: displacement, Point: 'bar [12]@50%', Component: norm, Take: smallest}\n");
+  const Ended ended =
+      run_process(program("mixbeam"),
+                  {"run", "scene.yaml", "--case", "storm", "--output", "out", "--summary", "sum.json"}, folder_.path());
+  ASSERT_EQ(ended.exit_code, kOk) << ended.err;
+  expect_in(ended.out, {"at the end: end 3\n", "at the end: bar 1@50%\n"});
+  expect_in(text_of(folder_ / "sum.json"), {"\"place\": \"end 3\"", "\"place\": \"bar 1@50%\""});
+}
+
 TEST_F(Quantities, MayBeExpected) {
   const auto expecting = [](const std::string& name, double value) {
     return with(asking(kTip), "Expected: {check: {Quantity: " + name + ", Value: " + std::to_string(value) +

@@ -1,4 +1,5 @@
 #include "discretization/text/expression.hpp"
+#include "discretization/text/formula.hpp"
 
 #include <gtest/gtest.h>
 
@@ -39,6 +40,22 @@ TEST(Expression, AssignmentsAreRefusedAndComparisonsAreNot) {
   for (const char* text : {"x = 3", "x*(x=0.1)", "x>0 ? x=1 : 2"})
     EXPECT_THROW(Expression(text, {"x"}), std::invalid_argument) << text;
   for (const char* text : {"x==3", "x<=3", "x>=3", "x!=3"}) EXPECT_NO_THROW(Expression(text, {"x"})) << text;
+}
+
+TEST(Expression, DegreesAndPointsAndNames) {
+  EXPECT_DOUBLE_EQ(Expression("sin(30 deg)", {})(std::vector<double>{}), std::sin(30 * (std::acos(-1.0) / 180.0)));
+  const FormulaNames names{
+      [](const std::string& name) -> double {
+        if (name != "L") throw std::invalid_argument("unknown " + name);
+        return 3.0;
+      },
+      [](int axis, const std::string& point) { return axis + (point == "deck w10" ? 10.0 : 20.0); }};
+  EXPECT_EQ(value_of_formula("2*L + x(\"deck w10\")", names), 16.0);
+  EXPECT_EQ(value_of_formula("y('deck w10') - z('b')", names), -11.0);
+  EXPECT_THROW(value_of_formula("M", names), std::invalid_argument);
+  EXPECT_THROW(value_of_formula("x", names), std::invalid_argument);
+  const auto doubled = [](const std::string& name) { return name + name; };
+  EXPECT_EQ(with_names_replaced("a+1e5*b2-1.5e-3*_c", doubled), "aa+1e5*b2b2-1.5e-3*_c_c");
 }
 
 TEST(Expression, DivisionByZeroIsANumberForTheCallerToJudge) {

@@ -38,8 +38,10 @@ Scene:
 /// What the list "Scene" describes, whether supports hold it or not: read_scene without its last check.
 inline Scene described_by(const XmlParameters& xml) {
   Teuchos::ParameterList& list = xml.list->sublist("Scene");
+  Variables variables(list, xml.source);
+  variables.resolve(list, scene_spec(), {"Scene"});
   validate(list, scene_spec(), xml.source, {"Scene"});
-  return SceneReader(list, {xml.source, {"Scene"}}).read();
+  return SceneReader(list, {xml.source, {"Scene"}}, variables).read();
 }
 
 inline Scene scene_from(const std::string& text) { return described_by(parsed(text)); }

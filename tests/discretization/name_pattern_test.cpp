@@ -15,7 +15,20 @@ TEST(NamePattern, StarsStandForAnyCharacters) {
   EXPECT_TRUE(matches("*.*", "1.2"));
   EXPECT_TRUE(matches("*aab", "aaaab"));  // the star must give way more than once
   EXPECT_FALSE(matches("", "a"));
-  EXPECT_FALSE(matches("a?", "ab"));  // nothing else is special
+  EXPECT_TRUE(matches("a?", "ab"));
+  EXPECT_TRUE(matches("?c",
+                      "\xc3\xa4"
+                      "c"));  // one letter of two bytes
+  EXPECT_FALSE(matches("a?", "a"));
+  EXPECT_FALSE(matches("a?", "abc"));
+  for (const std::string name : {"leg 1", "leg 3", "leg 5", "leg 6"}) EXPECT_TRUE(matches("leg [135-7]", name)) << name;
+  for (const std::string name : {"leg 2", "leg 8", "leg 13", "leg "})
+    EXPECT_FALSE(matches("leg [135-7]", name)) << name;
+  EXPECT_TRUE(matches("*[ab]?", "xxbay"));
+  EXPECT_TRUE(matches("a[", "a["));  // never closed, or empty: nothing special
+  EXPECT_TRUE(matches("a[]", "a[]"));
+  EXPECT_FALSE(has_wildcard("a[] ]"));
+  EXPECT_TRUE(has_wildcard("a[b]"));
 }
 
 TEST(NamePattern, TakesNoExponentialTime) {

@@ -129,7 +129,7 @@ TEST(DistributedLoads, ByFormula) {
   expect_refused(line_load("Member: strut, Couple Formula: [0, 0, sqrt(4 - s)]"), {"is ", "x = 1"});
   EXPECT_NO_THROW(tripod_with(line_load("Member: strut, Couple Formula: [0, 0, sqrt(4.5 - s)]")));
   expect_refused(line_load("Member: strut, Force Formula: [0, 0, 1 +]"), {"is no formula"});
-  expect_refused(line_load("Member: strut, Force Formula: [0, 0, t]"), {"a formula of s and x"});
+  expect_refused(line_load("Member: strut, Force Formula: [0, 0, t]"), {"a formula of s, x, X, Y and Z"});
   expect_refused(line_load("Member: strut, Force Formula: [0, 0]"), {"has 2 entries"});
   expect_refused(line_load("Member: strut, Force Formula: [0, 0, 1], Force: [0, 0, 1]"),
                  {"given beside \"Force\"", "one of the two"});
@@ -302,6 +302,28 @@ TEST(Gravity, NeedsAMass) {
   const Scene scene = scene_from(heavy);
   ASSERT_EQ(scene.distributed_loads.size(), scene.members.size());
   EXPECT_EQ(scene.distributed_loads[0].force, (Vector3{0, 0, -5}));
+}
+
+TEST(Gravity, MayBeSeveralOfStagesAndCases) {
+  const auto heavy = [](const std::string& gravity) {
+    return changed(tripod(kClamps, kCases + "Gravity: {" + gravity + "}"), "EA: 1e4, ", "EA: 1e4, Mass: 0.5, ");
+  };
+  const Scene scene =
+      scene_from(heavy("dead: {Acceleration: [0, 0, -10]}, quake: {Acceleration: [3, 0, 0], Stage: 2, Case: wind}"));
+  const std::size_t members = scene.members.size();
+  ASSERT_EQ(scene.distributed_loads.size(), 2 * members);
+  EXPECT_EQ(scene.distributed_loads[0].force, (Vector3{0, 0, -5}));
+  EXPECT_EQ(scene.distributed_loads[members].force, (Vector3{1.5, 0, 0}));
+  EXPECT_EQ(scene.distributed_loads[members].stage, 2);
+  EXPECT_EQ(scene.distributed_loads[members].load_case, "wind");
+  EXPECT_EQ(scene.gravity, 10.0);
+  const auto refused = [&](const std::string& gravity, const std::vector<std::string>& parts) {
+    expect_in(message_of([&] { scene_from(heavy(gravity)); }), parts);
+  };
+  refused("", {"Scene / Gravity", "Acceleration"});
+  refused("dead: {Stage: 1}", {"Gravity / dead / Acceleration", "missing"});
+  refused("dead: {Acceleration: [0, 0, -10]}, Stage: 2", {"Gravity / Stage", "beside weights"});
+  refused("Acceleraton: [0, 0, -10]", {"Gravity / Acceleraton", "did you mean \"Acceleration\""});
 }
 
 TEST(NamePatterns, ExactNamesWin) {

@@ -53,6 +53,27 @@ TEST_F(SceneImport, ReadsTables) {
   EXPECT_EQ(scene.members[1].elements, 7);
 }
 
+TEST_F(SceneImport, CellsMayBeFormulas) {
+  write("points.csv", "A,0,0,0\nB,=x('A')+2*h,0,0\nC,=x('B'),1,-2.5\n");
+  write("members.csv", "m,A,B,flat\nn,B,C,flat,3,=2*h\n");
+  write("loads.csv", "name,point,force\nl,C,\"{0, =-h, =x('C')}\"\n");
+  const std::string import =
+      "Variables: {h: 2, w: \"=y('C')\"}, Import: {Points File: points.csv, Members File: members.csv, Point Loads "
+      "File: "
+      "loads.csv}, ";
+  XmlParameters file = parsed(scene_text("", "", import), folder_.string() + "/");
+  import_entries(file.list->sublist("Scene"), file.source);
+  const Scene scene = described_by(file);
+  expect_at(scene, "C", {4, 1, -2.5}, 0.0);
+  EXPECT_EQ(scene.members[1].elements, 4);
+  EXPECT_EQ(scene.point_loads[0].force, (Vector3{0, -2, 4}));
+  EXPECT_EQ(file.list->sublist("Scene").sublist("Variables").get<double>("w"), 1.0);
+  write("points.csv", "A,0,0,0\nB,=x('C'),0,0\nC,=x('B'),1,-2.5\n");
+  expect_refused({"points.csv:3:", "needs itself: x(C) -> x(B) -> x(C)"});
+  write("points.csv", "A,0,0,0\nB,=hh,0,0\nC,2,1,-2.5\n");
+  expect_refused({"points.csv:2:", "x: value", "=hh", "no variables"});
+}
+
 TEST_F(SceneImport, TheOnlySectionIsMeantWhereNoneIsNamed) {
   write("points.csv", kPoints);
   write("members.csv", "m,A,B\n");

@@ -269,6 +269,29 @@ TEST(ScenePatterns, JointsGoWithTheirMembers) {
   EXPECT_NEAR(scene.joints[1].axis[1], std::sqrt(0.75), kRounding);
 }
 
+/// Three cells in a row, each hinged to the one before: behind the last there is none.
+TEST(ScenePatterns, WhatHasNoMembersWhereThePatternEndsIsLeftOut) {
+  const std::string joint = "Joints: {j: {Point: B, Members: [along], Kind: hinge, Axis: [0, 0, 1]}}, ";
+  std::vector<std::string> notes;
+  const auto read = [&](const std::string& text) {
+    XmlParameters file = parsed(text);
+    return read_scene(file.list->sublist("Scene"), file.source, {"Scene"}, &notes);
+  };
+  const Scene scene = read(scene_text(kCell, kCellMembers, patterns({repeat("[1, 0, 0]", 3, "Copy: all")}) + joint));
+  ASSERT_EQ(scene.joints.size(), 2U);
+  EXPECT_EQ(scene.joints[1].point, "B (1)");
+  EXPECT_EQ(scene.joints[1].members, std::vector<std::string>{"along (1)"});
+  ASSERT_EQ(notes.size(), 1U);
+  expect_in(notes[0], {"Joints / j", "\"B (2)\"", "no members there"});
+  expect_text_refused(changed(scene_text(kCell, kCellMembers, joint), "Point: B, M", "Point: C, M"), {"Joints / j"});
+  const std::string load = "Point Loads: {p: {Point: A, Force: [1, 0, 0], Frame: follower, Member: along}}, ";
+  const std::string columns = patterns({repeat("[1, 0, 0]", 2, "Members: [up], Copy: all")});
+  const Scene loaded = read(scene_text(kCell, kCellMembers, columns + load));
+  EXPECT_EQ(loaded.point_loads.size(), 1U);
+  ASSERT_EQ(notes.size(), 1U);
+  expect_in(notes[0], {"Point Loads / p", "\"B\"", "\"along\"", "turns with"});
+}
+
 TEST(ScenePatterns, TwoSupportsOfOnePointAreRefused) {
   const std::string text = scene_text(kCell, kCellMembers, patterns({repeat("[1, 0, 0]", 2, "Copy: all")}));
   expect_text_refused(changed(text, "Supports: {", "Supports: {right: {Point: B}, "),

@@ -11,6 +11,13 @@ std::vector<double> values_of(const QuantitySet& quantities, const Simulation& s
                             simulation.strain_energy(), simulation.stability().negative, simulation.jumps()});
 }
 
+std::vector<std::string> places_of(const QuantitySet& quantities, const Simulation& simulation) {
+  if (quantities.empty()) return {};
+  const std::vector<Reaction> reactions = simulation.reactions();
+  return quantities.places({simulation.model(), simulation.state(), simulation.load_factor(), reactions,
+                            simulation.strain_energy(), simulation.stability().negative, simulation.jumps()});
+}
+
 std::vector<double> values_of(const QuantitySet& quantities, const Simulation& simulation, const StepRecord& record) {
   if (quantities.empty()) return {};
   return quantities.values({simulation.model(), simulation.state(), record.load_factor, record.reactions,

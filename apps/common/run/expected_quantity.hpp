@@ -11,6 +11,8 @@ namespace mixbeam {
 
 /// Every number of a set that was made for the scene of the simulation. Collective.
 std::vector<double> values_of(const QuantitySet& quantities, const Simulation& simulation);
+/// Where extremes over places are, see QuantitySet::places().
+std::vector<std::string> places_of(const QuantitySet& quantities, const Simulation& simulation);
 
 /// The same in a state that is being recorded: what the record knows is not computed again. Collective.
 std::vector<double> values_of(const QuantitySet& quantities, const Simulation& simulation, const StepRecord& record);

@@ -8,6 +8,7 @@
 #include "discretization/parameters/validate.hpp"
 #include "discretization/reading/import.hpp"
 #include "discretization/reading/read_scene.hpp"
+#include "discretization/reading/variables.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 #include "discretization/text/result_names.hpp"
@@ -141,6 +142,7 @@ void read_quantities_of(Application& app) {
   const ParameterPath path = {"Quantities"};
   const std::vector<Quantity> quantities = read_quantities(app.xml.list->sublist("Quantities"), app.xml.source, path);
   app.quantities = QuantitySet(quantities, app.scene, {app.xml.source, path});
+  check_limits(quantities, app.scene, {app.xml.source, path});
   std::set<std::string> taken(kOwnTimeSeries.begin(), kOwnTimeSeries.end());
   for (const char* kind : {".displacement", ".rotation", ".reaction_force", ".reaction_moment"})
     for (const std::string& point : followed_points(app.scene)) taken.insert(point + kind);
@@ -168,11 +170,15 @@ void read_scene_file(Application& app, XmlParameters xml, const ApplicationDefin
                      const ListSpec& root) {
   app.xml = std::move(xml);
   import_tables(app.xml);
+  if (app.xml.list->isSublist("Scene"))
+    Variables(app.xml.list->sublist("Scene"), app.xml.source).resolve(*app.xml.list, root, {});
   for (const std::string& text : validate(*app.xml.list, root, app.xml.source)) {
     app.summary.warnings.push_back(text);
     app.out() << "warning: " << text << "\n";
   }
-  app.scene = read_scene(app.xml.list->sublist("Scene"), app.xml.source);
+  std::vector<std::string> notes;
+  app.scene = read_scene(app.xml.list->sublist("Scene"), app.xml.source, {"Scene"}, &notes);
+  for (const std::string& note : notes) app.out() << "note: " << note << "\n";
   if (app.scene.accuracy && !definition.chooses_meshes)
     throw app.xml.source.error({"Scene", "Accuracy"},
                                "given, but this program's meshes are those of its study; allowed: "

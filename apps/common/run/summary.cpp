@@ -56,6 +56,7 @@ inline constexpr auto kFields<FollowedQuantity> =
                field("step_of_largest_size", &FollowedQuantity::step_of_largest_size),
                field("error", &FollowedQuantity::error, Kept::if_known),
                field("not_estimated", &FollowedQuantity::not_estimated, Kept::if_known),
+               field("place", &FollowedQuantity::place, Kept::if_known),
                field("member", &FollowedQuantity::member, Kept::if_known),
                field("arc_length", &FollowedQuantity::arc_length),
                field("side", &FollowedQuantity::side)};

@@ -85,6 +85,7 @@ struct FollowedQuantity {
   std::string member{};     ///< where an extreme along members is, at the end; empty for others
   double arc_length = 0.0;  ///< [length]
   int side = 0;             ///< -1, 1: before, after a vertex
+  std::string place{};      ///< of an extreme over several places, likewise
   double error = 0.0;       ///< estimated at the end, of the size; NaN: `not_estimated`, or none was asked for
   std::string not_estimated{};
 };

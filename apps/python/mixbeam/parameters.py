@@ -70,7 +70,9 @@ class Parameters(MutableMapping):
 
     `scene.members["beam"].elements = 20`. Numbers, texts, sequences and arrays are converted to the declared type; a name
     that is not declared raises UnknownName, with the nearest one. A parameter that was not given is its default, or None;
-    one that is set to None is given no longer. Arrays of numbers are arrays of NumPy, whose entries may be changed.
+    one that is set to None is given no longer. Arrays of numbers are arrays of NumPy, whose entries may be changed. A text
+    that begins with = stands for a number as a formula of `scene.variables`: "=2*L"; it is read back as it was given, and
+    an array with formulas in it as a list.
     """
 
     __slots__ = ("_declaration", "_parent", "_key", "_entries", "_kinds")
@@ -223,7 +225,11 @@ class Parameters(MutableMapping):
             else:
                 kind, value = entry
                 self._kinds[name] = kind
-                self._entries[name] = np.array(value, float) if kind == "Array(double)" else value
+                if kind == "Array(double)":
+                    value = _read_numbers(value, float) if any(isinstance(one, str) for one in value) else np.array(value, float)
+                elif kind == "Array(int)":
+                    value = _read_numbers(value, int)
+                self._entries[name] = value
         return self
 
     def _xml(self, name, indent):
@@ -248,10 +254,38 @@ def convert(value, parameter, place):
     kind = parameter["type"] if parameter else undeclared_kind(value)
     if parameter and parameter.get("words") and isinstance(value, (str, bool)):
         return "string", str(value).lower() if isinstance(value, bool) else value
+    if parameter and is_formula(value, parameter):
+        return "string" if isinstance(value, str) and not value.lstrip().startswith("=") else kind, value
+    if kind in ("Array(double)", "Array(int)") and any(isinstance(one, str) for one in _entries(value)):
+        return kind, _with_formulas(value, kind, place)
     try:
         return kind, CONVERSIONS[kind](value)
     except (TypeError, ValueError, OverflowError):
         raise InputError(f"{place}: {value!r}; allowed: {kind}") from None
+
+
+def is_formula(value, parameter):
+    """Whether a text stands in place of a number: "=2*L"; as a variable it needs no =."""
+    return isinstance(value, str) and parameter["type"] in ("double", "int") and (
+        value.lstrip().startswith("=") or "or_other" in parameter)
+
+
+def _read_numbers(texts, number):
+    """Entries of an array with formulas in it come as texts."""
+    return [one if isinstance(one, str) and one.lstrip().startswith("=") else number(one) for one in texts]
+
+
+def _entries(value):
+    return value if isinstance(value, (list, tuple)) else ()
+
+
+def _with_formulas(value, kind, place):
+    """Numbers and formulas of an array, as a list."""
+    one = CONVERSIONS[kind[6:-1]]
+    try:
+        return [each if isinstance(each, str) and each.lstrip().startswith("=") else one(each) for each in value]
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"{place}: {value!r}; allowed: {kind}, and formulas like \"=2*L\"") from None
 
 
 def undeclared_kind(value):
@@ -304,7 +338,9 @@ CONVERSIONS = {"bool": _boolean, "int": _integer, "double": _real, "string": _te
 def text_of(value, kind):
     """As XML holds it: numbers in the fewest digits that give the same bits."""
     if kind.startswith("Array"):
-        return "{" + ", ".join(text_of(one, kind[6:-1]) for one in (value.tolist() if kind == "Array(double)" else value)) + "}"
+        return "{" + ", ".join(text_of(one, kind[6:-1]) for one in (value.tolist() if isinstance(value, np.ndarray) else value)) + "}"
+    if isinstance(value, str):  # formulas in place of numbers too
+        return value
     return str(value).lower() if kind == "bool" else repr(value) if kind == "double" else str(value)
 
 

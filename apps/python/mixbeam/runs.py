@@ -241,12 +241,27 @@ class Run:
         names, rows = self._evaluate(asked, step)
         return {name: _valued(name, names, rows, step, list(self.members)) for name in asked}
 
+    def places(self, step=-1):
+        """{name: where} of the largest and smallest that the scene asks for: "deck 3@50%" or "pier 2" of several places,
+        "deck at s = 1.25" along members."""
+        asked = self.scene.quantities
+        names, _ = self._evaluate(asked, step)
+        found = dict(zip(names, self._core.places(self._as_xml(asked), operator.index(step))))
+        for name, value in self.quantities(step).items():
+            if isinstance(value, Extreme):
+                found[name] = f"{value.member} at s = {value.arc_length:.6g}"
+        return {name: place for name, place in found.items() if place}
+
     def _evaluate(self, entries, step):
+        steps = list(range(len(self))) if step is None else [operator.index(step)]
+        return self._core.evaluate(self._as_xml(entries), steps)
+
+    @staticmethod
+    def _as_xml(entries):
         wanted = Parameters(root().lists["Quantities"])
         for name, parameters in entries.items():
             wanted[name] = parameters
-        steps = list(range(len(self))) if step is None else [operator.index(step)]
-        return self._core.evaluate("".join(wanted._xml("quantities", "")), steps)
+        return "".join(wanted._xml("quantities", ""))
 
     # --- along members -------------------------------------------------------------------------------------------------
     @cached_property

@@ -38,6 +38,14 @@ def type_of(parameter):
     return name + (" | str | bool" if parameter.get("words") else "")
 
 
+def given_type(parameter):
+    """What may be given, formulas like "=2*L" in place of numbers too."""
+    kind = type_of(parameter)
+    if parameter["type"] in ("double", "int"):
+        return kind if "| str" in kind else kind + " | str"
+    return kind + " | Sequence[int | str]" if parameter["type"] == "Array(int)" else kind
+
+
 class Stubs:
     """Text of classes, one for each kind of list."""
 
@@ -68,7 +76,7 @@ class Stubs:
         entry = declaration.free_list or declaration.free_parameter
         if entry:
             kind = self.name_of(entry) if declaration.free_list else type_of(entry)
-            given = f"{kind} | Mapping[str, Any]" if declaration.free_list else kind
+            given = f"{kind} | Mapping[str, Any]" if declaration.free_list else given_type(entry)
             lines += [f"    def __getitem__(self, name: str) -> {kind}: ...",
                       f"    def __setitem__(self, name: str, value: {given}) -> None: ..."]
         self.text.append("\n".join(lines))
@@ -83,7 +91,7 @@ class Stubs:
                     keywords.setdefault(python, "Mapping[str, Any]")
                     collect(inner.lists[xml])
                 elif xml not in shape:
-                    keywords.setdefault(python, type_of(inner.parameters[xml]))
+                    keywords.setdefault(python, given_type(inner.parameters[xml]))
 
         collect(declaration)
         given = ", ".join(f"{python}: {kind} | None = ..." for python, kind in keywords.items())

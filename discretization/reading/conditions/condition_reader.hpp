@@ -1,10 +1,12 @@
 /// The work behind read_conditions (reading/scene_parts.hpp).
 #pragma once
 
+#include "discretization/geometry/reference_curve.hpp"
 #include "discretization/parameters/access.hpp"
 #include "discretization/parameters/binding.hpp"
 #include "discretization/reading/scene_parts.hpp"
 #include "discretization/scene/names.hpp"
+#include "discretization/scene/what_acts.hpp"
 
 #include <set>
 #include <unordered_map>
@@ -13,7 +15,7 @@
 namespace mixbeam {
 
 /// What follows the name of a point or member that may stand for many.
-inline const std::string kWildcard = "; * stands for any characters, and every match is meant.";
+inline const std::string kWildcard = "; " + kWildcards + ", and every match is meant.";
 
 /// Stage, amplitude and case of whatever acts.
 template <class Acting>
@@ -24,7 +26,7 @@ void bind_schedule(BoundList<Acting>& list, const std::string& what) {
                 " from zero to full while the load factor goes from stage - 1 to stage, and stays after that; with an "
                 "amplitude: the load factor runs at least up to this number.");
   list.bind(
-      &Acting::amplitude, text("Amplitude"),
+      &Acting::amplitude, text("Amplitude").or_other("a formula"),
       "Factor of all components as a formula of t = load factor, like sin(pi*t); instead of the growth in one stage.");
   list.bind(&Acting::load_case, text("Case"),
             "Load case, one of \"Load Cases\", in which alone it acts; in all of them if absent.");
@@ -42,6 +44,9 @@ extern const BoundList<DistributedLoad> kDistributedLoadParameters;
 extern const BoundList<DistributedLoad> kGravityParameters;
 extern const BoundList<EigenstrainDraft> kEigenstrainParameters;
 
+/// The list "Gravity".
+ListSpec gravity_spec();
+
 /// One pass over what acts on a scene whose points and members are complete.
 class ConditionReader {
  public:
@@ -50,7 +55,8 @@ class ConditionReader {
                   const std::vector<CopiedPattern>& copies)
       : scene_list_(scene_list), place_(place), scene_(scene), copies_(copies), names_(scene) {}
 
-  void read();
+  /// Tells what was left out where patterns end, and why.
+  std::vector<std::string> read();
 
  private:
   using List = Teuchos::ParameterList;
@@ -78,12 +84,15 @@ class ConditionReader {
   void check_part(const DistributedLoad& load, const List& list, const InputPlace& place) const;
   void divide_at(const std::string& member, const std::array<double, 2>& range, const InputPlace& place);
   void read_gravity();
+  void read_weight(const List& list, const InputPlace& place);
   void read_eigenstrains();
 
   using ImagesOf = std::unordered_map<std::string, std::string> PatternCopy::*;
   template <class Acting, class Add>
   void copy_with_patterns(std::vector<Acting>& all, std::vector<std::string>& entries, std::string Acting::*at,
                           ImagesOf images_of, const Add& add);
+  void note_left_out(const std::string& list, const std::string& entry, const std::string& point,
+                     const std::string& why);
   void copy_supports();
   void copy_joints();
   void copy_point_loads();
@@ -100,13 +109,15 @@ class ConditionReader {
 
   Joint read_joint(const List& list, const InputPlace& place);
   void join(const std::string& text, Joint& joint, const InputPlace& place);
+  bool is_someone_left(const Joint& joint) const;
   void check_someone_is_left(const Joint& joint) const;
 
   std::string follower_member(const std::string& text, const std::string& point, const InputPlace& place) const;
   /// Instead of the constant `name`, the three formulas of `name` + " Formula" may be given.
   void check_field(const List& list, const std::string& name, const std::vector<const Member*>& members,
                    const std::array<std::string, 3>& formula, const InputPlace& place) const;
-  double length_of(const Member& member) const;
+  ReferenceCurve curve_of(const Member& member) const;
+  Formulas along(const Member& member, Formulas formula, const InputPlace& place) const;
   void add_temperature(EigenstrainDraft& strain, const InputPlace& place) const;
   void check_any_given(const List& list, const std::vector<std::string>& parameters, const std::string& problem,
                        const InputPlace& place) const;
@@ -140,6 +151,7 @@ class ConditionReader {
   std::vector<UsedStage> stages_used_;
   std::vector<std::pair<std::string, InputPlace>> amplitudes_;
   std::size_t conditions_ = 0;
+  std::vector<std::string> notes_;
 };
 
 }  // namespace mixbeam

@@ -69,8 +69,8 @@ void turn(const Isometry& motion, Support& support) {
 
 }  // namespace
 
-/// Calls `add` with each copy and the motion that made it. An entry acts once at each place: where it is already, by
-/// its name or as another copy, nothing is added.
+/// Calls `add` with each copy and the motion that made it; false: it has no members there. An entry acts once at each
+/// place: where it is already, by its name or as another copy, nothing is added.
 template <class Acting, class Add>
 void ConditionReader::copy_with_patterns(std::vector<Acting>& all, std::vector<std::string>& entries,
                                          std::string Acting::*at, ImagesOf images_of, const Add& add) {
@@ -86,7 +86,7 @@ void ConditionReader::copy_with_patterns(std::vector<Acting>& all, std::vector<s
         Acting copy = all[i];
         copy.*at = image->second;
         turn(made.motion, copy);
-        add(copy, made, entries[i]);
+        if (!add(copy, made, entries[i])) continue;
         count(1, place_);
         all.push_back(std::move(copy));
         entries.push_back(entries[i]);
@@ -94,24 +94,31 @@ void ConditionReader::copy_with_patterns(std::vector<Acting>& all, std::vector<s
   }
 }
 
+void ConditionReader::note_left_out(const std::string& list, const std::string& entry, const std::string& point,
+                                    const std::string& why) {
+  notes_.push_back("\"" + list + " / " + excerpt(entry) + "\" is not copied to \"" + excerpt(point) + "\": " + why);
+}
+
 void ConditionReader::copy_supports() {
   copy_with_patterns(scene_.supports, support_entries_, &Support::point, &PatternCopy::points,
                      [this](const Support& copy, const PatternCopy&, const std::string& entry) {
                        claim_support(copy.point, entry, place_["Supports"][entry]);
+                       return true;
                      });
 }
 
 void ConditionReader::copy_point_loads() {
   copy_with_patterns(scene_.point_loads, point_load_entries_, &PointLoad::point, &PatternCopy::points,
                      [this](PointLoad& copy, const PatternCopy& made, const std::string& entry) {
-                       if (copy.frame == LoadFrame::dead) return;
+                       if (copy.frame == LoadFrame::dead) return true;
                        const auto image = made.members.find(copy.member);
-                       if (image == made.members.end())
-                         throw place_["Point Loads"][entry]["Member"].error(
-                             "a pattern copies the point of this load to \"" + excerpt(copy.point) +
-                             "\", but not the member \"" + excerpt(copy.member) +
-                             "\" that it turns with; allowed: patterns that copy both");
-                       copy.member = image->second;
+                       if (image != made.members.end()) {
+                         copy.member = image->second;
+                         return true;
+                       }
+                       note_left_out("Point Loads", entry, copy.point,
+                                     "no copy of the member \"" + excerpt(copy.member) + "\" that it turns with");
+                       return false;
                      });
 }
 
@@ -119,16 +126,21 @@ void ConditionReader::copy_distributed_loads() {
   copy_with_patterns(scene_.distributed_loads, line_load_entries_, &DistributedLoad::member, &PatternCopy::members,
                      [this](const DistributedLoad& copy, const PatternCopy&, const std::string& entry) {
                        divide_at(copy.member, copy.range, place_["Distributed Loads"][entry]["Range"]);
+                       return true;
                      });
 }
 
 void ConditionReader::copy_eigenstrains() {
   copy_with_patterns(scene_.eigenstrains, eigenstrain_entries_, &Eigenstrain::member, &PatternCopy::members,
-                     [](const Eigenstrain&, const PatternCopy&, const std::string&) {});
+                     [](const Eigenstrain&, const PatternCopy&, const std::string&) { return true; });
 }
 
-/// Each listed member takes its joint with it, also to a point that the pattern leaves where it is.
+/// Each listed member takes its joint with it, also to a point that the pattern leaves where it is. Where a pattern
+/// ends there may be nobody whom a copy could be joined to.
 void ConditionReader::copy_joints() {
+  std::set<std::string> written;  // points of joints that no pattern made
+  for (const Joint& joint : scene_.joints) written.insert(joint.point);
+  const std::size_t first_copy = scene_.joints.size();
   for (const CopiedPattern& pattern : copies_) {
     const std::size_t originals = scene_.joints.size();
     for (const PatternCopy& made : pattern)
@@ -148,6 +160,17 @@ void ConditionReader::copy_joints() {
         scene_.joints.push_back(std::move(copy));
       }
   }
+  std::set<std::string> alone;
+  const auto is_left_out = [&](const Joint& joint) {
+    if (written.count(joint.point) > 0 || is_someone_left(joint)) return false;
+    alone.insert(joint.point);
+    note_left_out("Joints", joint.name, joint.point, "no members there that it could be joined to");
+    return true;
+  };
+  const auto first = scene_.joints.begin() + static_cast<std::ptrdiff_t>(first_copy);
+  const auto end = std::remove_if(first, scene_.joints.end(), is_left_out);
+  scene_.joints.erase(end, scene_.joints.end());
+  for (const std::string& point : alone) joined_at_.erase(point);
 }
 
 }  // namespace mixbeam

@@ -48,10 +48,14 @@ void ConditionReader::read_joints() {
   for (const Joint& joint : scene_.joints) check_someone_is_left(joint);
 }
 
-void ConditionReader::check_someone_is_left(const Joint& joint) const {
+bool ConditionReader::is_someone_left(const Joint& joint) const {
   std::set<std::string> touching;
   for (const Member* member : *names_.members_at(joint.point)) touching.insert(member->name);
-  if (joined_at_.at(joint.point).size() < touching.size()) return;
+  return joined_at_.at(joint.point).size() < touching.size();
+}
+
+void ConditionReader::check_someone_is_left(const Joint& joint) const {
+  if (is_someone_left(joint)) return;
   throw place_["Joints"][joint.name]["Members"].error(
       "all members at \"" + excerpt(joint.point) +
       "\" are in joints, and none is left that they could be joined to; allowed: at least one of them not listed");

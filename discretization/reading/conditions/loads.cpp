@@ -5,6 +5,7 @@
 #include "discretization/parameters/input_place.hpp"
 #include "discretization/reading/conditions/condition_reader.hpp"
 #include "discretization/scene/division.hpp"
+#include "discretization/text/formula.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 #include "kernels/math/vector_algebra.hpp"
@@ -18,20 +19,36 @@ namespace {
 
 const std::vector<std::pair<std::string, LoadFrame>> kFrames = {{"dead", LoadFrame::dead},
                                                                 {"follower", LoadFrame::follower}};
-const std::vector<std::string> kAlongMember = {"s", "x"};
+const std::vector<std::string> kAlongMember = {"s", "x", "X", "Y", "Z"};
 constexpr int kSamplesPerMember = 4;  // intervals: ends, middle, quarters
 
-/// Values of s and x at the ends of the intervals.
-std::vector<std::vector<double>> samples_along(double length) {
+/// Values of these names at the ends of the intervals.
+std::vector<std::vector<double>> samples_along(const ReferenceCurve& curve) {
   std::vector<std::vector<double>> samples;
   for (int k = 0; k <= kSamplesPerMember; ++k) {
     const double x = static_cast<double>(k) / kSamplesPerMember;
-    samples.push_back({x * length, x});
+    const Vec3<double> position = curve.position(x * curve.length);
+    samples.push_back({x * curve.length, x, position[0], position[1], position[2]});
   }
   return samples;
 }
 
-ParameterSpec formulas(const std::string& name) { return array(name, ParameterType::text_array, 3); }
+/// A coordinate of the undeformed member as a formula of x; empty where there is none.
+std::string coordinate_along(const Member& member, const Vector3& start, const Vector3& end, int axis) {
+  using namespace vector_algebra;
+  const auto number = [](double value) { return "(" + shortest(value) + ")"; };
+  const Curve& curve = member.curve;
+  if (curve.shape == CurveShape::line) return "(" + number(start[axis]) + "+" + number(end[axis] - start[axis]) + "*x)";
+  if (curve.shape != CurveShape::circular_arc && curve.shape != CurveShape::helix) return "";
+  const Vector3 normal = axis_direction(curve), radius = radius_vector(curve, start), across = cross(normal, radius);
+  const std::string angle = number(curve.angle) + "*x";
+  return "(" + number(start[axis] - radius[axis]) + "+" + number(curve.rise * normal[axis]) + "*x+" +
+         number(radius[axis]) + "*cos(" + angle + ")+" + number(across[axis]) + "*sin(" + angle + "))";
+}
+
+ParameterSpec formulas(const std::string& name) {
+  return array(name, ParameterType::text_array, 3).or_other("a formula");
+}
 
 BoundList<PointLoad> point_load_parameters() {
   BoundList<PointLoad> load("A concentrated force and moment.");
@@ -43,8 +60,8 @@ BoundList<PointLoad> point_load_parameters() {
             "point, which turns with it.",
             kFrames);
   load.bind(&PointLoad::member, text("Member"),
-            "follower only: name of the member whose triad the components refer to; * stands for any characters, but "
-            "must leave one member at each point.");
+            "follower only: name of the member whose triad the components refer to; " + kWildcards +
+                ", but must leave one member at each point.");
   bind_schedule(load, "The load grows");
   load.spec.with_forms("Frame", {{"dead", {Form{}}}, {"follower", {Form{{}, {"Member"}}}}});
   return load;
@@ -52,7 +69,8 @@ BoundList<PointLoad> point_load_parameters() {
 
 BoundList<DistributedLoad> gravity_parameters() {
   BoundList<DistributedLoad> gravity(
-      "Weight of all members whose sections have a mass (Density of the material, or Mass).");
+      "Weight of all members whose sections have a mass (Density of the material, or Mass); several by names of your "
+      "own, of which each has a Stage or Case.");
   gravity.bind(&DistributedLoad::force, vector3("Acceleration").required(),
                "Acceleration of free fall, in global axes: {0, 0, -9.81} [length / time^2].");
   bind_schedule(gravity, "The weight grows");
@@ -65,10 +83,10 @@ BoundList<DistributedLoad> distributed_load_parameters() {
   load.bind(&DistributedLoad::force, vector3("Force").by_default(), "Force per length [force / length].");
   load.bind(&DistributedLoad::couple, vector3("Couple").by_default(), "Moment per length [force].");
   load.bind(&DistributedLoad::force_formula, formulas("Force Formula"),
-            "Instead of Force: its components as formulas of s = arc length from the start of the member and x = s / "
-            "length, like {0, 0, -3*(1 - x)}.");
+            "Instead of Force: its components as formulas of s = arc length from the start of the member, x = s / "
+            "length and the place X, Y, Z of the undeformed member in global axes, like {0, 0, -3*(1 - x)}.");
   load.bind(&DistributedLoad::couple_formula, formulas("Couple Formula"),
-            "Instead of Couple: its components as formulas of s and x.");
+            "Instead of Couple: its components likewise.");
   load.bind(&DistributedLoad::frame, text("Frame").by_default(),
             "dead: components in global axes, direction kept; follower: components in the triad of the section on "
             "which the load acts, which turns with it.",
@@ -94,10 +112,10 @@ BoundList<EigenstrainDraft> eigenstrain_parameters() {
       &EigenstrainDraft::curvature, vector3("Curvature").by_default(),
       "Twist and the curvatures about axes 2 and 3, on top of those of the undeformed member [radian / length].");
   strain.bind(&EigenstrainDraft::strain_formula, formulas("Strain Formula"),
-              "Instead of Strain: its components as formulas of s = arc length from the start of the member and x = s "
-              "/ length.");
+              "Instead of Strain: its components as formulas of s = arc length from the start of the member, x = s / "
+              "length and the place X, Y, Z of the undeformed member in global axes.");
   strain.bind(&EigenstrainDraft::curvature_formula, formulas("Curvature Formula"),
-              "Instead of Curvature: its components as formulas of s and x.");
+              "Instead of Curvature: its components likewise.");
   strain.bind(&EigenstrainDraft::temperature, real("Temperature"),
               "Change of temperature; adds itself times Expansion Coefficient to the axial strain [kelvin].");
   strain.bind(&EigenstrainDraft::expansion_coefficient, real("Expansion Coefficient"),
@@ -162,8 +180,11 @@ void ConditionReader::read_distributed_loads() {
     check_field(list, "Couple", members, load.couple_formula, place);
     check_schedule(load, list, place);
     check_part(load, list, place);
+    const Formulas force = load.force_formula, couple = load.couple_formula;
     for (const Member* member : members) {
       load.member = member->name;
+      load.force_formula = along(*member, force, place["Force Formula"]);
+      load.couple_formula = along(*member, couple, place["Couple Formula"]);
       if (list.isParameter("Range")) divide_at(load.member, load.range, place["Range"]);
       scene_.distributed_loads.push_back(load);
       line_load_entries_.push_back(name);
@@ -203,10 +224,31 @@ void ConditionReader::divide_at(const std::string& name, const std::array<double
   }
 }
 
+ListSpec gravity_spec() {
+  ListSpec spec = kGravityParameters.spec;
+  for (ParameterSpec& parameter : spec.parameters)
+    if (parameter.presence == Presence::required) parameter.presence = Presence::optional;
+  return spec.with_named_lists("weight", kGravityParameters.spec);
+}
+
+/// One weight, or several by names: of stages and cases of their own.
 void ConditionReader::read_gravity() {
   if (!scene_list_.isSublist("Gravity")) return;
   const List& list = scene_list_.sublist("Gravity");
   const InputPlace place = place_["Gravity"];
+  bool is_any_named = false;
+  for (const std::string& name : names_of(list)) is_any_named = is_any_named || list.isSublist(name);
+  if (!is_any_named) check_any_given(list, {"Acceleration"}, "weighs nothing", place);
+  if (is_given(list, "Acceleration")) read_weight(list, place);
+  for (const std::string& name : names_of(list)) {
+    if (list.isSublist(name))
+      read_weight(list.sublist(name), place[name]);
+    else if (is_any_named && is_given(list, name) && !is_given(list, "Acceleration"))
+      throw place[name].error("given beside weights of their own names; allowed: in each of them");
+  }
+}
+
+void ConditionReader::read_weight(const List& list, const InputPlace& place) {
   const DistributedLoad gravity = kGravityParameters.read(list);
   check_schedule(gravity, list, place);
   std::unordered_map<std::string, double> mass;
@@ -224,7 +266,7 @@ void ConditionReader::read_gravity() {
   }
   if (!is_any)
     throw place.error("no section has a mass; allowed: \"Density\" in \"Material\", or \"Mass\", of some section");
-  scene_.gravity = vector_algebra::norm(gravity.force);
+  scene_.gravity = std::max(scene_.gravity, vector_algebra::norm(gravity.force));
 }
 
 void ConditionReader::read_eigenstrains() {
@@ -237,8 +279,11 @@ void ConditionReader::read_eigenstrains() {
     check_field(list, "Curvature", members, strain.curvature_formula, place);
     add_temperature(strain, place);
     check_schedule(strain, list, place);
+    const Formulas axial = strain.strain_formula, bending = strain.curvature_formula;
     for (const Member* member : members) {
       strain.member = member->name;
+      strain.strain_formula = along(*member, axial, place["Strain Formula"]);
+      strain.curvature_formula = along(*member, bending, place["Curvature Formula"]);
       scene_.eigenstrains.push_back(strain);
       eigenstrain_entries_.push_back(name);
     }
@@ -272,14 +317,30 @@ void ConditionReader::check_field(const List& list, const std::string& name, con
   std::vector<Expression> parsed;
   for (const std::string& text : formula) parsed.push_back(checked_formula(text, kAlongMember, place));
   for (const Member* member : members) {
-    const std::vector<std::vector<double>> samples = samples_along(length_of(*member));
+    const std::vector<std::vector<double>> samples = samples_along(curve_of(*member));
     for (const Expression& component : parsed) check_finite(component, kAlongMember, samples, place);
   }
 }
 
-double ConditionReader::length_of(const Member& member) const {
+/// X, Y and Z of formulas as formulas of x along this member.
+Formulas ConditionReader::along(const Member& member, Formulas formula, const InputPlace& place) const {
+  const std::string axes = "XYZ";
+  for (std::string& component : formula)
+    if (component.find_first_of(axes) != std::string::npos)
+      component = with_names_replaced(component, [&](const std::string& name) {
+        if (name.size() != 1 || axes.find(name) == std::string::npos) return name;
+        const std::string text = coordinate_along(member, names_.position(member.start_point),
+                                                  names_.position(member.end_point), static_cast<int>(axes.find(name)));
+        if (!text.empty()) return text;
+        throw place.error("value \"" + excerpt(component) + "\" names " + name + ", and the curve of \"" +
+                          excerpt(member.name) + "\" is a spline or parametric; allowed there: s and x");
+      });
+  return formula;
+}
+
+ReferenceCurve ConditionReader::curve_of(const Member& member) const {
   try {
-    return make_reference_curve(member, names_.position(member.start_point), names_.position(member.end_point)).length;
+    return make_reference_curve(member, names_.position(member.start_point), names_.position(member.end_point));
   } catch (const std::invalid_argument& error) {  // extreme numbers, where the checks of the curve see no fault
     throw place_["Members"][member.name].error(error.what());
   }

@@ -35,7 +35,7 @@ void add_condition_lists(ListSpec& spec) {
                                                                              "\"Stage 2\", of what acts in a stage."),
                                                    1)),
       Presence::optional);
-  spec.add_list("Gravity", kGravityParameters.spec, Presence::optional);
+  spec.add_list("Gravity", gravity_spec(), Presence::optional);
   spec.add_list(
       "Supports",
       ListSpec("Supports; at least one here or by Import.").with_named_lists("support", kSupportParameters.spec));
@@ -47,12 +47,12 @@ void add_condition_lists(ListSpec& spec) {
                 ListSpec("Strains without stress.").with_named_lists("eigenstrain", kEigenstrainParameters.spec));
 }
 
-void read_conditions(const Teuchos::ParameterList& scene_list, const InputPlace& place, Scene& scene,
-                     const std::vector<CopiedPattern>& copies) {
-  ConditionReader(scene_list, place, scene, copies).read();
+std::vector<std::string> read_conditions(const Teuchos::ParameterList& scene_list, const InputPlace& place,
+                                         Scene& scene, const std::vector<CopiedPattern>& copies) {
+  return ConditionReader(scene_list, place, scene, copies).read();
 }
 
-void ConditionReader::read() {
+std::vector<std::string> ConditionReader::read() {
   read_load_cases();
   read_combinations();
   check_case_of_modes();
@@ -64,6 +64,7 @@ void ConditionReader::read() {
   read_eigenstrains();
   check_stages();
   check_amplitudes();
+  return std::move(notes_);
 }
 
 void ConditionReader::read_load_cases() {
