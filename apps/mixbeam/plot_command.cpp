@@ -1,5 +1,6 @@
 #include "apps/mixbeam/commands.hpp"
 #include "discretization/text/errors.hpp"
+#include "discretization/text/message_text.hpp"
 
 #include <fcntl.h>
 #include <spawn.h>
@@ -67,10 +68,22 @@ std::string suitable_python(const std::string& folder) {
 
 namespace {
 
+/// Other files of the program hold no run.
+void require_run(const std::string& command, const std::filesystem::path& file) {
+  const std::string name = file.stem().string(), batch = "-batch", allowed = "; allowed: results of mixbeam run";
+  if (name.size() > batch.size() && name.substr(name.size() - batch.size()) == batch && file.extension() == ".h5")
+    throw InputError("\"" + excerpt(file.string()) + "\" holds the table of a batch" + allowed +
+                     "; the same table for other programs: " + excerpt((file.parent_path() / name).string()) + ".csv");
+  if (command == "report" && (file.extension() == ".xml" || file.extension() == ".yaml" || file.extension() == ".yml"))
+    throw InputError("\"" + excerpt(file.string()) + "\" is a scene" + allowed + ": mixbeam run " +
+                     excerpt(file.string()) + ", then mixbeam report results/" + name + "/" + name + ".h5");
+}
+
 /// Runs a script of the folder plots beside the program, which verifies each result file before it reads it.
 int run_script(const Arguments& arguments, const std::string& name) {
   if (arguments.count() < 2)
     throw InputError(std::string("a result file is missing: mixbeam ") + arguments.values[0] + " RESULTS.h5");
+  require_run(arguments.values[0], arguments.values[1]);
   const std::filesystem::path script = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "plots" / name;
   if (!std::filesystem::exists(script)) throw InputError("the script " + script.string() + " is missing");
   setenv("MPLBACKEND", "Agg", 1);

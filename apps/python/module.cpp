@@ -11,12 +11,14 @@
 #include "discretization/parameters/print.hpp"
 #include "discretization/parameters/value.hpp"
 #include "discretization/text/memory_error.hpp"
+#include "discretization/text/message_text.hpp"
 #include "mixbeam/version.hpp"
 
 #include <filesystem>
 #include <limits>
 #include <sstream>
 #include <string>
+#include <tuple>
 
 namespace py = pybind11;
 
@@ -57,8 +59,19 @@ py::tuple parameters_of(const XmlParameters& parameters) {
 
 namespace {
 
+/// Text, what messages call it, and whether it was made of an object.
+using SceneText = std::tuple<std::string, std::string, bool>;
+
+XmlParameters parsed(const SceneText& scene) {
+  return parsed_scene(std::get<0>(scene), std::get<1>(scene), std::get<2>(scene));
+}
+
 py::tuple parse(const std::string& text, const std::string& file) {
-  return parameters_of(in_turn([&] { return parsed_scene(text, file); }));
+  return parameters_of(in_turn([&] {
+    XmlParameters scene = parsed_scene(text, file);
+    scene.source.collect([] {});  // throws what is wrong
+    return scene;
+  }));
 }
 py::tuple read_file(const std::string& file) {
   return parameters_of(in_turn([&] { return read_parameters(file, mixbeam_root_spec()); }));
@@ -74,9 +87,9 @@ std::string declarations() {
   return text.str();
 }
 
-py::tuple check(const std::string& text, const std::string& file, const std::optional<std::string>& load_case) {
+py::tuple check(const SceneText& scene, const std::optional<std::string>& load_case) {
   Run run = in_turn([&] {
-    Run read(new SolvedRun(parsed_scene(text, file), Turn::threads({}), false), DeleteInTurn());
+    Run read(new SolvedRun(parsed(scene), Turn::threads({}), false), DeleteInTurn());
     check_scene(read->app(), load_case);
     return read;
   });
@@ -112,12 +125,11 @@ py::tuple watched(py::object callback, const Prepare& prepare, const Solve& solv
   return py::make_tuple(outcome.run, outcome.failure);
 }
 
-py::tuple run(const std::string& text, const std::string& file, const std::optional<std::string>& load_case,
-              const std::string& output, const std::optional<int>& threads, bool durable, bool force,
-              py::object callback) {
+py::tuple run(const SceneText& scene, const std::optional<std::string>& load_case, const std::string& output,
+              const std::optional<int>& threads, bool durable, bool force, py::object callback) {
   return watched(
       std::move(callback),
-      [&] { return std::make_unique<SolvedRun>(parsed_scene(text, file), Turn::threads(threads), force); },
+      [&] { return std::make_unique<SolvedRun>(parsed(scene), Turn::threads(threads), force); },
       [&](SolvedRun& solved) {
         const std::filesystem::path results(output);
         if (results.has_parent_path()) prepare_output_folder(results.parent_path());
@@ -149,7 +161,7 @@ Run open(const std::string& file) {
   return in_turn([&] { return Run(SolvedRun::from_file(file, Turn::threads({})).release(), DeleteInTurn()); });
 }
 
-py::dict batch(const std::string& text, const std::string& file, const std::optional<std::string>& load_case,
+py::dict batch(const SceneText& scene, const std::optional<std::string>& load_case,
                const std::vector<std::string>& parameters, const py::array_t<double, py::array::c_style>& values,
                int output, const std::optional<int>& threads, py::object callback) {
   Listener listener(std::move(callback));
@@ -161,7 +173,7 @@ py::dict batch(const std::string& text, const std::string& file, const std::opti
   std::vector<CaseResult> results;
   {
     const Turn turn;
-    SolvedRun base(parsed_scene(text, file), Turn::threads(threads), false);
+    SolvedRun base(parsed(scene), Turn::threads(threads), false);
     const std::string name = meant_case(base.app().scene, load_case);
     base.app().solver.analysis.error_estimate = ErrorEstimation::off;  // nobody asks for limits here
     const CaseQuantities quantities(base.app(), cases.output, name);
@@ -238,6 +250,8 @@ PYBIND11_MODULE(_core, module) {
   module.def("read", read_file);
   module.def("yaml_of", yaml_of);
   module.def("declarations", declarations);
+  module.def("nearest", nearest_name);
+  module.def("number_hint", number_hint);
   module.def("check", check);
   module.def("run", run);
   module.def("resume", resume);

@@ -66,9 +66,11 @@ void forget_poor_mesh(const Application& app) {
 
 }  // namespace
 
-XmlParameters parsed_scene(const std::string& text, const std::string& file) {
-  if (format_of("", text) == FileFormat::xml) return parse_xml(text, file);  // whatever the file it comes from
-  return parse_parameters(text, file, mixbeam_root_spec());
+XmlParameters parsed_scene(const std::string& text, const std::string& file, bool is_object) {
+  if (format_of("", text) != FileFormat::xml) return parse_parameters(text, file, mixbeam_root_spec(), Mistakes::kept);
+  XmlParameters scene = parse_xml(text, file, Mistakes::kept);  // whatever the file it comes from
+  if (is_object) scene.source.set_language(InputLanguage::python);
+  return scene;
 }
 
 SolvedRun::SolvedRun(XmlParameters parameters, const std::optional<int>& threads, bool force) {

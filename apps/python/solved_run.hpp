@@ -65,7 +65,8 @@ class SolvedRun {
 
 /// The text of a scene in XML or YAML; `file` stands in messages, and what the scene imports lies in its folder. Throws
 /// InputError.
-XmlParameters parsed_scene(const std::string& text, const std::string& file);
+/// `is_object`: the text was made of an object, and messages tell the place of an entry in that.
+XmlParameters parsed_scene(const std::string& text, const std::string& file, bool is_object = false);
 
 /// The case of a scene that is meant. Throws InputError where it has several and none is named.
 std::string meant_case(const Scene& scene, const std::optional<std::string>& wanted);

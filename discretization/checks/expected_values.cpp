@@ -1,5 +1,6 @@
 #include "discretization/checks/expected_values.hpp"
 
+#include "discretization/parameters/access.hpp"
 #include "discretization/parameters/binding.hpp"
 #include "discretization/parameters/validate.hpp"
 #include "discretization/scene/load_cases.hpp"
@@ -188,21 +189,22 @@ ListSpec expected_values_spec(const std::vector<std::string>& own_quantities) {
 std::vector<ExpectedValue> read_expected_values(Teuchos::ParameterList& list, const ParameterSource& source,
                                                 const std::vector<std::string>& own_quantities,
                                                 const ParameterPath& path, const std::vector<std::string>& asked) {
-  validate(list, expected_values_spec(own_quantities), source, path);
   const BoundList<ExpectedValue> parameters = parameters_of_one(own_quantities);
   std::vector<ExpectedValue> expected;
-  for (auto entry = list.begin(); entry != list.end(); ++entry) {
-    const std::string& name = list.name(entry);
-    expected.push_back(read_one(parameters, list.sublist(name), name, InputPlace(source, path)[name], asked));
-  }
+  source.collect([&] {
+    validate(list, expected_values_spec(own_quantities), source, path);
+    for (const std::string& name : names_of(list)) {
+      const InputPlace place = InputPlace(source, path)[name];
+      place.attempt([&] { expected.push_back(read_one(parameters, list.sublist(name), name, place, asked)); });
+    }
+  });
   return expected;
 }
 
 void check_expected_values(const std::vector<ExpectedValue>& expected, const Scene& scene,
                            const ParameterSource& source, const ParameterPath& path) {
   const SceneNames names(scene);
-  for (const ExpectedValue& value : expected) {
-    const InputPlace place = InputPlace(source, path)[value.name];
+  const auto check = [&](const ExpectedValue& value, const InputPlace& place) {
     check_case(value, scene, place);
     if (!value.point.empty() && names.members_at(value.point) == nullptr)
       throw unknown_name(place["Point"], "point", value.point, names.point_names());
@@ -210,10 +212,16 @@ void check_expected_values(const std::vector<ExpectedValue>& expected, const Sce
       throw unknown_name(place["Member"], "member", value.member, names.member_names());
     if (is_reaction(value.quantity)) check_supported(value, scene, place);
     const int stages = alternatives(scene).empty() ? scene.stages : scene_of_case(scene, value.load_case).stages;
-    if (value.load_factor.value_or(0.0) <= stages) continue;
+    if (value.load_factor.value_or(0.0) <= stages) return;
     throw place["Load Factor"].error("value " + shortest(*value.load_factor) + "; allowed: at most " +
                                      std::to_string(stages) + ", where the load path of the scene ends");
-  }
+  };
+  source.collect([&] {
+    for (const ExpectedValue& value : expected) {
+      const InputPlace place = InputPlace(source, path)[value.name];
+      place.attempt([&] { check(value, place); });
+    }
+  });
 }
 
 ExpectationResult compare(const ExpectedValue& expected, double actual) {

@@ -19,6 +19,19 @@ class InputPlace {
   /// One level deeper.
   InputPlace operator[](const std::string& name) const { return {*source_, child(path_, name)}; }
   InputError error(const std::string& problem) const { return source_->error(path_, problem); }
+  /// As that of the source. A mistake is not kept where the entry that stands here has one already: it may follow from
+  /// that.
+  template <class Action>
+  bool attempt(const Action& action) const {
+    if (source_->is_full()) return false;
+    try {
+      action();
+      return true;
+    } catch (const InputError& mistake) {
+      if (!source_->has_mistake(path_)) source_->keep(mistake, path_);
+      return false;
+    }
+  }
 
  private:
   const ParameterSource* source_;

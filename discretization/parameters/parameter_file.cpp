@@ -135,16 +135,9 @@ std::string yaml_value(const ParameterValue& value, const ParameterSpec* spec) {
 struct Declared {
   const ListSpec* list;
 
-  Declared sublist(const std::string& name) const {
-    if (list == nullptr || list->unchecked) return {nullptr};
-    const SublistSpec* fixed = list->find_list(name);
-    return {fixed != nullptr ? fixed->list.get() : list->named_list.get()};
-  }
-  const ParameterSpec* parameter(const std::string& name) const {
-    if (list == nullptr || list->unchecked) return nullptr;
-    const ParameterSpec* fixed = list->find_parameter(name);
-    return fixed != nullptr ? fixed : list->named_parameter.get();
-  }
+  bool is_known() const { return list != nullptr && !list->unchecked; }
+  Declared sublist(const std::string& name) const { return {is_known() ? list->list(name) : nullptr}; }
+  const ParameterSpec* parameter(const std::string& name) const { return is_known() ? list->parameter(name) : nullptr; }
 };
 
 class YamlWriter {
@@ -246,12 +239,14 @@ FileFormat format_of(const std::string& file, const std::string& text) {
   return ending == ".xml" || first == std::string::npos || text[first] == '<' ? FileFormat::xml : FileFormat::yaml;
 }
 
-XmlParameters parse_parameters(const std::string& text, const std::string& file, const ListSpec& spec) {
-  return format_of(file, text) == FileFormat::yaml ? parse_yaml(text, file, spec) : parse_xml(text, file);
+XmlParameters parse_parameters(const std::string& text, const std::string& file, const ListSpec& spec,
+                               Mistakes mistakes) {
+  return format_of(file, text) == FileFormat::yaml ? parse_yaml(text, file, spec, mistakes)
+                                                   : parse_xml(text, file, mistakes);
 }
 
-XmlParameters read_parameters(const std::string& file, const ListSpec& spec) {
-  return parse_parameters(text_of_file(file, "a scene in XML or YAML"), file, spec);
+XmlParameters read_parameters(const std::string& file, const ListSpec& spec, Mistakes mistakes) {
+  return parse_parameters(text_of_file(file, "a scene in XML or YAML"), file, spec, mistakes);
 }
 
 std::string xml_text(const Teuchos::ParameterList& list) {

@@ -17,10 +17,11 @@ enum class FileFormat { xml, yaml };
 FileFormat format_of(const std::string& file, const std::string& text = "");
 
 /// Reads a file in either format. Throws InputError with file and line. `spec` says which types are meant in YAML.
-XmlParameters read_parameters(const std::string& file, const ListSpec& spec);
+XmlParameters read_parameters(const std::string& file, const ListSpec& spec, Mistakes mistakes = Mistakes::thrown);
 
 /// The same for a text; `file` appears in the messages.
-XmlParameters parse_parameters(const std::string& text, const std::string& file, const ListSpec& spec);
+XmlParameters parse_parameters(const std::string& text, const std::string& file, const ListSpec& spec,
+                               Mistakes mistakes = Mistakes::thrown);
 
 /// As a file in XML. Numbers have the fewest digits that read back as the same bits.
 std::string xml_text(const Teuchos::ParameterList& list);

@@ -173,12 +173,25 @@ Json schema_of_parameter(const ParameterSpec& spec) {
   return schema;
 }
 
+std::set<std::string> all_names_of_forms(const ListSpec& spec) {
+  std::set<std::string> names;
+  for (const auto& [word, forms] : spec.forms)
+    for (const Form& form : forms)
+      for (const auto* part : {&form.needed, &form.optional}) names.insert(part->begin(), part->end());
+  return names;
+}
+
+/// Without the word that decides, nothing that goes with one.
+Json schema_without_form(const ListSpec& spec) {
+  Json refused = Json::object();
+  for (const std::string& name : all_names_of_forms(spec)) refused[name] = false;
+  return {{"if", {{"not", {{"required", Json::array({spec.form_parameter})}}}}}, {"then", {{"properties", refused}}}};
+}
+
 /// What else a word needs and allows. The default word counts where none is given.
 Json schema_of_forms(const ListSpec& spec, const std::string& word, const std::vector<Form>& forms) {
-  std::set<std::string> names;
-  for (const auto& [other, all] : spec.forms)
-    for (const Form& form : all)
-      for (const auto* part : {&form.needed, &form.optional}) names.insert(part->begin(), part->end());
+  std::set<std::string> names = all_names_of_forms(spec);
+  names.insert(spec.formless.begin(), spec.formless.end());
   Json alternatives = Json::array();
   for (const Form& form : forms) {
     Json alternative = {{"required", form.needed}, {"properties", Json::object()}};
@@ -216,6 +229,7 @@ Json schema_of_list(const ListSpec& spec) {
   if (spec.named_list) schema["additionalProperties"] = schema_of_list(*spec.named_list);
   if (spec.minimum_named > 0) schema["minProperties"] = spec.minimum_named;
   for (const auto& [word, forms] : spec.forms) schema["allOf"].push_back(schema_of_forms(spec, word, forms));
+  if (!spec.formless.empty()) schema["allOf"].push_back(schema_without_form(spec));
   return schema;
 }
 

@@ -2,7 +2,10 @@
 
 #include "discretization/text/message_text.hpp"
 
+#include <algorithm>
 #include <filesystem>
+#include <limits>
+#include <tuple>
 #include <utility>
 
 namespace mixbeam {
@@ -17,6 +20,30 @@ std::string key(const ParameterPath& path) {
   joined.reserve(size);
   for (const std::string& name : path) (joined += name) += kSeparator;
   return joined;
+}
+
+bool is_blank(char c) { return c == ' ' || c == '\t'; }
+
+/// Of the value of an attribute in the tag that begins at `tag`: of "value" or of "name".
+std::size_t offset_of_attribute(const std::string& text, std::size_t tag, bool of_value) {
+  const std::size_t end = text.find('>', tag);
+  for (const std::string quote : {"\"", "'"}) {
+    const std::string attribute = (of_value ? "value=" : "name=") + quote;
+    const std::size_t found = text.find(attribute, tag);
+    if (found < end) return found + attribute.size();
+  }
+  return tag;
+}
+
+/// Of a key in YAML, or of its value where that stands in the same line.
+std::size_t offset_of_entry(const std::string& text, std::size_t key_begin, bool of_value) {
+  if (!of_value || key_begin >= text.size()) return key_begin;
+  const char quote = text[key_begin];
+  const bool is_quoted = quote == '"' || quote == '\'';
+  std::size_t at = is_quoted ? text.find(quote, key_begin + 1) : key_begin;
+  at = std::min(text.find(':', at), text.size() - 1) + 1;
+  while (at < text.size() && is_blank(text[at])) ++at;
+  return at < text.size() && text[at] != '\n' ? at : key_begin;
 }
 
 }  // namespace
@@ -40,9 +67,10 @@ ParameterSource::ParameterSource(std::string file, std::string root_name)
 void ParameterSource::record(const ParameterPath& path, int line, int column) {
   const auto [earlier, is_first] = positions_.try_emplace(key(path), Position{line, column});
   if (is_first) return;
-  throw InputError(text_of({line, column}) + ": " + language_ + " path \"" + to_string(path) +
-                   "\": given twice in this list, in line " + std::to_string(earlier->second.line) +
-                   " and again in line " + std::to_string(line));
+  const std::string problem = "given twice in this list, in line " + std::to_string(earlier->second.line) +
+                              " and again in line " + std::to_string(line);
+  earlier->second = {line, column};
+  throw error(path, problem);
 }
 
 void ParameterSource::record(const ParameterPath& path, const std::string& where) { elsewhere_[key(path)] = where; }
@@ -54,27 +82,99 @@ ParameterSource::Position ParameterSource::position(const ParameterPath& path) c
 
 int ParameterSource::line(const ParameterPath& path) const { return position(path).line; }
 
+ParameterSource::Position ParameterSource::position_around(std::string place) const {
+  for (; !place.empty(); place.resize(place.find_last_of(kSeparator, place.size() - 2) + 1)) {
+    const auto found = positions_.find(place);
+    if (found != positions_.end()) return found->second;
+    if (place.find(kSeparator) == std::string::npos) break;  // in a table: behind those of the file
+  }
+  return place.empty() ? Position{} : Position{std::numeric_limits<int>::max(), 0};
+}
+
 std::string ParameterSource::text_of(const Position& position) const {
   const std::string line = file_ + ":" + std::to_string(position.line);
-  return position.column > 0 ? line + ":" + std::to_string(position.column) : line;
+  return language_ == InputLanguage::yaml ? line + ":" + std::to_string(position.column) : line;
+}
+
+std::string ParameterSource::word(const std::array<const char*, 3>& by_language) const {
+  return by_language[static_cast<std::size_t>(language_)];
 }
 
 std::string ParameterSource::where(const ParameterPath& path) const {
   if (file_.empty()) return "(parameters set by the program)";
   for (ParameterPath enclosing = path;; enclosing.pop_back()) {
     if (const auto other = elsewhere_.find(key(enclosing)); other != elsewhere_.end()) return other->second;
-    if (const Position found = position(enclosing); found.line > 0) return text_of(found);
-    if (enclosing.empty()) return file_;
+    const Position found = position(enclosing);
+    if (found.line > 0 && language_ != InputLanguage::python) return text_of(found);
+    if (enclosing.empty()) return language_ == InputLanguage::python ? "scene " + root_name_ : file_;
   }
+}
+
+/// Of `loads.csv:12:7`, the place in a table, whose text is among the files that the input names.
+std::string ParameterSource::marked_in_table(const std::string& place) const {
+  const std::size_t last = place.rfind(':'), before = place.rfind(':', last - 1);
+  for (const auto& [name, text] : files_)
+    if ((std::filesystem::path(file_).parent_path() / name).string() == place.substr(0, before))
+      return marked_line(text, offset_of(text, std::stoi(place.substr(before + 1)), std::stoi(place.substr(last + 1))));
+  return "";
+}
+
+std::string ParameterSource::marked(ParameterPath path, const std::string& problem) const {
+  bool at_value = problem.rfind("value", 0) == 0 || problem.rfind("in an array", 0) == 0;
+  for (;; path.pop_back(), at_value = false) {
+    if (const auto other = elsewhere_.find(key(path)); other != elsewhere_.end()) return marked_in_table(other->second);
+    const Position found = position(path);
+    if (found.line > 0 && language_ == InputLanguage::xml && !text_.empty())
+      return marked_line(text_, offset_of_attribute(text_, static_cast<std::size_t>(found.column), at_value));
+    if (found.line > 0 && language_ == InputLanguage::yaml && !text_.empty())
+      return marked_line(text_, offset_of_entry(text_, offset_of(text_, found.line, found.column), at_value));
+    if (path.empty()) return "";
+  }
+}
+
+void ParameterSource::keep(const InputError& mistake, const ParameterPath& path) const {
+  if (std::string(mistake.what()).empty()) return;  // of require_mended()
+  const std::string place = mistake.place().empty() ? key(path) : mistake.place();
+  const auto covers = [&](const Kept::Mistake& earlier) {
+    const std::string& other = earlier.error.place();
+    const std::size_t common = std::min(place.size(), other.size());
+    return common > 0 && place.compare(0, common, other, 0, common) == 0;
+  };
+  if (std::any_of(kept_->mistakes.begin(), kept_->mistakes.end(), covers)) return;
+  kept_->mistakes.push_back({InputError(mistake.what(), place), position_around(place)});
+}
+
+bool ParameterSource::has_mistake(const ParameterPath& path) const {
+  return std::any_of(kept_->mistakes.begin(), kept_->mistakes.end(), [place = key(path)](const Kept::Mistake& mistake) {
+    return mistake.error.place().rfind(place, 0) == 0;
+  });
+}
+
+void ParameterSource::throw_kept() const {
+  constexpr std::size_t kMostTold = 20;
+  if (kept_->depth > 1 || !has_mistakes()) return;
+  const bool was_full = is_full();
+  std::vector<Kept::Mistake> mistakes = std::exchange(kept_->mistakes, {});
+  kept_->is_mended = true;
+  if (mistakes.size() == 1) throw InputError(mistakes.front().error);
+  std::stable_sort(mistakes.begin(), mistakes.end(), [](const Kept::Mistake& a, const Kept::Mistake& b) {
+    return std::tie(a.position.line, a.position.column) < std::tie(b.position.line, b.position.column);
+  });
+  std::string text = std::to_string(mistakes.size()) + (was_full ? " or more" : "") + " mistakes:";
+  for (std::size_t i = 0; i < std::min(mistakes.size(), kMostTold); ++i)
+    text += std::string("\n") + mistakes[i].error.what();
+  if (mistakes.size() > kMostTold)
+    text += "\nand " + (was_full ? "others" : std::to_string(mistakes.size() - kMostTold) + " more");
+  throw InputError(text);
 }
 
 std::string ParameterSource::message(const ParameterPath& path, const std::string& remark) const {
   const std::string name = path.empty() ? excerpt(root_name_) : to_string(path);
-  return where(path) + ": " + language_ + " path \"" + name + "\": " + remark;
+  return where(path) + ": " + word({"XML path \"", "YAML path \"", "\""}) + name + "\": " + remark;
 }
 
 InputError ParameterSource::error(const ParameterPath& path, const std::string& problem) const {
-  return InputError{message(path, problem)};
+  return InputError(message(path, problem) + marked(path, problem), key(path));
 }
 
 }  // namespace mixbeam

@@ -111,6 +111,11 @@ ListSpec& ListSpec::with_forms(const std::string& parameter,
   return *this;
 }
 
+ListSpec& ListSpec::without_form(const std::vector<std::string>& names) {
+  formless = names;
+  return *this;
+}
+
 ListSpec& ListSpec::without_checks() {
   unchecked = true;
   return *this;
@@ -133,6 +138,16 @@ const SublistSpec* ListSpec::find_list(const std::string& name) const {
     if (sublist.name == name) return &sublist;
   }
   return nullptr;
+}
+
+const ParameterSpec* ListSpec::parameter(const std::string& name) const {
+  const ParameterSpec* fixed = find_parameter(name);
+  return fixed != nullptr ? fixed : named_parameter.get();
+}
+
+const ListSpec* ListSpec::list(const std::string& name) const {
+  const SublistSpec* fixed = find_list(name);
+  return fixed != nullptr ? fixed->list.get() : named_list.get();
 }
 
 std::vector<std::string> ListSpec::fixed_names() const {

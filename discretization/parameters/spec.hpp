@@ -107,6 +107,7 @@ struct ListSpec {
   std::vector<SublistSpec> sublists;
   std::string form_parameter;                      ///< the word that decides which forms are allowed
   std::map<std::string, std::vector<Form>> forms;  ///< by that word; names in none of them are always allowed
+  std::vector<std::string> formless;               ///< names that only go without that word
   std::vector<std::string> removed;  ///< parameters of earlier versions: validate() warns and goes on without them
   std::shared_ptr<const ParameterSpec> named_parameter;  ///< what every parameter of a free name must be
   std::shared_ptr<const ListSpec> named_list;            ///< what every list of a free name must be
@@ -121,12 +122,17 @@ struct ListSpec {
   ListSpec& with_named_lists(const std::string& placeholder_name, const ListSpec& list, int minimum = 0);
   /// Which other entries of the list are needed or allowed depends on the word that `parameter` says.
   ListSpec& with_forms(const std::string& parameter, const std::map<std::string, std::vector<Form>>& forms_of_words);
+  /// These may only be given where `parameter` of the forms is not.
+  ListSpec& without_form(const std::vector<std::string>& names);
   ListSpec& without_checks();
   /// A parameter that earlier versions had, and that no result depends on.
   ListSpec& had_once(const std::string& name);
 
   const ParameterSpec* find_parameter(const std::string& name) const;
   const SublistSpec* find_list(const std::string& name) const;
+  /// What a parameter or list of this name, fixed or free, must be; nullptr: there is none.
+  const ParameterSpec* parameter(const std::string& name) const;
+  const ListSpec* list(const std::string& name) const;
   /// All fixed names, parameters first.
   std::vector<std::string> fixed_names() const;
 };

@@ -142,6 +142,32 @@ std::string described_forms(const ListSpec& spec, const std::vector<Form>& forms
   return text;
 }
 
+bool is_array_value(const ParameterValue& value) {
+  return value.index() > static_cast<std::size_t>(ParameterType::integer_array);
+}
+
+/// Of a parameter that must be there; nothing where any text could be meant.
+ParameterValue something_allowed(const ParameterSpec& spec) {
+  if (!spec.choices.empty() && spec.type == ParameterType::text) return spec.choices.front();
+  const Range& range = spec.range;
+  const double number = std::isfinite(range.minimum) && range.minimum >= 1.0 ? range.minimum
+                        : std::isfinite(range.maximum) && range.maximum <= 1.0
+                            ? 0.5 * (std::max(range.minimum, 0.0) + range.maximum)
+                            : 1.0;
+  switch (spec.type) {
+    case ParameterType::boolean:
+      return false;
+    case ParameterType::integer:
+      return static_cast<int>(number);
+    case ParameterType::real:
+      return number;
+    case ParameterType::real_array:
+      return Teuchos::Array<double>(std::max(spec.length, 1), number);
+    default:
+      return {};
+  }
+}
+
 /// One walk over a list and its sublists; `path_` follows the walk.
 class Validator {
  public:
@@ -150,26 +176,33 @@ class Validator {
 
   void check_list(ParameterList& list, const ListSpec& spec) {
     if (spec.unchecked) return;
+    around_.push_back(&spec);
     take_out_removed(list, spec);
-    check_names(list, spec);
-    for (const ParameterSpec& parameter : spec.parameters) {
-      path_.push_back(parameter.name);
-      check_parameter(list, parameter, parameter.name);
-      path_.pop_back();
-    }
-    for (const SublistSpec& sublist : spec.sublists) {
-      path_.push_back(sublist.name);
-      check_sublist(list, sublist);
-      path_.pop_back();
-    }
+    const bool names_are_known = check_names(list, spec);
+    for (const ParameterSpec& parameter : spec.parameters)
+      check_parameter(list, parameter, parameter.name, names_are_known);
+    for (const SublistSpec& sublist : spec.sublists)
+      at(sublist.name, [&] { check_sublist(list, sublist, names_are_known); });
     check_named_entries(list, spec);
-    if (list.isParameter(spec.form_parameter)) check_form(list, spec, list.get<std::string>(spec.form_parameter));
+    if (list.isParameter(spec.form_parameter) && !(source_.has_mistakes() && source_.has_mistake(path_)))
+      source_.attempt([&] { check_form(list, spec, list.get<std::string>(spec.form_parameter)); });
+    around_.pop_back();
   }
 
   const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:
   InputError error(const std::string& problem) const { return source_.error(path_, problem); }
+
+  /// Runs the action one level deeper. False: it met a mistake, which is kept.
+  template <class Action>
+  bool at(const std::string& name, const Action& action) {
+    const std::size_t depth = path_.size();
+    path_.push_back(name);
+    const bool is_right = source_.attempt(action);
+    path_.resize(depth);
+    return is_right;
+  }
 
   void take_out_removed(ParameterList& list, const ListSpec& spec) {
     for (const std::string& name : spec.removed) {
@@ -181,34 +214,96 @@ class Validator {
   }
 
   /// Every entry must be declared, and be a list exactly where a list is declared.
-  void check_names(const ParameterList& list, const ListSpec& spec) {
-    for (auto entry = list.begin(); entry != list.end(); ++entry) {
-      const std::string& name = list.name(entry);
-      const bool is_list = list.entry(entry).isList();
-      const bool parameter_declared = spec.find_parameter(name) != nullptr;
-      const bool list_declared = spec.find_list(name) != nullptr;
-      path_.push_back(name);
-      if (parameter_declared && is_list) {
-        throw error("a " + list_ + "; allowed: a " + parameter_ + ", " + allowed_values(*spec.find_parameter(name)));
-      }
-      if (list_declared && !is_list) throw error("a " + parameter_ + "; allowed: a " + list_ + " of this name");
-      if (!parameter_declared && !list_declared) check_free_name(spec, name, is_list);
-      path_.pop_back();
-    }
+  bool check_names(ParameterList& list, const ListSpec& spec) {
+    bool are_known = true;
+    for (const std::string& name : names_of(list)) are_known = check_name(list, spec, name) && are_known;
+    return are_known;
   }
 
-  void check_free_name(const ListSpec& spec, const std::string& name, bool is_list) const {
+  /// False: nobody knows what was meant. An entry of the wrong kind is taken out.
+  bool check_name(ParameterList& list, const ListSpec& spec, const std::string& name) {
+    const bool is_list = list.isSublist(name);
+    const ParameterSpec* parameter = spec.find_parameter(name);
+    if (parameter != nullptr && !is_list) return true;
+    if (spec.find_list(name) != nullptr && is_list) return true;
+    const bool is_right = at(name, [&] {
+      if (parameter != nullptr)
+        throw error("a " + list_ + "; allowed: a " + parameter_ + ", " + allowed_values(*parameter) +
+                    example(*parameter));
+      if (spec.find_list(name) != nullptr) {
+        source_.cannot_mend();
+        throw error("a " + parameter_ + "; allowed: a " + list_ + " of this name");
+      }
+      check_free_name(list, spec, name, is_list);
+    });
+    if (is_right) return true;
+    const bool is_known = parameter != nullptr || spec.find_list(name) != nullptr || take_for_nearest(list, spec, name);
+    list.remove(name);
+    if (!is_known && is_list && spec.named_parameter) mend(list, *spec.named_parameter, name);
+    if (!is_known && !is_list && spec.named_list) source_.cannot_mend();
+    return is_known;
+  }
+
+  /// Reads an entry of an unknown name as the one of which it seems to be a slip.
+  static bool take_for_nearest(ParameterList& list, const ListSpec& spec, const std::string& name) {
+    const std::string nearest = nearest_name(name, names_that_fit(list, spec));
+    const bool is_list = list.isSublist(name);
+    if (nearest.empty() || list.isParameter(nearest) || is_list != (spec.find_list(nearest) != nullptr)) return false;
+    if (is_list)
+      list.sublist(nearest).setParameters(list.sublist(name));
+    else
+      set_value(list, nearest, value_of(list.getEntry(name)));
+    return true;
+  }
+
+  /// Names that fit to the form that was chosen.
+  static std::vector<std::string> names_that_fit(const ParameterList& list, const ListSpec& spec) {
+    const auto* word =
+        list.isType<std::string>(spec.form_parameter) ? &list.get<std::string>(spec.form_parameter) : nullptr;
+    if (word == nullptr || spec.forms.count(*word) == 0) return spec.fixed_names();
+    const std::vector<std::string> of_forms = names_of_forms(spec);
+    std::vector<std::string> names;
+    for (const std::string& name : spec.fixed_names()) {
+      const auto has_name = [&](const Form& form) {
+        return contains(form.needed, name) || contains(form.optional, name);
+      };
+      const std::vector<Form>& forms = spec.forms.at(*word);
+      const bool fits =
+          contains(of_forms, name) ? std::any_of(forms.begin(), forms.end(), has_name) : !contains(spec.formless, name);
+      if (fits) names.push_back(name);
+    }
+    return names;
+  }
+
+  /// Where else in the file a name stands: `; it belongs in the list "Material"`.
+  std::string other_place_of(const std::string& name, const ListSpec& spec, bool is_list) const {
+    const auto has_name = [&](const ListSpec& other) {
+      return is_list ? other.find_list(name) != nullptr : other.find_parameter(name) != nullptr;
+    };
+    for (const SublistSpec& inner : spec.sublists)
+      if (has_name(*inner.list)) return "; it belongs in the list \"" + inner.name + "\"";
+    for (std::size_t depth = around_.size() - 1; depth-- > 0;) {
+      if (!has_name(*around_[depth])) continue;
+      const std::size_t first = path_.size() - around_.size();  // names in front of the outermost list here
+      const std::string beside = "\"" + path_[first + depth] + "\"";
+      return "; it belongs beside " + beside + ", not inside it";
+    }
+    return "";
+  }
+
+  void check_free_name(const ParameterList& list, const ListSpec& spec, const std::string& name, bool is_list) const {
     const bool allowed = is_list ? spec.named_list != nullptr : spec.named_parameter != nullptr;
     const auto is_control = [](unsigned char c) { return c < ' ' || c == 127; };  // tables have a name in each line
     if (allowed && std::any_of(name.begin(), name.end(), is_control))
       throw error("a name with control characters; allowed: names of one line");
     if (allowed) return;
-    const std::vector<std::string> names = spec.fixed_names();
-    const std::string hint = did_you_mean(name, names);
+    const std::vector<std::string> names = names_that_fit(list, spec);
+    const std::string elsewhere = other_place_of(name, spec, is_list);
+    const std::string hint = elsewhere.empty() ? did_you_mean(name, names) : elsewhere;
     if (spec.named_list) throw error("a " + parameter_ + "; allowed: one " + list_ + " per " + spec.placeholder + hint);
     if (spec.named_parameter) {
       throw error("a " + list_ + "; allowed: one " + parameter_ + " per " + spec.placeholder + ", " +
-                  allowed_values(*spec.named_parameter) + hint);
+                  allowed_values(*spec.named_parameter) + example(*spec.named_parameter) + hint);
     }
     throw error("unknown name of a " + (is_list ? list_ : parameter_) + "; allowed: " + quoted_list(names) + hint);
   }
@@ -224,19 +319,22 @@ class Validator {
     return true;
   }
 
-  void check_parameter(ParameterList& list, const ParameterSpec& spec, const std::string& name) {
+  /// `is_needed`: a required one may not be absent; it may where a name that nobody knows could be its.
+  void check_parameter(ParameterList& list, const ParameterSpec& spec, const std::string& name, bool is_needed) {
     const ParameterEntry* entry = list.getEntryPtr(name);
-    if (entry == nullptr) {
-      if (spec.presence == Presence::required) throw error("missing; needed: " + described(spec));
-      if (spec.presence == Presence::defaulted) set_value(list, name, spec.default_value, true);
-      return;
-    }
-    if (is_allowed_word(list, spec, name)) return;
-    const ParameterValue given = value_of(*entry);
-    if (keep_formulas_ && stands_for_number(given, spec)) return;
-    const ParameterValue value = widened(given, spec.type);
-    if (const Problem problem = problem_of(value, spec); !problem.empty()) throw error(of_formula(*entry) + problem);
-    if (value.index() != given.index()) set_value(list, name, value);
+    if (entry == nullptr && spec.presence == Presence::defaulted) set_value(list, name, spec.default_value, true);
+    if (entry == nullptr && spec.presence != Presence::required) return;
+    const bool is_right = at(name, [&] {
+      if (entry == nullptr && is_needed) throw error("missing; needed: " + described(spec));
+      if (entry == nullptr || is_allowed_word(list, spec, name)) return;
+      const ParameterValue given = value_of(*entry);
+      if (keep_formulas_ && stands_for_number(given, spec)) return;
+      const ParameterValue value = widened(given, spec.type);
+      if (const Problem problem = problem_of(value, spec); !problem.empty())
+        throw error(of_formula(*entry) + problem + hint(value, spec, *around_.back()));
+      if (value.index() != given.index()) set_value(list, name, value);
+    });
+    if (entry == nullptr || !is_right) mend(list, spec, name);
   }
 
   /// What a value has come from.
@@ -245,9 +343,64 @@ class Validator {
     return written == value_of(entry) ? "" : "formula " + excerpt(to_text(written)) + ": ";
   }
 
-  void check_sublist(ParameterList& list, const SublistSpec& spec) {
+  /// Puts something allowed in the place of what is wrong or missing.
+  void mend(ParameterList& list, const ParameterSpec& spec, const std::string& name) {
+    list.remove(name, false);
+    if (spec.presence == Presence::optional) return;
+    const ParameterValue value = spec.presence == Presence::defaulted ? spec.default_value : something_allowed(spec);
+    if (!std::holds_alternative<std::monostate>(value)) return set_value(list, name, value, true);
+    source_.cannot_mend();
+  }
+
+  /// In YAML and Python [1, 2], in XML {1, 2}.
+  std::string bracketed(const std::string& entries) const {
+    return source_.language() == InputLanguage::xml ? "{" + entries + "}" : "[" + entries + "]";
+  }
+
+  /// `, like [0, 0, 1]` for an array of numbers.
+  std::string example(const ParameterSpec& spec) const {
+    if (spec.type != ParameterType::real_array || spec.length == 0) return "";
+    std::string entries = "1";
+    for (int i = 1; i < spec.length; ++i) entries = "0, " + entries;
+    return ", like " + bracketed(entries);
+  }
+
+  /// What is usually meant by a value that is not allowed.
+  std::string hint(const ParameterValue& value, const ParameterSpec& spec, const ListSpec& around) const {
+    const auto meant = [](const std::string& text) { return "; did you mean " + text + "?"; };
+    const auto* text = std::get_if<std::string>(&value);
+    const auto* real = std::get_if<double>(&value);
+    const std::string word = text != nullptr ? lower_case(*text) : "";
+    const bool is_number = spec.type == ParameterType::real || spec.type == ParameterType::integer;
+    if (text != nullptr && is_number) return number_hint(*text);
+    if (real != nullptr && spec.type == ParameterType::integer && *real == std::floor(*real))
+      return meant(rounded(*real, 9));
+    if (text != nullptr && spec.type == ParameterType::boolean) {
+      const bool is_no = contains({"no", "off", "n", "0"}, word);
+      return is_no || contains({"yes", "on", "y", "1"}, word) ? meant(is_no ? "false" : "true") : "";
+    }
+    const bool is_text_array = spec.type == ParameterType::text_array;
+    if (text != nullptr && is_text_array && spec.empty_allowed && contains({"none", "no", "free", ""}, word))
+      return meant(bracketed(""));
+    if (text != nullptr && is_text_array && (spec.choices.empty() || contains(spec.choices, word)))
+      return meant(bracketed(*text));
+    if (has_type(value, ParameterType::text_array) && is_array(spec.type) && !is_text_array) {
+      const std::string formula = spec.name + " Formula";
+      for (const std::string& entry : std::get<Teuchos::Array<std::string>>(value))
+        if (const std::string of_number = number_hint(entry); !of_number.empty()) return of_number;
+      return around.find_parameter(formula) != nullptr ? meant("\"" + formula + "\"") : "";
+    }
+    if (spec.length > 0 && array_length(value) > spec.length)
+      return "; decimals have a point: a comma separates entries";
+    const bool is_short = is_array(spec.type) && (!is_array_value(value) || array_length(value) < spec.length);
+    return is_short ? example(spec) : "";
+  }
+
+  void check_sublist(ParameterList& list, const SublistSpec& spec, bool is_needed) {
     if (!list.isSublist(spec.name)) {
-      if (spec.presence == Presence::required) throw error("missing " + list_ + "; needed: " + spec.list->meaning);
+      if (spec.presence == Presence::required) source_.cannot_mend();
+      if (spec.presence == Presence::required && is_needed)
+        throw error("missing " + list_ + "; needed: " + spec.list->meaning);
       if (spec.presence == Presence::optional) return;
     }
     check_list(list.sublist(spec.name), *spec.list);
@@ -256,22 +409,18 @@ class Validator {
   void check_named_entries(ParameterList& list, const ListSpec& spec) {
     if (!spec.named_list && !spec.named_parameter) return;
     std::vector<std::string> names;  // collected first: checking may replace a value
-    for (auto entry = list.begin(); entry != list.end(); ++entry) {
-      const std::string& name = list.name(entry);
+    for (const std::string& name : names_of(list))
       if (spec.find_parameter(name) == nullptr && spec.find_list(name) == nullptr) names.push_back(name);
-    }
-    if (static_cast<int>(names.size()) < spec.minimum_named) {
-      throw error(std::to_string(names.size()) + " entries; allowed: at least " + std::to_string(spec.minimum_named) +
-                  ", one per " + spec.placeholder);
-    }
+    source_.attempt([&] {
+      if (static_cast<int>(names.size()) < spec.minimum_named)
+        throw error(std::to_string(names.size()) + " entries; allowed: at least " + std::to_string(spec.minimum_named) +
+                    ", one per " + spec.placeholder);
+    });
     for (const std::string& name : names) {
-      path_.push_back(name);
-      if (list.isSublist(name)) {
-        check_list(list.sublist(name), *spec.named_list);
-      } else {
-        check_parameter(list, *spec.named_parameter, name);
-      }
-      path_.pop_back();
+      if (list.isSublist(name))
+        at(name, [&] { check_list(list.sublist(name), *spec.named_list); });
+      else
+        check_parameter(list, *spec.named_parameter, name, true);
     }
   }
 
@@ -294,6 +443,7 @@ class Validator {
   const std::string list_ = source_.list_word(), parameter_ = source_.parameter_word();
   ParameterPath path_;
   bool keep_formulas_;
+  std::vector<const ListSpec*> around_;  ///< declarations of the lists on the path, from the outermost one on
   std::vector<std::string> warnings_;
 };
 
@@ -313,7 +463,7 @@ Problem problem_of(const ParameterValue& value, const ParameterSpec& spec) {
 std::vector<std::string> validate(ParameterList& list, const ListSpec& spec, const ParameterSource& source,
                                   const ParameterPath& path, bool keep_formulas) {
   Validator validator(source, path, keep_formulas);
-  validator.check_list(list, spec);
+  source.collect([&] { validator.check_list(list, spec); });
   return validator.warnings();
 }
 

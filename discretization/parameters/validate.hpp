@@ -17,7 +17,8 @@ Problem problem_of(const ParameterValue& value, const ParameterSpec& spec);
 /// Fills in the defaults and converts whole numbers given for reals. Throws InputError for an unknown name, a wrong
 /// type, a value out of range or not among the choices, and for anything required that is missing; the message holds
 /// `file:line: XML path "...": what was seen; allowed: ...; did you mean "..."?`. A second call changes nothing.
-/// `path`: where `list` stands below the root of `source`.
+/// `path`: where `list` stands below the root of `source`. All mistakes are found; inside ParameterSource::collect()
+/// they wait, and the list holds something allowed in their place, as far as the declaration tells what.
 ///
 /// `keep_formulas`: formulas stand in place of numbers as they are, for who only writes the list somewhere else.
 ///

@@ -61,12 +61,12 @@ class ListBuilder {
   }
 
   void start_element(const std::string& tag, const Attributes& attributes) {
-    const int line = tag_line();
-    if (inside_parameter_) throw at_line(line, "<" + excerpt(tag) + "> inside a <Parameter>; allowed: nothing");
-    if (tag == "ParameterList") return start_list(attributes, line);
-    if (tag == "Parameter") return start_parameter(attributes, line);
-    throw at_line(line,
-                  "unknown tag <" + excerpt(tag) + ">; allowed: " + quoted_list(kTags) + did_you_mean(tag, kTags));
+    const Place place = tag_place();
+    if (inside_parameter_) throw error_at(place, "<" + excerpt(tag) + "> inside a <Parameter>; allowed: nothing");
+    if (tag == "ParameterList") return start_list(attributes, place);
+    if (tag == "Parameter") return start_parameter(attributes, place);
+    throw error_at(place,
+                   "unknown tag <" + excerpt(tag) + ">; allowed: " + quoted_list(kTags) + did_you_mean(tag, kTags));
   }
 
   void end_element(const std::string& tag) {
@@ -78,12 +78,13 @@ class ListBuilder {
     take_comments(Comment::Place::end, path_);
     last_ended_ = path_;
     open_.pop_back();
+    indents_.pop_back();
     if (!path_.empty()) path_.pop_back();
   }
 
   /// One behind an entry, in its line, belongs to that entry.
   void comment(const std::string& text) {
-    const bool is_behind = line_of_end_ > 0 && line_of_end_ == tag_line() && pending_comments_.empty();
+    const bool is_behind = line_of_end_ > 0 && line_of_end_ == tag_place().line && pending_comments_.empty();
     if (is_behind) return result_.comments.push_back({Comment::Place::behind, last_ended_, trimmed(text)});
     pending_comments_.push_back(trimmed(text));
   }
@@ -92,18 +93,20 @@ class ListBuilder {
 
   void characters(const std::string& text) {
     if (trimmed(text).empty()) return;
-    throw at_line(line(), "text \"" + excerpt(trimmed(text)) +
-                              "\" outside of tags; allowed: <ParameterList> and "
-                              "<Parameter .../> only");
+    throw error_at(tag_place(), "text \"" + excerpt(trimmed(text)) +
+                                    "\" outside of tags; allowed: <ParameterList> and "
+                                    "<Parameter .../> only");
   }
 
   void document_type() {
-    throw at_line(line(), "a DOCTYPE, which could include other files; allowed: a plain list of parameters");
+    throw error_at(tag_place(), "a DOCTYPE, which could include other files; allowed: a plain list of parameters");
   }
 
   void syntax_error(const xmlError& problem) {
     const std::string text = problem.message == nullptr ? "unreadable" : trimmed(problem.message);
-    throw at_line(problem.line, "not well-formed XML: " + excerpt(text));
+    const int column = std::max(problem.int2, 1);
+    throw error_at({problem.line, static_cast<int>(offset_of(result_.text, problem.line, column))},
+                   "not well-formed XML: " + excerpt(text) + not_closed_);
   }
 
  private:
@@ -114,75 +117,105 @@ class ListBuilder {
 
   int line() const { return xmlSAX2GetLineNumber(parser_); }
 
+  struct Place {
+    int line = 0, offset = 0;
+  };
+
   /// The parser stands at the end of the tag, which may be lines below its start.
-  int tag_line() const {
-    int line_number = line();
+  Place tag_place() const {
+    Place place{line(), 0};
     const xmlChar* begin = parser_->input->cur;
     while (begin > parser_->input->base && *begin != '<') {
       --begin;
-      if (*begin == '\n') --line_number;
+      if (*begin == '\n') --place.line;
     }
-    return *begin == '<' ? line_number : line();
+    place.offset = static_cast<int>(parser_->input->consumed) + static_cast<int>(begin - parser_->input->base);
+    return *begin == '<' ? place : Place{line(), place.offset};
   }
 
-  InputError at_line(int line_number, const std::string& problem) const {
+  /// Bytes in front of the tag in its line; 0 in a line without end.
+  int indent(const Place& place) const {
+    constexpr int kMost = 200;
+    for (int i = 1; i <= std::min(place.offset, kMost); ++i)
+      if (result_.text[place.offset - i] == '\n') return i - 1;
+    return 0;
+  }
+
+  InputError error_at(const Place& place, const std::string& problem) const {
     const std::string inside = path_.empty() ? "" : "XML path \"" + to_string(path_) + "\": ";
-    return InputError{result_.source.file() + ":" + std::to_string(line_number) + ": " + inside + problem};
+    return InputError{result_.source.file() + ":" + std::to_string(place.line) + ": " + inside + problem +
+                      marked_line(result_.text, static_cast<std::size_t>(place.offset))};
   }
 
-  void check_attributes(const Attributes& attributes, const std::vector<std::string>& allowed, int line_number) const {
+  void check_attributes(const Attributes& attributes, const std::vector<std::string>& allowed,
+                        const Place& place) const {
     for (const auto& attribute : attributes) {
       if (std::find(allowed.begin(), allowed.end(), attribute.first) != allowed.end()) continue;
-      throw at_line(line_number, "unknown attribute \"" + excerpt(attribute.first) +
-                                     "\"; allowed: " + quoted_list(allowed) + did_you_mean(attribute.first, allowed));
+      result_.source.keep(error_at(place, "unknown attribute \"" + excerpt(attribute.first) + "\"; allowed: " +
+                                              quoted_list(allowed) + did_you_mean(attribute.first, allowed)));
     }
   }
 
   const std::string& attribute(const Attributes& attributes, const std::string& name, const std::string& tag,
-                               int line_number) const {
+                               const Place& place) const {
     if (const std::string* found = find_attribute(attributes, name)) return *found;
-    throw at_line(line_number, "<" + tag + "> without the attribute \"" + name + "\"");
+    const std::string problem = "<" + tag + "> without the attribute \"" + name + "\"";
+    if (name == "name") throw error_at(place, problem);
+    throw result_.source.error(path_, problem + (name == "type" ? "; allowed: " + quoted_list(xml_names()) : ""));
   }
 
-  const std::string& name_of(const Attributes& attributes, const std::string& tag, int line_number) const {
-    const std::string& name = attribute(attributes, "name", tag, line_number);
-    if (trimmed(name).empty()) throw at_line(line_number, "<" + tag + "> with an empty name");
+  const std::string& name_of(const Attributes& attributes, const std::string& tag, const Place& place) const {
+    const std::string& name = attribute(attributes, "name", tag, place);
+    if (trimmed(name).empty()) throw error_at(place, "<" + tag + "> with an empty name");
     return name;
   }
 
-  void start_list(const Attributes& attributes, int line_number) {
-    check_attributes(attributes, kListAttributes, line_number);
-    if (!has_root_) return start_root(attributes, line_number);
+  void start_list(const Attributes& attributes, const Place& place) {
+    check_attributes(attributes, kListAttributes, place);
+    if (!has_root_) return start_root(attributes, place);
     if (open_.size() >= kDeepestLists) {
-      throw at_line(line_number, "lists nested deeper than " + std::to_string(kDeepestLists));
+      throw error_at(place, "lists nested deeper than " + std::to_string(kDeepestLists));
     }
-    const std::string& name = name_of(attributes, "ParameterList", line_number);
+    const std::string& name = name_of(attributes, "ParameterList", place);
+    if (not_closed_.empty() && indent(place) <= indents_.back() && indent(place) > 0)
+      not_closed_ = "; the list \"" + to_string(path_) + "\" seems to have no </ParameterList>: \"" + excerpt(name) +
+                    "\" in line " + std::to_string(place.line) + " would stand inside it";
     path_.push_back(name);
-    result_.source.record(path_, line_number);
+    result_.source.attempt([&] { result_.source.record(path_, place.line, place.offset); });
     take_comments(Comment::Place::before, path_);
+    if (open_.back()->isParameter(name) && !open_.back()->isSublist(name)) open_.back()->remove(name);  // given twice
     open_.push_back(&open_.back()->sublist(name));
+    indents_.push_back(indent(place));
   }
 
   /// Teuchos does not demand a name for the outermost list: it takes that of the file.
-  void start_root(const Attributes& attributes, int line_number) {
+  void start_root(const Attributes& attributes, const Place& place) {
     const std::string* name = find_attribute(attributes, "name");
     result_.list->setName(name == nullptr ? name_of_file(result_.source.file()) : *name);
     result_.source.set_root_name(result_.list->name());
-    result_.source.record({}, line_number);
+    result_.source.record({}, place.line, place.offset);
+    indents_.push_back(indent(place));
     take_comments(Comment::Place::before, {});
     open_.push_back(result_.list.get());
     has_root_ = true;
   }
 
-  void start_parameter(const Attributes& attributes, int line_number) {
-    if (open_.empty())
-      throw at_line(line_number, "<Parameter> outside of a list; allowed: one <ParameterList> around all");
-    check_attributes(attributes, kParameterAttributes, line_number);
-    const std::string& name = name_of(attributes, "Parameter", line_number);
-    const std::string& type = attribute(attributes, "type", "Parameter", line_number);
-    const std::string& value = attribute(attributes, "value", "Parameter", line_number);
-    path_.push_back(name);
-    result_.source.record(path_, line_number);
+  void start_parameter(const Attributes& attributes, const Place& place) {
+    inside_parameter_ = true;
+    if (open_.empty()) throw error_at(place, "<Parameter> outside of a list; allowed: one <ParameterList> around all");
+    const ParameterPath around = path_;
+    result_.source.attempt([&] { read_parameter(attributes, place); });
+    path_ = around;
+  }
+
+  void read_parameter(const Attributes& attributes, const Place& place) {
+    check_attributes(attributes, kParameterAttributes, place);
+    path_.push_back(name_of(attributes, "Parameter", place));
+    const std::string name = path_.back();
+    last_ended_ = path_;
+    result_.source.record(path_, place.line, place.offset);
+    const std::string& type = attribute(attributes, "type", "Parameter", place);
+    const std::string& value = attribute(attributes, "value", "Parameter", place);
     take_comments(Comment::Place::before, path_);
     const std::vector<std::string>& types = xml_names();
     const auto known = std::find(types.begin(), types.end(), type);
@@ -196,9 +229,6 @@ class ListBuilder {
     set_value(*open_.back(), name, parsed);
     if (!has_type(parsed, static_cast<ParameterType>(known - types.begin())))  // a formula
       open_.back()->getEntry(name).setDocString(type);
-    last_ended_ = path_;
-    path_.pop_back();
-    inside_parameter_ = true;
   }
 
   /// Those that were read since the last entry belong to this one.
@@ -211,6 +241,8 @@ class ListBuilder {
   XmlParameters& result_;
   std::exception_ptr error_;
   std::vector<Teuchos::ParameterList*> open_;  ///< lists whose end has not come yet
+  std::vector<int> indents_;                   ///< of their tags
+  std::string not_closed_;                     ///< of the first list in which another one stands without more indent
   ParameterPath path_;
   std::vector<std::string> pending_comments_;
   ParameterPath last_ended_;  ///< the entry whose tag ended last
@@ -313,13 +345,14 @@ constexpr int kMostAttributes = 100;
 
 XmlParameters read_xml(const std::string& file) { return parse_xml(text_of_file(file, "an XML file"), file); }
 
-XmlParameters parse_xml(const std::string& text, const std::string& file) {
+XmlParameters parse_xml(const std::string& text, const std::string& file, Mistakes mistakes) {
   if (trimmed(text).empty()) throw InputError(file + ":1: the file is empty; allowed: a <ParameterList>");
   if (text.size() > kMaximumBytes) throw InputError(file + ": too large");
   if (const int line = line_of_tag_with_more(kMostAttributes, text); line > 0)
     throw InputError(file + ":" + std::to_string(line) + ": a tag with more than " + std::to_string(kMostAttributes) +
                      " attributes; allowed: " + quoted_list(kParameterAttributes));
   XmlParameters result{Teuchos::rcp(new Teuchos::ParameterList), ParameterSource(file), text};
+  result.source.set_text(text);
   const SilentParsing silence;
   const std::unique_ptr<xmlParserCtxt, FreeParser> parser(
       xmlCreateMemoryParserCtxt(text.data(), static_cast<int>(text.size())));
@@ -332,6 +365,7 @@ XmlParameters parse_xml(const std::string& text, const std::string& file) {
   if (builder.error()) std::rethrow_exception(builder.error());
   builder.end_document();
   if (parser->wellFormed == 0 || !builder.has_root()) throw InputError(file + ":1: not well-formed XML");
+  if (mistakes == Mistakes::thrown) result.source.collect([] {});
   return result;
 }
 

@@ -39,6 +39,6 @@ struct XmlParameters {
 XmlParameters read_xml(const std::string& file);
 
 /// The same for a text; `file` appears in the messages.
-XmlParameters parse_xml(const std::string& text, const std::string& file);
+XmlParameters parse_xml(const std::string& text, const std::string& file, Mistakes mistakes = Mistakes::thrown);
 
 }  // namespace mixbeam

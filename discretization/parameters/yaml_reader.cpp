@@ -1,6 +1,7 @@
 #include "discretization/parameters/yaml_reader.hpp"
 
 #include "discretization/parameters/formula_value.hpp"
+#include "discretization/parameters/input_place.hpp"
 #include "discretization/text/message_text.hpp"
 
 #include <libxml/xmlstring.h>
@@ -34,21 +35,30 @@ std::string described(YamlNode::Kind kind) {
   return kind == YamlNode::Kind::map ? "a map" : kind == YamlNode::Kind::sequence ? "a sequence" : "a value";
 }
 
-InputError error_at(const std::string& file, const YAML::Mark& mark, const std::string& problem) {
-  return InputError(file + ":" + std::to_string(mark.line + 1) + ":" + std::to_string(mark.column + 1) + ": " +
-                    problem);
-}
+/// In which file, and its text.
+struct YamlFile {
+  const std::string& name;
+  const std::string& text;
+
+  InputError error(int line, int column, const std::string& problem) const {
+    return InputError(name + ":" + std::to_string(line) + ":" + std::to_string(column) + ": " + problem +
+                      marked_line(text, offset_of(text, line, column)));
+  }
+  InputError error(const YAML::Mark& mark, const std::string& problem) const {
+    return error(mark.line + 1, mark.column + 1, problem);
+  }
+};
 
 /// Receives the parser's events and keeps the nodes. An alias is one more parent of its node.
 class YamlTree : public YAML::EventHandler {
  public:
-  YamlTree(const std::string& text, const std::string& file) : text_(text), file_(file) {}
+  explicit YamlTree(const YamlFile& file) : file_(file) {}
 
   const YamlNode& operator[](std::size_t node) const { return nodes_[node]; }
   std::size_t size() const { return nodes_.size(); }
 
   void OnDocumentStart(const YAML::Mark& mark) override {
-    if (!nodes_.empty()) throw error_at(file_, mark, "a second document; allowed: one");
+    if (!nodes_.empty()) throw file_.error(mark, "a second document; allowed: one");
   }
   void OnDocumentEnd() override {}
   void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
@@ -57,7 +67,7 @@ class YamlTree : public YAML::EventHandler {
     node.is_absent = node.text.empty();
   }
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
-    if (open_.empty()) throw error_at(file_, mark, "an alias without anything around it");
+    if (open_.empty()) throw file_.error(mark, "an alias without anything around it");
     nodes_[open_.back()].children.push_back(anchors_.at(anchor));
   }
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
@@ -65,7 +75,7 @@ class YamlTree : public YAML::EventHandler {
     const bool is_text = tag == "!" || tag == "tag:yaml.org,2002:str";
     const auto is_control = [](unsigned char c) { return c < ' ' && c != '\t' && c != '\n' && c != '\r'; };
     if (std::any_of(value.begin(), value.end(), is_control))
-      throw error_at(file_, mark, "\"" + excerpt(value) + "\" holds a control character; allowed: text");
+      throw file_.error(mark, "\"" + excerpt(value) + "\" holds a control character; allowed: text");
     add(is_text ? YamlNode::Kind::quoted : YamlNode::Kind::plain, mark, is_text ? "!" : tag, anchor).text = value;
   }
   void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
@@ -82,7 +92,7 @@ class YamlTree : public YAML::EventHandler {
  private:
   YamlNode& add(YamlNode::Kind kind, const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor) {
     if (tag != "?" && tag != "!" && !tag.empty())
-      throw error_at(file_, mark, "tag \"" + excerpt(tag) + "\"; allowed: !!str for text, types follow from the names");
+      throw file_.error(mark, "tag \"" + excerpt(tag) + "\"; allowed: !!str for text, types follow from the names");
     // The parser places a value that is absent where the next token stands, which may be the word null.
     if (!nodes_.empty() && nodes_.back().kind == YamlNode::Kind::plain && nodes_.back().mark.pos == mark.pos) {
       nodes_.back().text.clear();
@@ -96,19 +106,18 @@ class YamlTree : public YAML::EventHandler {
   }
   void open(YamlNode::Kind kind, const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor) {
     if (open_.size() >= kDeepestLists)
-      throw error_at(file_, mark, "lists nested deeper than " + std::to_string(kDeepestLists));
+      throw file_.error(mark, "lists nested deeper than " + std::to_string(kDeepestLists));
     add(kind, mark, tag, anchor);
     open_.push_back(nodes_.size() - 1);
   }
   /// The parser tells that a scalar means null, not how it was written, which matters where it is a name.
   std::string null_word(const YAML::Mark& mark) const {
     for (const char* word : {"null", "Null", "NULL", "~"})
-      if (text_.compare(static_cast<std::size_t>(mark.pos), std::string(word).size(), word) == 0) return word;
+      if (file_.text.compare(static_cast<std::size_t>(mark.pos), std::string(word).size(), word) == 0) return word;
     return "";
   }
 
-  const std::string& text_;
-  const std::string& file_;
+  const YamlFile file_;
   std::vector<YamlNode> nodes_;    ///< the root is the first
   std::vector<std::size_t> open_;  ///< sequences and maps whose end has not come yet
   std::map<YAML::anchor_t, std::size_t> anchors_;
@@ -129,12 +138,12 @@ Problem parse_plain(const std::string& text, double& value) {
 /// Fills a list from a tree.
 class YamlFiller {
  public:
-  YamlFiller(const YamlTree& tree, XmlParameters& result) : tree_(tree), result_(result) {}
+  YamlFiller(const YamlTree& tree, const YamlFile& file, XmlParameters& result)
+      : tree_(tree), file_(file), result_(result) {}
 
   void fill_root(const ListSpec& spec) {
     if (tree_[0].kind != YamlNode::Kind::map)
-      throw error_at(result_.source.file(), tree_[0].mark,
-                     described(tree_[0].kind) + "; allowed: lists by their names, like \"Scene:\"");
+      throw file_.error(tree_[0].mark, described(tree_[0].kind) + "; allowed: lists by their names, like \"Scene:\"");
     result_.source.record({}, tree_[0].mark.line + 1, tree_[0].mark.column + 1);
     fill(*result_.list, &spec, tree_[0]);
   }
@@ -144,11 +153,11 @@ class YamlFiller {
 
   InputError error(const YamlNode& node, const std::string& problem) const {
     const std::string place = path_.empty() ? "" : "YAML path \"" + mixbeam::to_string(path_) + "\": ";
-    return error_at(result_.source.file(), node.mark, place + problem);
+    return file_.error(node.mark, place + problem);
   }
 
   InputError missing_value(const YamlNode& node) const {
-    return error(node, "no value; allowed: a value, \"\" for an empty text, {} for an empty list");
+    return error(node, "no value; allowed: a value, \"\" for an empty text, {} for an empty list" + hint_);
   }
 
   /// `spec`: none where nothing is declared.
@@ -159,11 +168,16 @@ class YamlFiller {
       const YamlNode& key = tree_[map.children[i]];
       const YamlNode& value = tree_[map.children[i + 1]];
       count_nodes(key);
-      path_.push_back(name_of(key));
-      result_.source.record(path_, key.mark.line + 1, key.mark.column + 1);
-      if (value.is_absent) throw missing_value(key);
-      take(list, spec, value);
-      path_.pop_back();
+      const ParameterPath around = path_;
+      result_.source.attempt([&] { path_.push_back(name_of(key)); });
+      if (path_.size() > around.size())
+        InputPlace(result_.source, path_).attempt([&] {
+          result_.source.record(path_, key.mark.line + 1, key.mark.column + 1);
+          if (value.is_absent) throw missing_value(key);
+          take(list, spec, value);
+        });
+      path_ = around;
+      if (visited_ > most_nodes()) result_.source.require_none();
     }
   }
 
@@ -180,8 +194,9 @@ class YamlFiller {
     const std::string name = path_.back();
     const bool is_declared = spec != nullptr && !spec->unchecked;
     if (value.kind == Kind::map) {
-      const SublistSpec* fixed = is_declared ? spec->find_list(name) : nullptr;
-      const ListSpec* inner = fixed != nullptr ? fixed->list.get() : is_declared ? spec->named_list.get() : nullptr;
+      const ListSpec* inner = is_declared ? spec->list(name) : nullptr;
+      const ParameterSpec* parameter = is_declared ? spec->parameter(name) : nullptr;
+      hint_ = parameter != nullptr && is_array(parameter->type) ? "; did you mean a sequence, like [1, 2, 3]?" : "";
       return fill(list.sublist(name), inner, value);
     }
     if (path_.size() == 1 && name == kRootName && value.kind != Kind::sequence) {
@@ -189,8 +204,7 @@ class YamlFiller {
       list.setName(root);
       return result_.source.set_root_name(root);
     }
-    const ParameterSpec* fixed = is_declared ? spec->find_parameter(name) : nullptr;
-    const ParameterSpec* declared = fixed != nullptr || !is_declared ? fixed : spec->named_parameter.get();
+    const ParameterSpec* declared = is_declared ? spec->parameter(name) : nullptr;
     const ParameterValue read = value_of(value, declared);
     set_value(list, name, read);
     if (declared != nullptr && holds_formula(read) && stands_for_number(read, *declared))
@@ -269,14 +283,17 @@ class YamlFiller {
     return true;
   }
 
+  std::size_t most_nodes() const { return tree_.size() + kMostAliasNodes; }
   void count_nodes(const YamlNode& node) {
-    if (++visited_ <= tree_.size() + kMostAliasNodes) return;
+    if (++visited_ <= most_nodes()) return;
     throw error(node, "aliases unfold to more than " + std::to_string(kMostAliasNodes) + " entries");
   }
 
   const YamlTree& tree_;
+  const YamlFile file_;
   XmlParameters& result_;
   ParameterPath path_;
+  std::string hint_;  ///< of a value that is absent in the list that is being filled
   std::size_t visited_ = 0;
 };
 
@@ -292,22 +309,43 @@ int line_without_text(const std::string& text) {
   return 0;
 }
 
+/// The first tab in the indentation of one of the lines up to this one, counted from 1; 0 if there is none.
+std::pair<int, int> place_of_tab(const std::string& text, int last_line) {
+  int number = 1;
+  std::istringstream lines(text);
+  for (std::string line; number <= last_line && std::getline(lines, line); ++number) {
+    const std::size_t first = line.find_first_not_of(' ');
+    if (first != std::string::npos && line[first] == '\t') return {number, static_cast<int>(first) + 1};
+  }
+  return {};
+}
+
 /// What the parser says, and what is usually meant.
-InputError syntax_error(const YAML::ParserException& problem, const std::string& file) {
+InputError syntax_error(const YAML::ParserException& problem, const YamlFile& file) {
   using namespace YAML::ErrorMsg;
   const auto is_one_of = [&](std::initializer_list<const char*> messages) {
     return std::any_of(messages.begin(), messages.end(), [&](const char* text) { return problem.msg == text; });
   };
+  const std::string kind = "not well-formed YAML: ";
+  if (const auto [line, column] = place_of_tab(file.text, problem.mark.line + 1); line > 0)
+    return file.error(line, column,
+                      kind + "a tab in the indentation; allowed: spaces, as many for each entry of a map");
   std::string hint;
   if (is_one_of({ALIAS_NOT_FOUND, CHAR_IN_ALIAS, UNKNOWN_ANCHOR}))
     hint = "; a pattern that begins with * stands in quotes, like \"*\"";
-  if (problem.mark.line < 0) return InputError(file + ": not well-formed YAML: " + excerpt(problem.msg) + hint);
-  return error_at(file, problem.mark, "not well-formed YAML: " + excerpt(problem.msg) + hint);
+  else if (is_one_of({END_OF_MAP, END_OF_SEQ, BLOCK_ENTRY, MAP_KEY}))
+    hint = "; all entries of a map have the same indentation, and a colon and a blank behind their names";
+  else if (is_one_of({END_OF_MAP_FLOW, END_OF_SEQ_FLOW, FLOW_END}))
+    hint = "; a comma or a closing bracket is missing before this place, or one is too many";
+  else if (is_one_of({MAP_VALUE}))
+    hint = "; a text with a colon in it stands in quotes";
+  if (problem.mark.line < 0) return InputError(file.name + ": " + kind + excerpt(problem.msg) + hint);
+  return file.error(problem.mark, kind + excerpt(problem.msg) + hint);
 }
 
 }  // namespace
 
-XmlParameters parse_yaml(const std::string& text, const std::string& file, const ListSpec& spec) {
+XmlParameters parse_yaml(const std::string& text, const std::string& file, const ListSpec& spec, Mistakes mistakes) {
   const std::string byte_order_mark = "\xEF\xBB\xBF";
   const bool is_marked = text.compare(0, byte_order_mark.size(), byte_order_mark) == 0;
   const std::string plain = is_marked ? text.substr(byte_order_mark.size()) : text;
@@ -317,19 +355,22 @@ XmlParameters parse_yaml(const std::string& text, const std::string& file, const
                        ParameterSource(file, name_of_file(file)),
                        text,
                        {}};
-  result.source.set_language("YAML");
-  YamlTree tree(plain, file);
+  result.source.set_language(InputLanguage::yaml);
+  result.source.set_text(plain);
+  const YamlFile whole{file, plain};
+  YamlTree tree(whole);
   try {
     std::istringstream stream(plain);
     YAML::Parser parser(stream);
     while (parser.HandleNextDocument(tree)) {
     }
   } catch (const YAML::ParserException& problem) {
-    throw syntax_error(problem, file);
+    throw syntax_error(problem, whole);
   }
   if (tree.size() == 0)
     throw InputError(file + ":1: the file is empty; allowed: lists by their names, like \"Scene:\"");
-  YamlFiller(tree, result).fill_root(spec);
+  YamlFiller(tree, whole, result).fill_root(spec);
+  if (mistakes == Mistakes::thrown) result.source.collect([] {});
   return result;
 }
 

@@ -19,6 +19,7 @@ inline constexpr const char* kRootName = "Name";
 /// declaration, or has none, keeps the type that it shows, and validate() reports what is wrong with it. Throws
 /// InputError with file, line and column for what is no YAML, several documents, keys given twice or merged (<<),
 /// tags, control characters, lists nested too deep and aliases that unfold to too much.
-XmlParameters parse_yaml(const std::string& text, const std::string& file, const ListSpec& spec);
+XmlParameters parse_yaml(const std::string& text, const std::string& file, const ListSpec& spec,
+                         Mistakes mistakes = Mistakes::thrown);
 
 }  // namespace mixbeam

@@ -1,5 +1,6 @@
 #include "discretization/quantities/quantity.hpp"
 
+#include "discretization/parameters/access.hpp"
 #include "discretization/parameters/binding.hpp"
 #include "discretization/parameters/validate.hpp"
 #include "discretization/quantities/quantity_kind.hpp"
@@ -178,19 +179,24 @@ ListSpec quantities_spec() {
 
 std::vector<Quantity> read_quantities(Teuchos::ParameterList& list, const ParameterSource& source,
                                       const ParameterPath& path) {
-  validate(list, quantities_spec(), source, path);
   std::vector<Quantity> quantities;
-  for (auto entry = list.begin(); entry != list.end(); ++entry) {
-    const InputPlace place = InputPlace(source, path)[list.name(entry)];
-    Quantity quantity = quantity_parameters().read(list.sublist(list.name(entry)));
-    quantity.name = list.name(entry);
+  const auto read_one = [&](const std::string& name, const InputPlace& place) {
+    Quantity quantity = quantity_parameters().read(list.sublist(name));
+    quantity.name = name;
     if (const Problem problem = result_name_problem(quantity.name); !problem.empty())
       throw place.error("name " + problem);
     check_component(quantity, place);
     check_take(quantity, place);
     check_limit(quantity, list.sublist(list.name(entry)), place);
     quantities.push_back(quantity);
-  }
+  };
+  source.collect([&] {
+    validate(list, quantities_spec(), source, path);
+    for (const std::string& name : names_of(list)) {
+      const InputPlace place = InputPlace(source, path)[name];
+      place.attempt([&] { read_one(name, place); });
+    }
+  });
   return quantities;
 }
 

@@ -135,12 +135,17 @@ QuantitySet::QuantitySet(const std::vector<Quantity>& quantities, const Scene& s
     : QuantitySet() {
   if (quantities.empty()) return;
   const QuantityPlaces found(scene);  // an index of the whole scene
-  for (std::size_t i = 0; i < quantities.size(); ++i) {
-    if (quantities[i].kind == "formula")
-      add_formula(quantities[i], i, place[quantities[i].name]);
-    else
-      resolve(quantities[i], i, scene, found, place[quantities[i].name]);
-  }
+  place.source().collect([&] {
+    for (std::size_t i = 0; i < quantities.size(); ++i) {
+      const InputPlace own = place[quantities[i].name];
+      own.attempt([&] {
+        if (quantities[i].kind != "formula")
+          resolve(quantities[i], i, scene, found, own);
+        else if (!place.source().has_mistakes())  // of what it names
+          add_formula(quantities[i], i, own);
+      });
+    }
+  });
 }
 
 std::vector<std::string> QuantitySet::names() const {

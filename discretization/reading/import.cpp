@@ -21,6 +21,8 @@ namespace {
 const std::string kNameColumn = "name";
 const std::string kPointsFile = "Points File", kMembersFile = "Members File";
 
+const std::vector<std::string> kNumberColumns = {"x", "y", "z", "dx", "dy", "dz", "order", "elements"};
+
 /// Lists of the scene whose entries a table may give: the name of the list is that of the parameter without " File".
 const std::vector<std::string> kImportedLists = {"Sections",    "Supports",          "Joints",
                                                  "Point Loads", "Distributed Loads", "Eigenstrains"};
@@ -124,16 +126,24 @@ ListSpec import_spec() {
   return spec;
 }
 
-ImportTable::ImportTable(CsvFile file, std::vector<std::string> columns, std::size_t required)
-    : file_(std::move(file)), columns_(std::move(columns)), required_(required) {
+ImportTable::ImportTable(CsvFile file, std::vector<std::string> columns, std::size_t required,
+                         const ParameterSource& source)
+    : file_(std::move(file)), source_(&source), columns_(std::move(columns)), required_(required) {
   for (std::size_t i = 0; i < columns_.size(); ++i) place_[columns_[i]] = i;
   bool first = true;
   file_.for_each([&](const CsvRecord& record) {
     const auto is_column = [this](const std::string& cell) {
       return std::find(columns_.begin(), columns_.end(), lower_case(cell)) != columns_.end();
     };
+    // In columns of numbers, such a word can be no entry.
+    const auto is_number_column = [&](const std::string& cell) {
+      const auto place = static_cast<std::size_t>(&cell - record.cells.data());
+      return place < columns_.size() && place > 0 && lower_case(cell) == columns_[place] &&
+             std::count(kNumberColumns.begin(), kNumberColumns.end(), columns_[place]) > 0;
+    };
     const auto is_name = [](const std::string& cell) { return lower_case(cell) == kNameColumn; };
     const bool names = first && (std::any_of(record.cells.begin(), record.cells.end(), is_name) ||
+                                 std::any_of(record.cells.begin(), record.cells.end(), is_number_column) ||
                                  std::all_of(record.cells.begin(), record.cells.end(), is_column));
     first = false;
     if (names) read_names(record);
@@ -165,15 +175,18 @@ void ImportTable::for_each(const std::function<void(const CsvRecord&)>& action) 
   const std::size_t most = has_names_ ? place_.size() : columns_.size();
   file_.for_each([&](const CsvRecord& record) {
     if (std::exchange(skip, false)) return;
-    if (record.cells.size() > most) {
-      throw file_.error(record, most,
-                        "value \"" + excerpt(record.cells[most]) +
-                            "\" is one cell too many; allowed: " + std::to_string(most) + " cells");
-    }
-    for (std::size_t i = 0; i < required_; ++i)
-      if (cell(record, columns_[i]).empty())
-        throw error(record, columns_[i], "missing \"" + columns_[i] + "\"; allowed: " + quoted_list(columns_));
-    action(record);
+    const bool is_right = source_->attempt([&] {
+      if (record.cells.size() > most) {
+        throw file_.error(record, most,
+                          "value \"" + excerpt(record.cells[most]) +
+                              "\" is one cell too many; allowed: " + std::to_string(most) + " cells");
+      }
+      for (std::size_t i = 0; i < required_; ++i)
+        if (cell(record, columns_[i]).empty())
+          throw error(record, columns_[i], "missing \"" + columns_[i] + "\"; allowed: " + quoted_list(columns_));
+      action(record);
+    });
+    if (!is_right) source_->cannot_mend();
   });
 }
 
@@ -193,8 +206,7 @@ InputError ImportTable::error(const CsvRecord& record, const std::string& column
 }
 
 std::string ImportTable::where(const CsvRecord& record, const std::string& column) const {
-  const std::string text = file_.error(record, place(column), "").what();
-  return text.substr(0, text.rfind(": "));
+  return file_.where(record, place(column));
 }
 
 InputError ImportTable::error(int line, const std::string& column, const std::string& problem) const {
@@ -249,8 +261,11 @@ void add_entries(const ImportTable& table, const std::map<std::string, EntryColu
       ParameterPath inside = place;
       if (!target.list.empty()) inside.push_back(target.list);
       Teuchos::ParameterList& holder = target.list.empty() ? entry : entry.sublist(target.list);
-      set_value(holder, target.spec.name, written_cell(table, record, target.spec));
-      source.record(child(inside, target.spec.name), table.where(record, column));
+      inside.push_back(target.spec.name);
+      source.record(inside, table.where(record, column));
+      InputPlace(source, inside).attempt([&, &column = column, &target = target] {
+        set_value(holder, target.spec.name, written_cell(table, record, target.spec));
+      });
     }
   });
 }
@@ -261,23 +276,27 @@ void import_entries(Teuchos::ParameterList& scene_list, ParameterSource& source,
   if (!scene_list.isSublist("Import")) return;
   const Teuchos::ParameterList& import = scene_list.sublist("Import");
   const ListSpec scene = scene_spec();
-  for (const std::string& name : kImportedLists) {
+  const auto import_list = [&](const std::string& name) {
     const bool is_taken = scene_list.isParameter(name) && !scene_list.isSublist(name);  // validate() says so
-    if (!import.isType<std::string>(name + " File") || is_taken) continue;
+    if (!import.isType<std::string>(name + " File") || is_taken) return;
     const std::map<std::string, EntryColumn> columns = entry_columns(*scene.find_list(name)->list->named_list);
     std::vector<std::string> names = {kNameColumn};
     for (const auto& [column, target] : columns) names.push_back(column);
-    const ImportTable table(table_of(import, name + " File", InputPlace(source, path)["Import"]), names, 1);
+    const ImportTable table(table_of(import, name + " File", InputPlace(source, path)["Import"]), names, 1, source);
     add_entries(table, columns, child(path, name), scene_list.sublist(name), source);
-  }
+  };
+  source.collect([&] {
+    for (const std::string& name : kImportedLists)
+      if (!source.attempt([&] { import_list(name); })) source.cannot_mend();
+  });
 }
 
 ImportTable offsets_table(const Teuchos::ParameterList& list, const InputPlace& place) {
-  return {table_of(list, kPointsFile, place), {"dx", "dy", "dz", "name", "x", "y", "z"}, 3};
+  return {table_of(list, kPointsFile, place), {"dx", "dy", "dz", "name", "x", "y", "z"}, 3, place.source()};
 }
 
 ImportTable points_table(const Teuchos::ParameterList& list, const InputPlace& place) {
-  return {table_of(list, kPointsFile, place), {kNameColumn, "x", "y", "z"}, 4};
+  return {table_of(list, kPointsFile, place), {kNameColumn, "x", "y", "z"}, 4, place.source()};
 }
 
 ImportTable members_table(const Teuchos::ParameterList& list, const InputPlace& place) {
@@ -285,7 +304,7 @@ ImportTable members_table(const Teuchos::ParameterList& list, const InputPlace& 
   columns.insert(columns.begin(), kNameColumn);
   const std::size_t required = columns.size();
   for (std::string& column : member_columns(true)) columns.push_back(std::move(column));
-  return {table_of(list, kMembersFile, place), columns, required};
+  return {table_of(list, kMembersFile, place), columns, required, place.source()};
 }
 
 Vector3 imported_vector(const ImportTable& table, const CsvRecord& record, const std::array<std::string, 3>& columns,

@@ -25,9 +25,9 @@ ListSpec import_spec();
 class ImportTable {
  public:
   /// Columns from `required` on may be absent. Throws InputError for an unknown name of a column.
-  ImportTable(CsvFile file, std::vector<std::string> columns, std::size_t required);
+  ImportTable(CsvFile file, std::vector<std::string> columns, std::size_t required, const ParameterSource& source);
 
-  /// Calls `action` with each record but the names of columns.
+  /// Calls `action` with each record but the names of columns. Mistakes of a record are kept in the source.
   void for_each(const std::function<void(const CsvRecord&)>& action) const;
 
   /// Text of a column of the record, empty if the record has no such cell.
@@ -44,6 +44,7 @@ class ImportTable {
   std::size_t place(const std::string& column) const;
 
   CsvFile file_;
+  const ParameterSource* source_;
   std::vector<std::string> columns_;
   std::size_t required_;
   std::map<std::string, std::size_t> place_;  ///< column -> which cell of a record

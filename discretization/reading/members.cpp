@@ -109,12 +109,17 @@ void SceneReader::read_members() {
     const std::string& name = list_names_[i];
     const List& list = members.sublist(name);
     const InputPlace place = place_["Members"][name];
-    check_name(name, place_["Members"]);
-    Member member = read_member(name, list, place);
+    Member member = member_parameters().read(list);
+    member.name = name;
     CurveDraft draft;
-    if (list.isSublist("Curve")) draft = read_curve(list.sublist("Curve"), place["Curve"]);
+    const bool is_right = place.attempt([&] {
+      check_name(name, place_["Members"]);
+      complete(member, list, place);
+      if (list.isSublist("Curve")) draft = read_curve(list.sublist("Curve"), place["Curve"]);
+      if (draft.is_polyline) check_plain(list, place);
+    });
+    if (!is_right && list.isSublist("Curve")) place.source().cannot_mend();
     if (draft.is_polyline) {
-      check_plain(list, place);
       add_polyline(member, draft, i);
       continue;
     }
@@ -124,14 +129,11 @@ void SceneReader::read_members() {
   }
 }
 
-Member SceneReader::read_member(const std::string& name, const List& list, const InputPlace& place) const {
-  Member member = member_parameters().read(list);
-  member.name = name;
+void SceneReader::complete(Member& member, const List& list, const InputPlace& place) const {
   take_only_section(member);
   check_taper(member, place);
   check_inner_points(member, place["Inner Points"]);
   if (list.isParameter("Stations")) read_stations(member, list, place);
-  return member;
 }
 
 void SceneReader::take_only_section(Member& member) const {

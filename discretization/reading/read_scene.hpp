@@ -20,8 +20,10 @@ ListSpec scene_spec();
 
 /// Validates the list (filling in defaults), then everything that names refer to and geometry must satisfy,
 /// supports that hold every part included.
-/// Throws InputError. Points that only the end of an arc or helix reaches are added to the scene's points.
-/// `path`: where the list stands below the root of `source`. `notes`: what is left out where patterns end, and why.
+/// Throws InputError, of all mistakes that do not follow from others; inside ParameterSource::collect() they wait as
+/// long as something that was meant can be read in their place. Points that only the end of an arc or helix reaches are
+/// added to the scene's points. `path`: where the list stands below the root of `source`. `notes`: what is left out
+/// where patterns end, and why.
 Scene read_scene(Teuchos::ParameterList& scene_list, const ParameterSource& source,
                  const ParameterPath& path = {"Scene"}, std::vector<std::string>* notes = nullptr);
 

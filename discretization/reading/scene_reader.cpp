@@ -53,14 +53,19 @@ ListSpec scene_spec() {
 
 Scene read_scene(Teuchos::ParameterList& scene_list, const ParameterSource& source, const ParameterPath& path,
                  std::vector<std::string>* notes) {
-  const ListSpec spec = scene_spec();
-  Variables variables(scene_list, source, path);
-  variables.resolve(scene_list, spec, path);
-  validate(scene_list, spec, source, path);
-  SceneReader reader(scene_list, {source, path}, variables);
-  Scene scene = reader.read();
-  if (notes != nullptr) *notes = reader.notes();
-  check_supports(scene, source, path);
+  Scene scene;
+  source.collect([&] {
+    const ListSpec spec = scene_spec();
+    Variables variables(scene_list, source, path);
+    variables.resolve(scene_list, spec, path);
+    validate(scene_list, spec, source, path);
+    source.require_mended();
+    SceneReader reader(scene_list, {source, path}, variables);
+    scene = reader.read();
+    if (notes != nullptr) *notes = reader.notes();
+    if (!source.has_mistakes()) check_supports(scene, source, path);
+  });
+  source.require_mended();
   return scene;
 }
 
@@ -70,26 +75,31 @@ SceneReader::SceneReader(const List& list, const InputPlace& place, Variables& v
 Scene SceneReader::read() {
   scene_.name = place_.source().root_name();
   if (list_.isParameter("Accuracy")) scene_.accuracy = list_.get<double>("Accuracy");
-  if (list_.isParameter("Accuracy Of")) {
-    scene_.accuracy_of = list_.get<std::string>("Accuracy Of");
-    if (!scene_.accuracy) throw place_["Accuracy Of"].error("given without \"Accuracy\"; allowed: with it");
-  }
-  read_units();
+  const ParameterSource& source = place_.source();
+  if (list_.isParameter("Accuracy Of")) scene_.accuracy_of = list_.get<std::string>("Accuracy Of");
+  place_["Accuracy Of"].attempt([this] {
+    if (!scene_.accuracy_of.empty() && !scene_.accuracy)
+      throw place_["Accuracy Of"].error("given without \"Accuracy\"; allowed: with it");
+  });
+  place_["Units"].attempt([this] { read_units(); });
   read_sections();
   read_points();
   import_points();
   read_members();
   import_members();
+  source.require_mended();
   if (scene_.members.empty()) throw place_["Members"].error("no member; allowed: at least one, here or by \"Import\"");
   place_members();
   share_out_elements();
   check_members();
+  source.require_mended();
   std::vector<CopiedPattern> copies;
+  if (list_.isSublist("Patterns") || list_.isSublist("Imperfection")) source.require_none();
   if (list_.isSublist("Patterns")) copies = apply_patterns(list_.sublist("Patterns"), place_["Patterns"], scene_);
   if (list_.isSublist("Imperfection"))
     apply_imperfection(list_.sublist("Imperfection"), place_["Imperfection"], scene_);
   notes_ = read_conditions(list_, place_, scene_, copies);
-  check_points_are_used();
+  if (!source.has_mistakes()) check_points_are_used();
   return std::move(scene_);
 }
 
@@ -117,7 +127,7 @@ void SceneReader::read_sections() {
 void SceneReader::read_points() {
   const List& points = list_.sublist("Points");
   for (const std::string& name : names_of(points)) {
-    check_name(name, place_["Points"]);
+    place_["Points"][name].attempt([&] { check_name(name, place_["Points"]); });
     add_point(name, get_vector(points, name));
   }
 }
@@ -156,24 +166,16 @@ void SceneReader::check_points_are_used() {
   }
   for (std::size_t i = 0; i < declared_points_; ++i) {
     if (point_touched_[i]) continue;
-    const std::string& name = scene_.points[i].name;
-    throw place_["Points"][name].error(
-        "unused: no member, imported or copied ones included, starts or ends here; allowed: points of members");
+    const InputPlace place = place_["Points"][scene_.points[i].name];
+    place.source().keep(
+        place.error("unused: no member, imported or copied ones included, starts or ends here; allowed: points of "
+                    "members"));
   }
 }
 
 void SceneReader::touch_point(const std::string& point) {
   const auto found = point_index_.find(point);  // patterns make points of their own, too
   if (found != point_index_.end()) point_touched_[found->second] = true;
-}
-
-InputError SceneReader::unknown(std::size_t member, const std::string& parameter, const std::string& what,
-                                const std::string& name, const Index& known) const {
-  std::vector<std::string> names(known.size());  // in the order of the scene
-  for (const auto& [known_name, index] : known) names[index] = known_name;
-  const std::string seen =
-      name.empty() ? "missing " + what : "value \"" + excerpt(name) + "\" is not a " + what + " of the scene";
-  return member_error(member, {parameter}, seen + "; allowed: " + quoted_list(names) + did_you_mean(name, names));
 }
 
 InputError SceneReader::member_error(std::size_t member, const ParameterPath& parameter,

@@ -51,14 +51,12 @@ class SceneReader {
   void check_name(const std::string& name, const InputPlace& place) const;
   /// False if there is a point of this name.
   bool add_point(const std::string& name, const Vector3& position);
-  /// A name in a member that nothing bears; empty: none was given.
-  InputError unknown(std::size_t member, const std::string& parameter, const std::string& what, const std::string& name,
-                     const Index& known) const;
   const Vector3& position_of(const std::string& point) const;
 
   // reading/members.cpp
   void read_members();
-  Member read_member(const std::string& name, const List& list, const InputPlace& place) const;
+  /// What its parameters say together.
+  void complete(Member& member, const List& list, const InputPlace& place) const;
   /// Of a member that names none: where the scene has one section, that is meant.
   void take_only_section(Member& member) const;
   void check_inner_points(Member& member, const InputPlace& place) const;
@@ -79,6 +77,11 @@ class SceneReader {
   ReferenceCurve reference_curve_of(std::size_t member) const;
   void share_out_elements();
   void check_members();
+  void check_member(std::size_t member);
+  InputPlace geometry_of(std::size_t member) const;
+  /// A mistake unless something bears the name; the nearest one then stands in its place.
+  void check_known(std::size_t member, std::string Member::*name, const std::string& parameter, const std::string& what,
+                   const Index& known);
   void check_curve(std::size_t member) const;
   void check_line(std::size_t member) const;
   void check_taper_values(std::size_t member) const;

@@ -45,11 +45,19 @@ std::vector<int> shared_by_length(int elements, const std::vector<double>& lengt
   return shares;
 }
 
+/// Names in the order of the scene.
+std::vector<std::string> in_order(const std::unordered_map<std::string, std::size_t>& index) {
+  std::vector<std::string> names(index.size());
+  for (const auto& [name, i] : index) names[i] = name;
+  return names;
+}
+
 }  // namespace
 
 void SceneReader::place_members() {
   const auto needed = [this](const Member& member) { return points_needed(member); };
-  for (const std::size_t member : placement_order(scene_, needed)) place_member(member);
+  for (const std::size_t member : placement_order(scene_, needed))
+    if (!geometry_of(member).attempt([&] { place_member(member); })) place_.source().cannot_mend();
 }
 
 /// What must be known before a member can be placed.
@@ -162,23 +170,47 @@ void SceneReader::share_out_elements() {
 void SceneReader::check_members() {
   point_touched_.assign(scene_.points.size(), false);
   for (std::size_t i = 0; i < scene_.members.size(); ++i) {
-    const Member& member = scene_.members[i];
-    for (const bool at_start : {true, false}) {
-      const std::string& point = at_start ? member.start_point : member.end_point;
-      const auto known = point_index_.find(point);
-      if (known == point_index_.end()) throw unknown(i, at_start ? "Start" : "End", "point", point, point_index_);
-      point_touched_[known->second] = true;
-    }
-    for (const InnerPoint& inner : member.inner_points) point_touched_[point_index_.at(inner.point)] = true;
-    if (section_index_.count(member.section) == 0)
-      throw unknown(i, "Section", "section", member.section, section_index_);
-    if (!member.end_section.empty() && section_index_.count(member.end_section) == 0)
-      throw unknown(i, "End Section", "section", member.end_section, section_index_);
-    if (!member.end_section.empty()) check_taper_values(i);
-    if (member.curve.shape == CurveShape::line) check_line(i);
-    if (member.curve.shape == CurveShape::spline) reference_curve_of(i);
-    if (!is_zero(member.second_axis)) check_second_axis(i);
+    check_known(i, &Member::start_point, "Start", "point", point_index_);
+    check_known(i, &Member::end_point, "End", "point", point_index_);
+    check_known(i, &Member::section, "Section", "section", section_index_);
+    if (!scene_.members[i].end_section.empty())
+      check_known(i, &Member::end_section, "End Section", "section", section_index_);
+    place_.source().require_mended();
+    geometry_of(i).attempt([&] { check_member(i); });
   }
+}
+
+/// Where mistakes of its geometry count: in the whole scene as long as there are others, from which they may follow.
+InputPlace SceneReader::geometry_of(std::size_t member) const {
+  return place_.source().has_mistakes() ? place_ : place_["Members"][scene_.members[member].name];
+}
+
+void SceneReader::check_known(std::size_t index, std::string Member::*name, const std::string& parameter,
+                              const std::string& what, const Index& known) {
+  Member& member = scene_.members[index];
+  std::string& given = member.*name;
+  if (known.count(given) > 0) return;
+  const std::vector<std::string> names = in_order(known);
+  place_["Members"][member.name][parameter].attempt([&] {
+    const std::string seen =
+        given.empty() ? "missing " + what : "value \"" + excerpt(given) + "\" is not a " + what + " of the scene";
+    throw member_error(index, {parameter}, seen + "; allowed: " + quoted_list(names) + did_you_mean(given, names));
+  });
+  const std::string nearest = nearest_name(given, names);
+  const bool is_anywhere = member.curve.shape != CurveShape::line || !member.inner_points.empty();
+  if (names.empty() || (what == "point" && is_anywhere)) return place_.source().cannot_mend();
+  given = nearest.empty() ? names.front() : nearest;
+}
+
+void SceneReader::check_member(std::size_t i) {
+  const Member& member = scene_.members[i];
+  touch_point(member.start_point);
+  touch_point(member.end_point);
+  for (const InnerPoint& inner : member.inner_points) touch_point(inner.point);
+  if (!member.end_section.empty()) check_taper_values(i);
+  if (member.curve.shape == CurveShape::line) check_line(i);
+  if (member.curve.shape == CurveShape::spline) reference_curve_of(i);
+  if (!is_zero(member.second_axis)) check_second_axis(i);
 }
 
 /// At the vertices and the samples of the elements; between them the elements look themselves.

@@ -120,6 +120,7 @@ void bind_shape(BoundList<SectionDraft>& section) {
                                     {"ellipse", form({"Width", "Height"})},
                                     {"I", form({"Width", "Height", "Flange", "Web"})},
                                     {"box", form({"Width", "Height", "Wall"})}});
+  section.spec.without_form({"EA", "GA2", "GA3", "GIt", "EI2", "EI3", "Matrix", "Mass", "Stress Points"});
 }
 
 BoundList<SectionDraft> section_parameters() {
@@ -293,7 +294,8 @@ ListSpec section_spec() { return kSectionParameters.spec; }
 std::vector<Section> read_sections(const ParameterList& sections, const InputPlace& place) {
   std::vector<Section> read;
   for (const std::string& name : names_of(sections)) {
-    Section section = SectionReader(sections.sublist(name), place[name]).read();
+    Section section;
+    place[name].attempt([&] { section = SectionReader(sections.sublist(name), place[name]).read(); });
     section.name = name;
     read.push_back(std::move(section));
   }

@@ -1,5 +1,6 @@
 #include "discretization/text/csv_file.hpp"
 
+#include "discretization/text/message_text.hpp"
 #include "discretization/text/text_file.hpp"
 
 #include <libxml/xmlstring.h>
@@ -153,7 +154,11 @@ void CsvFile::for_each(const std::function<void(const CsvRecord&)>& action) cons
 }
 
 InputError CsvFile::error(int line, int column, const std::string& problem) const {
-  return InputError{path_ + ":" + std::to_string(line) + ":" + std::to_string(column) + ": " + problem};
+  return InputError{where(line, column) + ": " + problem + marked_line(text_, offset_of(text_, line, column))};
+}
+
+std::string CsvFile::where(const CsvRecord& record, std::size_t cell) const {
+  return where(record.line, cell < record.columns.size() ? record.columns[cell] : 1);
 }
 
 InputError CsvFile::error(const CsvRecord& record, std::size_t cell, const std::string& problem) const {

@@ -30,15 +30,19 @@ class CsvFile {
   /// Calls `action` with every record in turn. Throws InputError for quotes that do not match.
   void for_each(const std::function<void(const CsvRecord&)>& action) const;
 
-  /// `members.csv:12:7: <problem>`
+  /// `members.csv:12:7`: a cell, or the start of the record if it has fewer.
+  std::string where(const CsvRecord& record, std::size_t cell) const;
+  /// `members.csv:12:7: <problem>`, and the line with a mark below the place.
   InputError error(int line, int column, const std::string& problem) const;
-  /// At a cell, or at the start of the record if it has fewer.
   InputError error(const CsvRecord& record, std::size_t cell, const std::string& problem) const;
   /// The record that begins in this line.
   CsvRecord record_at(int line) const;
 
  private:
   void prepare();
+  std::string where(int line, int column) const {
+    return path_ + ":" + std::to_string(line) + ":" + std::to_string(column);
+  }
 
   std::string path_;
   std::string text_;

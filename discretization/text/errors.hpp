@@ -2,13 +2,22 @@
 #pragma once
 
 #include <stdexcept>
+#include <string>
+#include <utility>
 
 namespace mixbeam {
 
 /// What the user gave cannot be used; the message says where, what was seen and what is allowed. Exit code 2.
 class InputError : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  /// `place`: of what the user gave, in words that only compare places (ParameterSource); empty: not known.
+  explicit InputError(const std::string& text, std::string place = "")
+      : std::runtime_error(text), place_(std::move(place)) {}
+
+  const std::string& place() const { return place_; }
+
+ private:
+  std::string place_;
 };
 
 /// The input is fine but no equilibrium was found. Exit code 3.

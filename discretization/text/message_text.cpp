@@ -3,12 +3,23 @@
 #include <algorithm>
 #include <cctype>
 #include <cstddef>
+#include <map>
+#include <sstream>
 
 namespace mixbeam {
 namespace {
 
 constexpr std::size_t kLongestText = 100;
 constexpr std::size_t kLongestComparedName = 200;  // the comparison takes time and memory in proportion to the length
+
+/// Of a character in UTF-8, whose later bytes are 10xxxxxx.
+bool is_first_byte(char byte) { return (static_cast<unsigned char>(byte) & 0xC0U) != 0x80U; }
+
+std::string printable(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < 0x20; }, ' ');
+  return text;
+}
 
 /// Edit distance with exchanged neighbours (Damerau and Levenshtein, each letter edited at most once).
 std::size_t edit_distance(const std::string& a, const std::string& b) {
@@ -27,6 +38,76 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
     last.swap(row);
   }
   return last[b.size()];
+}
+
+/// Words of other programs for names of scenes: a name, then what others call it (- for a blank).
+const char* const kOtherWords[] = {
+    "start: begin from first node1 node-1 start-point start-node i",
+    "end: to last node2 node-2 end-point end-node finish j",
+    "point: node vertex at joint location",
+    "points: nodes vertices coordinates",
+    "member: beam bar rod strut element line edge",
+    "members: beams bars rods struts frames lines edges",
+    "section: profile cross-section property properties",
+    "sections: profiles cross-sections properties materials",
+    "supports: boundary-conditions boundaries bcs constraints restraints fixities bearings",
+    "joints: releases hinges connections",
+    "point loads: loads load nodal-loads node-loads forces",
+    "distributed loads: line-loads member-loads beam-loads uniform-loads",
+    "gravity: self-weight selfweight weight dead-load",
+    "eigenstrains: temperature-loads temperatures thermal-loads",
+    "force: load q p f value",
+    "fixed displacement: fixed fix dofs",
+    "e: young youngs-modulus young's-modulus modulus elastic-modulus emod",
+    "nu: poisson poissons-ratio poisson's-ratio poisson-ratio v mu",
+    "g: shear-modulus",
+    "density: rho mass-density",
+    "strength: yield yield-strength yield-stress fy",
+    "diameter: radius r d dia outer-diameter",
+    "wall: thickness wall-thickness t",
+    "width: b breadth",
+    "height: h depth",
+    "elements: divisions number-of-elements mesh n",
+    "order: degree",
+    "second axis: orientation roll up local-axis",
+    "component: direction axis",
+    "quantity: kind type",
+    "kind: type",
+    "shape: kind type",
+    "displacement: deflection translation sag",
+    "name: nr no no. id label number",
+    "double: float real number",
+    "int: integer long",
+    "string: text str",
+    "bool: boolean logical",
+    "array(double): vector array list"};
+
+/// In lower case, with blanks for the underscores of Python.
+std::string plain_words(const std::string& name) {
+  std::string words = lower_case(name);
+  std::replace(words.begin(), words.end(), '_', ' ');
+  return words;
+}
+
+/// The candidate that others call `name`; empty if there is none.
+std::string translated(const std::string& name, const std::vector<std::string>& candidates) {
+  static const std::multimap<std::string, std::string> names = [] {
+    std::multimap<std::string, std::string> all;
+    for (const std::string line : kOtherWords) {
+      const std::size_t colon = line.find(':');
+      std::istringstream words(line.substr(colon + 1));
+      for (std::string word; words >> word;) {
+        std::replace(word.begin(), word.end(), '-', ' ');
+        all.emplace(word, line.substr(0, colon));
+      }
+    }
+    return all;
+  }();
+  const auto [first, last] = names.equal_range(plain_words(name));
+  for (auto meant = first; meant != last; ++meant)
+    for (const std::string& candidate : candidates)
+      if (plain_words(candidate) == meant->second) return candidate;
+  return "";
 }
 
 /// `boolean` for `bool`, `disp` for `displacement`.
@@ -50,11 +131,8 @@ std::string quoted_list(const std::vector<std::string>& names, std::size_t most)
 
 std::string excerpt(const std::string& text) {
   std::size_t length = std::min(text.size(), kLongestText);
-  // Not in the middle of a UTF-8 character: its later bytes are 10xxxxxx.
-  while (length < text.size() && length > 0 && (static_cast<unsigned char>(text[length]) & 0xC0U) == 0x80U) --length;
-  std::string beginning = text.substr(0, length);
-  std::replace_if(
-      beginning.begin(), beginning.end(), [](unsigned char c) { return c < 0x20; }, ' ');
+  while (length < text.size() && length > 0 && !is_first_byte(text[length])) --length;
+  const std::string beginning = printable(text.substr(0, length));
   return length < text.size() ? beginning + "..." : beginning;
 }
 
@@ -79,6 +157,7 @@ std::string nearest_name(const std::string& name, const std::vector<std::string>
     }
   }
   if (!nearest.empty()) return nearest;
+  if (const std::string meant = translated(name, candidates); !meant.empty()) return meant;
   for (const std::string& candidate : candidates) {
     if (one_begins_with_the_other(wanted, lower_case(candidate))) return candidate;
   }
@@ -114,7 +193,33 @@ std::pair<std::size_t, std::size_t> fitting(const std::string& pattern, std::siz
 
 std::string did_you_mean(const std::string& name, const std::vector<std::string>& candidates) {
   const std::string nearest = nearest_name(name, candidates);
-  return nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?";
+  const bool is_halved = lower_case(name) == "radius" && lower_case(nearest) == "diameter";
+  return nearest.empty() ? "" : "; did you mean \"" + nearest + "\"" + (is_halved ? ", twice the radius" : "") + "?";
+}
+
+std::size_t offset_of(const std::string& text, int line, int column) {
+  std::size_t offset = 0;
+  for (; line > 1 && offset < text.size(); ++offset) line -= text[offset] == '\n' ? 1 : 0;
+  for (; column > 1 && offset < text.size() && text[offset] != '\n'; --column)
+    while (++offset < text.size() && !is_first_byte(text[offset])) {
+    }
+  return offset;
+}
+
+std::string marked_line(const std::string& text, std::size_t offset) {
+  constexpr std::size_t kWindow = 100, kBefore = 60;  // bytes of a line that is too long, and those before the mark
+  offset = std::min(offset, text.size());
+  const std::size_t line = offset == 0 ? 0 : text.rfind('\n', offset - 1) + 1;
+  const std::size_t end = std::min(text.find('\n', offset), text.size());
+  std::size_t from = std::min(text.find_first_not_of(" \t", line), offset);
+  if (offset > from + kWindow - kBefore / 2) from = offset - kBefore;
+  while (from < offset && !is_first_byte(text[from])) ++from;
+  std::size_t to = std::min(from + kWindow, end);
+  while (to < end && !is_first_byte(text[to])) ++to;
+  const auto columns = std::count_if(text.begin() + static_cast<std::ptrdiff_t>(from),
+                                     text.begin() + static_cast<std::ptrdiff_t>(offset), is_first_byte);
+  return "\n    " + printable(text.substr(from, to - from)) + "\n    " +
+         std::string(static_cast<std::size_t>(columns), ' ') + "^";
 }
 
 bool has_wildcard(const std::string& text) {

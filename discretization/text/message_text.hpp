@@ -17,12 +17,18 @@ std::string quoted_list(const std::vector<std::string>& names, std::size_t most 
 std::string excerpt(const std::string& text);
 
 /// The candidate that differs from `name` in the fewest typing slips (a letter inserted, dropped, replaced, or two
-/// neighbours exchanged; upper and lower case count as equal), else one that begins like it. Empty when nothing
-/// resembles `name`.
+/// neighbours exchanged; upper and lower case count as equal), else the one that other programs call so (`Nodes` for
+/// Points), else one that begins like it. Empty when nothing resembles `name`.
 std::string nearest_name(const std::string& name, const std::vector<std::string>& candidates);
 
 /// `; did you mean "Elements"?`, or nothing when no candidate resembles `name`.
 std::string did_you_mean(const std::string& name, const std::vector<std::string>& candidates);
+
+/// Of a line and a column (characters of UTF-8), each counted from 1.
+std::size_t offset_of(const std::string& text, int line, int column);
+
+/// The line of a text around `offset` and a caret below that place, as further lines of a message.
+std::string marked_line(const std::string& text, std::size_t offset);
 
 /// In lower case, letters of ASCII only.
 std::string lower_case(std::string text);

@@ -2,6 +2,8 @@
 
 #include "discretization/text/message_text.hpp"
 
+#include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <limits>
 #include <system_error>
@@ -53,7 +55,21 @@ Problem parse_number(const std::string& text, double& value) {
   if (error == std::errc::result_out_of_range) {
     return "value \"" + excerpt(number) + "\" does not fit a double; allowed: magnitudes from 2.3e-308 to 1.7e308";
   }
-  return "value \"" + excerpt(number) + "\" is not a number; allowed: like 12, 0.5 or 1.5e-3 (decimal point, no units)";
+  return "value \"" + excerpt(number) +
+         "\" is not a number; allowed: like 12, 0.5 or 1.5e-3 (decimal point, no units)" + number_hint(number);
+}
+
+std::string number_hint(const std::string& text) {
+  std::string with_point = trimmed(text);
+  double number = 0.0;
+  if (std::count(with_point.begin(), with_point.end(), ',') == 1) {
+    with_point.replace(with_point.find(','), 1, ".");
+    if (read_all(with_point, number) == std::errc()) return "; did you mean " + with_point + "?";
+  }
+  const auto [stopped, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  const std::string rest = error == std::errc() ? trimmed({stopped, text.data() + text.size()}) : "";
+  const bool has_unit = !rest.empty() && std::isalpha(static_cast<unsigned char>(rest[0])) != 0;
+  return has_unit ? "; numbers stand without units, all in one consistent set" : "";
 }
 
 std::string shortest(double value) { return written(value); }

@@ -15,6 +15,9 @@ Problem parse_number(const std::string& text, int& value);
 /// `1`, `1.5`, `-1e-3`, `inf`, `nan`: whether the last two make sense is decided by the parameter's range.
 Problem parse_number(const std::string& text, double& value);
 
+/// What is usually meant by a text that is no number: `; did you mean 0.3?` for "0,3".
+std::string number_hint(const std::string& text);
+
 /// Shortest text that reads back as the same number.
 std::string shortest(double value);
 

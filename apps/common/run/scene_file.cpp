@@ -164,41 +164,56 @@ void take_start_mesh(Application& app) {
   }
 }
 
+/// What does not follow from a mistake is looked at, too.
+void read_lists(Application& app, const ApplicationDefinition& definition) {
+  const ParameterSource& source = app.xml.source;
+  Teuchos::ParameterList& root = *app.xml.list;
+  std::vector<std::string> notes;
+  app.scene = read_scene(root.sublist("Scene"), source, {"Scene"}, &notes);
+  for (const std::string& note : notes) app.out() << "note: " << note << "\n";
+  source.attempt([&] {
+    if (app.scene.accuracy && !definition.chooses_meshes)
+      throw source.error({"Scene", "Accuracy"},
+                         "given, but this program's meshes are those of its study; allowed: in scenes for mixbeam run");
+  });
+  if (definition.chooses_meshes && !source.has_mistakes()) take_start_mesh(app);
+  source.attempt([&] { app.solver = read_solver_parameters(root.sublist("Solver"), source); });
+  source.attempt([&] {
+    if (!source.has_mistakes())
+      app.scene = with_mode_shapes(app.scene, app.solver, app.communicator, {source, {"Scene"}});
+  });
+  source.attempt([&] { app.solver.analysis = read_analysis_parameters(root.sublist("Analysis"), app.scene, source); });
+  if (root.isSublist("Quantities")) source.attempt([&] { read_quantities_of(app); });
+  app.expected = read_expected_values(root.sublist("Expected"), source, definition.own_quantities, {"Expected"},
+                                      app.quantities.names());
+  check_expected_values(app.expected, app.scene, source);
+  source.require_none();
+  check_accuracy_of(app);
+  check_critical_points_are_found(app);
+  check_jumps(app);
+}
+
 }  // namespace
 
 void read_scene_file(Application& app, XmlParameters xml, const ApplicationDefinition& definition,
                      const ListSpec& root) {
   app.xml = std::move(xml);
-  import_tables(app.xml);
-  if (app.xml.list->isSublist("Scene"))
-    Variables(app.xml.list->sublist("Scene"), app.xml.source).resolve(*app.xml.list, root, {});
-  for (const std::string& text : validate(*app.xml.list, root, app.xml.source)) {
-    app.summary.warnings.push_back(text);
-    app.out() << "warning: " << text << "\n";
-  }
-  std::vector<std::string> notes;
-  app.scene = read_scene(app.xml.list->sublist("Scene"), app.xml.source, {"Scene"}, &notes);
-  for (const std::string& note : notes) app.out() << "note: " << note << "\n";
-  if (app.scene.accuracy && !definition.chooses_meshes)
-    throw app.xml.source.error({"Scene", "Accuracy"},
-                               "given, but this program's meshes are those of its study; allowed: "
-                               "in scenes for mixbeam run");
-  if (definition.chooses_meshes) take_start_mesh(app);
-  app.solver = read_solver_parameters(app.xml.list->sublist("Solver"), app.xml.source);
-  app.scene = with_mode_shapes(app.scene, app.solver, app.communicator, {app.xml.source, {"Scene"}});
-  app.solver.analysis = read_analysis_parameters(app.xml.list->sublist("Analysis"), app.scene, app.xml.source);
-  if (app.xml.list->isSublist("Quantities")) read_quantities_of(app);
-  check_accuracy_of(app);
-  app.expected = read_expected_values(app.xml.list->sublist("Expected"), app.xml.source, definition.own_quantities,
-                                      {"Expected"}, app.quantities.names());
-  check_expected_values(app.expected, app.scene, app.xml.source);
-  check_critical_points_are_found(app);
-  check_jumps(app);
+  app.xml.source.collect([&] {
+    import_tables(app.xml);
+    if (app.xml.list->isSublist("Scene"))
+      Variables(app.xml.list->sublist("Scene"), app.xml.source).resolve(*app.xml.list, root, {});
+    for (const std::string& text : validate(*app.xml.list, root, app.xml.source)) {
+      app.summary.warnings.push_back(text);
+      app.out() << "warning: " << text << "\n";
+    }
+    app.xml.source.require_mended();
+    read_lists(app, definition);
+  });
 }
 
 void read_scene_file(Application& app, const std::string& file, const ApplicationDefinition& definition) {
   const ListSpec root = root_spec(definition);
-  read_scene_file(app, read_parameters(file, root), definition, root);
+  read_scene_file(app, read_parameters(file, root, Mistakes::kept), definition, root);
 }
 
 namespace {

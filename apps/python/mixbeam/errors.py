@@ -1,6 +1,8 @@
 """Errors, with the messages of the program."""
 
-import difflib
+from . import _core
+
+MOST_NAMES = 24  # in a message
 
 
 class InputError(ValueError):
@@ -27,6 +29,6 @@ class ConvergenceError(RuntimeError):
 
 def unknown(what, name, known):
     """An UnknownName that says what was looked for and which known names are near."""
-    near = difflib.get_close_matches(name, known, 1, 0.0)
-    hint = f"; did you mean {near[0]!r}?" if near else ""
+    near = _core.nearest(name, known)
+    hint = f"; did you mean {near!r}?" if near else f"; allowed: {', '.join(known[:MOST_NAMES])}" if known else ""
     return UnknownName(f"{what}: nothing of the name {name!r}{hint}")

@@ -261,7 +261,8 @@ def convert(value, parameter, place):
     try:
         return kind, CONVERSIONS[kind](value)
     except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{place}: {value!r}; allowed: {kind}") from None
+        hint = _core.number_hint(value) if isinstance(value, str) and kind in ("int", "double") else ""
+        raise InputError(f"{place}: {value!r}; allowed: {kind}{hint}") from None
 
 
 def is_formula(value, parameter):

@@ -17,7 +17,7 @@ import numpy as np
 from . import _core, plotting
 from .errors import ConvergenceError, InputError, unknown
 from .parameters import Parameters, root
-from .scene import Scene, text_and_file, without_lines, xml_path
+from .scene import Scene, scene_text, xml_path
 
 Check = namedtuple("Check", "name value reference source passed")
 Extreme = namedtuple("Extreme", "value member arc_length side")  # member: its name
@@ -35,10 +35,9 @@ def run(scene, case=None, *, output=None, threads=None, durable=False, force=Fal
 
     Returns a Run. Raises InputError, ConvergenceError.
     """
-    text, file = text_and_file(scene)
-    with without_lines(scene):
-        return _watched(lambda listener: _core.run(text, file, case, os.fspath(output or ""), _threads(threads), durable, force, listener),
-                        output, progress, on_step)
+    text = scene_text(scene)
+    return _watched(lambda listener: _core.run(text, case, os.fspath(output or ""), _threads(threads), durable, force, listener),
+                    output, progress, on_step)
 
 
 def resume(file, *, threads=None, durable=False, progress=False, on_step=None):
@@ -51,8 +50,7 @@ def resume(file, *, threads=None, durable=False, progress=False, on_step=None):
 
 def check(scene, case=None):
     """Reads and measures a scene, solves nothing: what `mixbeam check` prints, and its warnings. Raises InputError."""
-    with without_lines(scene):
-        return SceneCheck(*_core.check(*text_and_file(scene), case))
+    return SceneCheck(*_core.check(scene_text(scene), case))
 
 
 def open_results(file):
@@ -82,9 +80,7 @@ def batch(scene, table, case=None, *, output="followed", threads=None, progress=
         raise InputError("table of a batch: columns of more than one dimension; allowed: one number for each case")
     values = np.stack(list(columns.values()), axis=1) if columns else np.empty((0, 0))
     say = (lambda done, cases: _say(f"{done} of {cases} cases")) if progress else None
-    with without_lines(scene):
-        found = _core.batch(*text_and_file(scene), case, paths, values,
-                            outputs.index(output), _threads(threads), say)
+    found = _core.batch(scene_text(scene), case, paths, values, outputs.index(output), _threads(threads), say)
     numbers = {**columns, **dict(zip(found["names"], found["values"].T)), "residual": found["residual"]}
     causes = np.array(found["cause"], dtype=str)
     kinds = [(name, float) for name in numbers]

@@ -3,7 +3,6 @@
 import contextlib
 import html
 import os
-import re
 from functools import cache
 from pathlib import Path
 
@@ -139,29 +138,17 @@ def _plain(value):
     return value.item() if isinstance(value, np.generic) else value
 
 
-@contextlib.contextmanager
-def without_lines(scene):
-    """Messages of a scene that was made here tell its lists, not the lines of a text that nobody sees."""
-    try:
-        yield
-    except InputError as error:
-        if not isinstance(scene, Scene) or scene.file:
-            raise
-        pattern = rf"{re.escape(scene.name)}:\d+: XML path "
-        raise type(error)(re.sub(pattern, lambda _: f"scene {scene.name}: ", str(error))) from None
-
-
-def text_and_file(scene):
-    """(text, what messages call it) of a Scene, of an XML text or of the path of a file."""
+def scene_text(scene):
+    """(text, what messages call it, whether it is an object) of a Scene, of an XML text or of the path of a file."""
     if isinstance(scene, Scene):
-        return scene.to_xml(), str(scene.file or scene.name)
+        return scene.to_xml(), str(scene.file or scene.name), True
     if isinstance(scene, str) and scene.lstrip().startswith("<"):
-        return scene, "scene"
+        return scene, "scene", False
     file = os.fspath(scene)
     if file.endswith((".xml", ".yaml", ".yml")) and os.path.isfile(file):
         with contextlib.suppress(OSError, UnicodeError):  # which the program's own reader reports
-            return Path(file).read_text(encoding="utf-8"), file
-    return text_and_file(Scene.read(file))
+            return Path(file).read_text(encoding="utf-8"), file, False
+    return scene_text(Scene.read(file))
 
 
 def xml_path(path):

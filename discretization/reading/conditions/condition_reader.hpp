@@ -72,7 +72,10 @@ class ConditionReader {
   template <class Action>
   void for_each(const std::string& lists, const Action& action) const {
     const List& all = scene_list_.sublist(lists);
-    for (const std::string& name : names_of(all)) action(name, all.sublist(name), place_[lists][name]);
+    for (const std::string& name : names_of(all)) {
+      const InputPlace place = place_[lists][name];
+      place.attempt([&] { action(name, all.sublist(name), place); });
+    }
   }
 
   void read_load_cases();

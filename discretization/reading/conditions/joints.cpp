@@ -44,6 +44,7 @@ void ConditionReader::read_joints() {
     scene_.joints.back().name = name;
   });
   copy_joints();
+  if (place_.source().has_mistakes()) return;
   // Only now: several joints at a point must not take its last member.
   for (const Joint& joint : scene_.joints) check_someone_is_left(joint);
 }

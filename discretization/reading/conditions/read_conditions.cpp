@@ -53,15 +53,16 @@ std::vector<std::string> read_conditions(const Teuchos::ParameterList& scene_lis
 }
 
 std::vector<std::string> ConditionReader::read() {
-  read_load_cases();
+  place_["Load Cases"].attempt([this] { read_load_cases(); });
   read_combinations();
-  check_case_of_modes();
+  place_["Imperfection"]["Case"].attempt([this] { check_case_of_modes(); });
   read_supports();
   read_joints();
   read_point_loads();
   read_distributed_loads();
-  read_gravity();
+  place_["Gravity"].attempt([this] { read_gravity(); });
   read_eigenstrains();
+  if (place_.source().has_mistakes()) return {};
   check_stages();
   check_amplitudes();
   return std::move(notes_);
@@ -87,8 +88,7 @@ void ConditionReader::read_combinations() {
   const List& list = scene_list_.sublist("Combinations");
   const std::vector<std::string>& cases = scene_.load_cases;
   const std::string stage = "Stage ";
-  for (const std::string& name : names_of(list)) {
-    const InputPlace place = place_["Combinations"][name];
+  const auto read_one = [&](const std::string& name, const InputPlace& place) {
     if (const Problem problem = file_name_problem(name); !problem.empty()) throw place.error("name " + problem);
     if (std::find(cases.begin(), cases.end(), name) != cases.end())
       throw place.error("the name of a load case too; allowed: names that differ");
@@ -107,6 +107,10 @@ void ConditionReader::read_combinations() {
         throw place[entry].error("not a load case of the scene; allowed: names in \"Load Cases\": " +
                                  quoted_list(cases) + ", or \"Stage 1\", ..." + did_you_mean(entry, cases));
     }
+  };
+  for (const std::string& name : names_of(list)) {
+    const InputPlace place = place_["Combinations"][name];
+    place.attempt([&] { read_one(name, place); });
   }
 }
 
@@ -191,12 +195,14 @@ std::vector<std::string> ConditionReader::points_meant(const List& list, const I
     return {text};
   }
   if (names_.has_point(text)) {
+    if (place.source().has_mistakes()) return {text};  // a member with one of them may be meant to touch it
     throw place.error("value \"" + excerpt(text) + "\": no member starts or ends there; allowed: points of members");
   }
   const std::vector<std::string> points = has_wildcard(text) && text.size() <= kLongestPattern
                                               ? names_meant(text, names_.point_names())
                                               : std::vector<std::string>{};
-  if (points.empty()) throw unknown_name(place, "point", text, names_.point_names());
+  const std::string what = names_.member(text) == nullptr ? "point" : "point, but a member,";
+  if (points.empty()) throw unknown_name(place, what, text, names_.point_names());
   count(points.size(), place);
   return points;
 }
@@ -211,7 +217,8 @@ std::vector<const Member*> ConditionReader::members_meant(const List& list, cons
     for (const Member& candidate : scene_.members)
       if (matches(text, candidate.name)) members.push_back(&candidate);
   }
-  if (members.empty()) throw unknown_name(place, "member", text, names_.member_names());
+  const std::string what = names_.has_point(text) ? "member, but a point," : "member";
+  if (members.empty()) throw unknown_name(place, what, text, names_.member_names());
   count(members.size(), place);
   return members;
 }
