@@ -187,7 +187,7 @@ std::vector<Quantity> read_quantities(Teuchos::ParameterList& list, const Parame
       throw place.error("name " + problem);
     check_component(quantity, place);
     check_take(quantity, place);
-    check_limit(quantity, list.sublist(list.name(entry)), place);
+    check_limit(quantity, list.sublist(name), place);
     quantities.push_back(quantity);
   };
   source.collect([&] {
