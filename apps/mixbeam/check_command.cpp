@@ -12,6 +12,7 @@
 #include "discretization/checks/scene_warnings.hpp"
 #include "discretization/parameters/access.hpp"
 #include "discretization/parameters/formula_value.hpp"
+#include "discretization/parameters/parameter_file.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/text/errors.hpp"
 #include "discretization/text/message_text.hpp"
@@ -250,10 +251,14 @@ void check_scene(Application& app, const std::optional<std::string>& load_case) 
 }
 
 int check_command(const Arguments& arguments) {
-  const CommandLine line = read_command_line(arguments.count(), arguments.values.data(), {"--case", "--help"});
+  const CommandLine line =
+      read_command_line(arguments.count(), arguments.values.data(), {"--output", "--case", "--help"});
   if (!line.scene_file) throw InputError("a scene file is missing: mixbeam check SCENE.xml");
   const MpiSession session;
   return guarded_run(session.communicator(), "mixbeam", [&] {
+    if (line.output)
+      write_undeformed([&] { return read_parameters(*line.scene_file, mixbeam_root_spec()); }, session.communicator(),
+                       *line.output, std::filesystem::path(*line.scene_file).stem().string(), line.load_case);
     Application app;
     app.communicator = session.communicator();
     read_scene_file(app, *line.scene_file, mixbeam_definition());

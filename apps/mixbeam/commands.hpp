@@ -33,6 +33,13 @@ std::string help_text(const std::string& command = "");
 /// What `check` prints of a scene that was read, of one load case or all. Throws InputError.
 void check_scene(Application& app, const std::optional<std::string>& load_case);
 
+/// Writes the undeformed structure of each load case, or of one, as <folder>/<name>[-<case>].h5 for pictures: results
+/// of no step. Also of a scene that a run refuses, as far as it can be drawn. `read`: gives the parsed scene, more than
+/// once. Throws InputError where nothing can be drawn.
+void write_undeformed(const std::function<XmlParameters()>& read, const Communicator& communicator,
+                      const std::filesystem::path& folder, const std::string& name,
+                      const std::optional<std::string>& load_case);
+
 /// What mixbeam accepts in a scene file: lists of the benchmark programs included.
 const ApplicationDefinition& mixbeam_definition();
 /// Declaration of its scene files; made once.

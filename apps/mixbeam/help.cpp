@@ -21,9 +21,10 @@ const char* const kProgram =
     "  parameters          lists every parameter of a scene file: type, default, range, meaning\n"
     "  schema              what editors complete and check scenes with: RELAX NG, or JSON Schema for YAML\n"
     "  resume RESULTS.h5   continues a run that was stopped or killed\n"
-    "  plot RESULTS.h5     draws pictures of results\n"
+    "  plot RESULTS.h5     draws pictures of results, or of a scene that is not solved\n"
     "  report RESULTS.h5   writes one HTML page about a run\n"
-    "  view RESULTS.h5     writes one HTML file that shows the structure in a browser, to turn and to ask\n"
+    "  view RESULTS.h5     writes one HTML file that shows the structure, or a scene, in a browser, to turn and to "
+    "ask\n"
     "  verify RESULTS.h5   checks that a result file is what was written\n\n"
     "mixbeam COMMAND --help tells more; mixbeam --version prints the version.\n\n";
 
@@ -66,11 +67,15 @@ const std::map<std::string, const char*>& texts() {
        "  --threads N, --summary FILE.json, --quiet, --force    as for mixbeam run\n\n"
        "With cases that did not converge the exit code is 3; the others are in the table.\n"},
       {"check",
-       "usage: mixbeam check SCENE.xml [--case NAME]\n\n"
+       "usage: mixbeam check SCENE.xml [--case NAME] [-o DIR]\n\n"
        "Reads and validates a scene and prints its size (members, elements, unknowns), what a run will take of\n"
        "memory, disk and time, lengths, loads of each stage, supports, warnings. Exit code 2 where a run would not "
        "fit\n"
-       "into memory. Solves nothing (but whether the load moves what \"Control\" drives), writes nothing.\n\n"},
+       "into memory. Solves nothing (but whether the load moves what \"Control\" drives).\n\n"
+       "  --case NAME          only this load case\n"
+       "  -o, --output DIR     writes the undeformed structure to DIR/NAME.h5, also of a scene that is refused, which "
+       "is\n"
+       "                       what mixbeam view SCENE.xml draws; without it nothing is written\n\n"},
       {"parameters",
        "usage: mixbeam parameters [--markdown | --json]\n\n"
        "Lists every parameter that a scene file may hold, from the declarations that files are checked against.\n\n"
@@ -102,9 +107,10 @@ const std::map<std::string, const char*>& texts() {
        "up to which all is intact. mixbeam resume and plot do so before they read a file.\n\n"
        "  --from STEP          damage after this step does not count\n\n"},
       {"plot",
-       "usage: mixbeam plot RESULTS.h5 [options]\n\n"
-       "Draws pictures of a result file; mixbeam plot RESULTS.h5 --help lists them and all options. Needs Python with\n"
-       "matplotlib and h5py.\n\n"
+       "usage: mixbeam plot RESULTS.h5 [options], or mixbeam plot SCENE.yaml\n\n"
+       "Draws pictures of a result file or of a batch; mixbeam plot RESULTS.h5 --help lists them and all options. Of a "
+       "scene\n"
+       "its shape, without solving it. Needs Python with matplotlib and h5py.\n\n"
        "  -o, --output DIR     folder for pictures; default: beside the results\n"
        "  --view VIEW          xy, xz, yz, iso or AZIMUTH/ELEVATION in degrees\n"
        "  --members PATTERN    these members only\n"
@@ -117,12 +123,15 @@ const std::map<std::string, const char*>& texts() {
        "Writes one HTML page about a run, to attach to a project: result, stability, critical points, quantities,\n"
        "reactions, stresses, structure, pictures, versions, the scene. Needs Python with matplotlib and h5py.\n\n"},
       {"view",
-       "usage: mixbeam view RESULTS.h5 [-o FILE.html] [--case NAME]\n\n"
+       "usage: mixbeam view RESULTS.h5 [-o FILE.html] [--case NAME] [--watch], or mixbeam view SCENE.yaml\n\n"
        "Writes one HTML file, by default beside the results, that any browser with WebGL 2 opens without network: the\n"
        "deformed structure with its sections, coloured by any recorded field, step by step, with load path, critical\n"
-       "points, modes, supports and loads. Needs Python with matplotlib and h5py.\n\n"
+       "points, modes, supports and loads. A scene is drawn without being solved, also one that a run refuses. Needs "
+       "Python\n"
+       "with matplotlib and h5py.\n\n"
        "  -o, --output FILE    default: RESULTS-view.html\n"
-       "  --case NAME          load case: takes RESULTS-NAME.h5 beside RESULTS.h5\n\n"},
+       "  --case NAME          this load case only, of several in one page\n"
+       "  --watch              writes the page anew whenever the file changes, until Ctrl-C\n\n"},
   };
   return all;
 }

@@ -82,7 +82,8 @@ void require_run(const std::string& command, const std::filesystem::path& file) 
 /// Runs a script of the folder plots beside the program, which verifies each result file before it reads it.
 int run_script(const Arguments& arguments, const std::string& name) {
   if (arguments.count() < 2)
-    throw InputError(std::string("a result file is missing: mixbeam ") + arguments.values[0] + " RESULTS.h5");
+    throw InputError(std::string("a result file is missing: mixbeam ") + arguments.values[0] +
+                     " RESULTS.h5, or SCENE.yaml");
   require_run(arguments.values[0], arguments.values[1]);
   const std::filesystem::path script = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "plots" / name;
   if (!std::filesystem::exists(script)) throw InputError("the script " + script.string() + " is missing");

@@ -6,6 +6,7 @@ import style
 from results import InputError
 
 STRESSES = ("von_mises_stress", "largest_normal_stress", "largest_shear_stress")
+MEGAPASCALS = {("m", "N"): 1e-6, ("m", "kN"): 1e-3, ("m", "MN"): 1.0}  # of a stress in these units
 NOISE = 1e-9  # section forces below this share of the largest one in the structure are round-off, drawn as zero
 NO_LOAD = 1e-12  # and so are moments below this share of EI / size, when nothing in the structure is larger
 
@@ -23,8 +24,9 @@ class Field:
     def unit(self, units):
         """Of its values, `units` being those of length and force; empty where they are not known or there is none."""
         length, force = units
+        stress = "MPa" if units in MEGAPASCALS else f"{force}/{length}\u00b2"
         kinds = {"material_force": force, "material_moment": f"{force} {length}", "moment_strain": f"1/{length}",
-                 "displacement": length, **dict.fromkeys(STRESSES, f"{force}/{length}\u00b2")}
+                 "displacement": length, **dict.fromkeys(STRESSES, stress)}
         return kinds.get(self.source, "") if length else ""
 
     def values(self, step, size):
@@ -62,7 +64,8 @@ class StressField(Field):
         if not step.has(self.source):
             raise InputError(f"step {step.number} has no stresses: they are of the last step (Stresses in the list "
                              "Analysis asks for every step), of sections given by Shape and Material")
-        return step.field(self.source).ravel()
+        factor = MEGAPASCALS.get(step.units, 1.0) if self.source in STRESSES else 1.0
+        return factor * step.field(self.source).ravel()
 
 
 SECTION_FORCES = {
@@ -98,6 +101,13 @@ def power_of_ten(largest):
     if not np.isfinite(largest) or largest == 0.0 or 1e-2 <= largest < 1e4:
         return 0
     return int(3 * np.floor(np.log10(largest) / 3))
+
+
+def number_text(value):
+    """Four digits, without a power of ten where it can be read without."""
+    if value == 0.0 or 1e-3 <= abs(value) < 1e6:
+        return np.format_float_positional(value, precision=4, fractional=False, trim="-")
+    return f"{value:.4g}"
 
 
 def times(exponent, unit=""):

@@ -97,20 +97,24 @@ class Page:
         """Markup and script that belong to this program."""
         self._parts.append(markup + (f"<script>\n{script}\n</script>" if script else ""))
 
-    def write(self, path):
-        """Only whole pages appear under the name, and replace nothing but pages."""
+    def markup(self):
+        """The whole page as a text."""
         if self._contents is not None:
             self._parts[self._contents] = "<nav>" + "".join(
                 f"<a href=\"#part{i}\">{html.escape(text)}</a>" for i, text in enumerate(self._headings, 1)) + "</nav>"
+        return "\n".join(self._parts) + "\n</body></html>\n"
+
+    def write(self, path):
+        """Only whole pages appear under the name, and replace nothing but pages."""
         if path.is_file() and path.stat().st_size and path.open("rb").read(len(BEGIN)) != BEGIN.encode():
             raise InputError(f"{path}: is there and is no page, and is not written over; allowed: another name")
         with whole_file(path) as stream:
-            stream.write(("\n".join(self._parts) + "\n</body></html>\n").encode("utf-8", "replace"))
+            stream.write(self.markup().encode("utf-8", "replace"))
 
 
-def view_beside(result):
-    """Where `mixbeam view` writes its page of a result file."""
-    return result.with_name(f"{result.stem}-view.html")
+def page_beside(file, kind):
+    """Where a page (view, report) of a result file or a scene is written: `mine-view.html`."""
+    return file.with_name(f"{file.stem}-{kind}.html")
 
 
 def file_address(file_name):

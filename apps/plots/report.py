@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from command import finish, inputs
-from html_page import MOST_ROWS, Page, bar, cell_text, view_beside
+from html_page import MOST_ROWS, Page, bar, cell_text, page_beside
 from report_inputs import write_inputs, write_sections
 
 NOISE, ROUNDING = 1e-9, 1e-12  # of the largest: forces that count as zero, as in pictures; what rounding leaves of zero
@@ -60,7 +60,7 @@ def _write(options):
                              if words and not name.startswith(REPORT)])
         page.folded("The scene, word for word", run.scene_text())
         path = _page_path(options)
-        view = view_beside(path.parent / options.result.name)
+        view = page_beside(path.parent / options.result.name, "view")
         if view.exists():
             page.link("The structure in the browser, to turn and to ask", view.name)
         page.write(path)
@@ -113,8 +113,9 @@ def _write_limits(page, files):
 
 
 def _page_path(options):
-    path = options.output or options.result.with_suffix(".html")
-    return path / options.result.with_suffix(".html").name if path.is_dir() else path
+    own = page_beside(options.result, "report")
+    path = options.output or own
+    return path / own.name if path.is_dir() else path
 
 
 def _write_envelope_page(options):
@@ -137,8 +138,8 @@ def _write_envelope_page(options):
                          len(run.critical_points())))
     page.table(("run", "combination of", "load factor at its end", "stable", "critical points on the way"), rows)
     for file in files:
-        if (path.parent / file.name).with_suffix(".html").exists():
-            page.link(f"Report of {file.stem}", file.with_suffix(".html").name)
+        if page_beside(path.parent / file.name, "report").exists():
+            page.link(f"Report of {file.stem}", page_beside(file, "report").name)
     _write_worst(page, envelope)
     with Run(files[0]) as run:
         _write_structure(page, run)

@@ -259,7 +259,8 @@ class CriticalPoint:
 class Step:
     """One converged configuration; `fields[name]` holds a row per sample of all members."""
 
-    def __init__(self, group, selection):
+    def __init__(self, group, selection, units=("", "")):
+        self.units = units  # of length and force
         self.number = group.attribute("step", int)
         self.load_factor = group.attribute("load_factor")
         self.newton_iterations = group.attribute("newton_iterations", int, 0)
@@ -364,7 +365,7 @@ class Run:
             self.members = self.members_meant(members)
         self._selection = Selection(samples, members and self.members)
         steps = self._file.group("steps")
-        self.steps = [Step(steps.group(name), self._selection) for name in sorted(steps.names(), key=lambda name: (len(name), name))]
+        self.steps = [Step(steps.group(name), self._selection, self.units) for name in sorted(steps.names(), key=lambda name: (len(name), name))]
         if not self.steps:
             raise InputError(f"{path}: holds no steps")
 
@@ -412,6 +413,11 @@ class Run:
         """(length, force) as the scene names them, empty where it does not."""
         words = [word.strip() for word in self._units.split(",")]
         return tuple(words) if len(words) == 2 else ("", "")
+
+    def stages(self):
+        """How many of them the scene names."""
+        found = re.findall(r'\bStage(?:" type="int" value="|:\s*)(\d+)', self.scene_text())
+        return max(map(int, found), default=1)
 
     @property
     def title(self):

@@ -9,6 +9,7 @@ import numpy as np
 import fields
 from fields import Field
 from packed import FOR_DRAWING, FOR_PLACES, FOR_READING, Packed, deflated_text
+from preview import parts_of
 from scene_marks import Marks
 from structure import best_view
 from view import CAMERAS, PLANES
@@ -20,6 +21,7 @@ FLAT = 1e-6            # a structure this thin over its size lies in a plane
 THIN_ROD = 1 / 110     # diameter over size of members that have no shape,
 SLENDER_ROD = 1 / 10   # and at most this share of the median length of members
 ROUND = {"circle", "tube", "none"}  # sections
+FEW_NUMBERS = 100000   # samples times steps up to which a page has the directions of all sections
 DIRECTIONS = 120       # in which the corners of the path's hull are looked for
 FIELDS = {
     **fields.FIELDS,
@@ -33,15 +35,17 @@ FIELDS = {
 class ViewData:
     """`description`: what is said in words and single numbers, with the units of `arrays`; these are {name: bytes}, itself among them."""
 
-    def __init__(self, run):
-        self._run = run
+    def __init__(self, run, said=None, room=MOST_BYTES):
+        """`said`: of a scene that is not solved, preview.Said; `room`: bytes of its steps."""
+        self._run, self._room = run, room
+        self.scene_name, self.case, self.title = run.scene_name, run.case, run.title
         self._reference = run.reference()
         self._kept, self._members, self._firsts = _thinned(run.members)
         low, high = self._reference.min(axis=0), self._reference.max(axis=0)
         self._center, self._size = (low + high) / 2, float(np.linalg.norm(high - low)) or 1.0
         self.arrays = {}
         self.description = {"title": run.title, "units": run.units, "version": run.properties()["version"],
-                            "center": self._center.tolist(), "notes": [], "samples": len(self._kept), "units_of": {}}
+                            "stages": run.stages(), "center": self._center.tolist(), "notes": [], "samples": len(self._kept), "units_of": {}}
         self._describe_members()
         self._add_sections()
         self._add("rest_triad", run.steps[0].field("triad")[self._kept], FOR_DRAWING)
@@ -50,7 +54,25 @@ class ViewData:
         steps = self._read_steps()
         self._add_series()
         self._add_steps(*steps)
+        if said:
+            self._describe_preview(said)
         self.arrays["description"] = deflated_text(self.description)
+
+    def _describe_preview(self, said):
+        """In place of fields: sections, and parts where some are not connected."""
+        describe, parts = self.description, parts_of(self._run)
+        parts = [parts[member.index] for member in self._members] if parts else []
+        groups = [(label, known, [known.index(one) for one in of])
+                  for label, of in (("connected part", parts), ("section", describe["sections"]))
+                  if (known := sorted(set(of))) and (len(known) > 1 or label == "section")]
+        describe["fields"] = [{"name": label, "label": label, "unit": "", "signed": False, "extremes": [[0, max(len(known) - 1, 1)]],
+                               "names": [str(one) if label == "section" else f"part {one + 1}" for one in known], "of_members": of}
+                              for label, known, of in groups]
+        if self._run.properties().get("drawn"):
+            describe["notes"].append(self._run.properties()["drawn"])
+        describe["preview"] = {"refusal": said.refusal, "warnings": said.warnings, "named": said.names(self._members)}
+        for mode in describe["modes"]:
+            mode["kind"] = "motion without strain"
 
     def _describe_members(self):
         whole = len(self._reference)
@@ -125,7 +147,7 @@ class ViewData:
         counts = np.diff(np.append(self._firsts, len(self._kept)))
         groups = np.repeat([names.index(name) for name in self.description["sections"]], counts)
         self.description["compliance"] = taken_out(arrays, groups, names)
-        shown, packed = packed_steps(arrays, MOST_BYTES - sum(map(len, self.arrays.values())))
+        shown, packed = packed_steps(arrays, self._room - sum(map(len, self.arrays.values())))
         for name, values in packed.items():
             self._hold(name, values)
         steps = [described[i] for i in shown]
@@ -137,7 +159,9 @@ class ViewData:
                                       for (name, field), own in zip(FIELDS.items(), extremes) if any(own)]
 
     def _shows_directions(self):
-        """Whether something drawn turns with the sections: round ones follow their line."""
+        """Whether something drawn turns with the sections: round ones follow their line, if their diagrams do not matter."""
+        if len(self._kept) * len(self._run.steps) <= FEW_NUMBERS:
+            return True
         arrows = [arrow[2] for kind in ("forces", "moments") for arrow in self.description[kind]]
         return not ROUND.issuperset(self.description["kinds"]) or any(arrows) or any(load[2] for load in self.description["line_loads"])
 
@@ -230,7 +254,10 @@ class ViewData:
         return floors
 
     def _telling_series(self, columns):
-        """Of displacements, the one that changes most."""
+        """The first quantity that the scene asks for, else of displacements the one that changes most."""
+        asked = [name for name in self._run.quantities() if np.isfinite(columns[name][0]).all() and np.ptp(columns[name][0]) > 0]
+        if asked:
+            return asked[0]
         moved = {name: np.ptp(values) for name, (values, _) in columns.items()
                  if ".displacement." in name and not name.endswith(".norm") and np.isfinite(values).all()}
         best = max(moved, key=moved.get, default=None)

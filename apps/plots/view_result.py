@@ -4,44 +4,58 @@ needs no network."""
 
 import argparse
 import sys
+import time
+from contextlib import suppress
 from pathlib import Path
 
-from command import finish
-from html_page import Page, view_beside
+from command import InputError, finish
+from html_page import page_beside
 
-PARTS = Path(__file__).resolve().parent / "viewer"
-SCRIPTS = ("numbers", "packed", "result", "camera", "shapes", "shaders", "painter", "marks", "curve", "picking", "panel", "main", "input")
+WATCHING = 0.5  # seconds between two looks at a file that is watched
+RENEWED = 2      # and after which the page asks for itself
 
 
 def main():
     parser = argparse.ArgumentParser("mixbeam view", description=__doc__)
-    parser.add_argument("result", type=Path, help="result file (.h5)")
-    parser.add_argument("-o", "--output", type=Path, metavar="FILE.html", help="default: RESULT-view.html beside the result file")
-    parser.add_argument("--case", metavar="NAME", help="load case: takes FILE-NAME.h5 beside FILE.h5")
+    parser.add_argument("result", type=Path, help="result file (.h5), or a scene, which is drawn without being solved")
+    parser.add_argument("-o", "--output", type=Path, metavar="FILE.html", help="default: NAME-view.html beside the file")
+    parser.add_argument("--case", metavar="NAME", help="this load case only")
+    parser.add_argument("--watch", action="store_true", help="writes the page anew whenever the file changes, until Ctrl-C")
     options = parser.parse_args()
-    return finish("view", options.result, lambda: _write(options))
+    return finish("view", options.result, lambda: _watched(options) if options.watch else _write(options))
+
+
+def _watched(options):
+    """As _write, again and again; the page asks for itself anew."""
+    seen = None
+    while True:
+        with suppress(OSError):
+            now = options.result.stat().st_mtime_ns
+        if seen is None and not options.result.exists():
+            raise InputError(f"{options.result}: no such file")
+        if now != seen:
+            seen = now
+            try:
+                yield from _write(options)
+            except InputError as error:  # of a file that is being edited: the page stays as it was
+                print(f"mixbeam view: {error}", file=sys.stderr, flush=True)
+        time.sleep(WATCHING)
 
 
 def _write(options):
     """Writes the page, and yields its path."""
-    from results import Run
-    from view_data import ViewData
+    from preview import is_scene, undeformed
+    from results import file_of_case
+    from view_page import page_of_files, page_of_results
 
-    with Run(options.result, options.case) as run:
-        path = options.output or view_beside(run.path)
-        view_page(ViewData(run)).write(path)
-        yield path
-
-
-def view_page(data):
-    """The page of a ViewData."""
-    page = Page(data.description["title"], (PARTS / "viewer.css").read_text(encoding="utf-8"), has_scripts=True)
-    page.add_own(markup=(PARTS / "page.html").read_text(encoding="utf-8"))
-    for name, packed in data.arrays.items():
-        page.packed(name, packed)
-    texts = [(PARTS / f"{name}.js").read_text(encoding="utf-8") for name in SCRIPTS]
-    page.add_own(script='(() => {\n"use strict";\n' + "\n".join(texts) + "\n})();")
-    return page
+    renew, of_case = RENEWED if options.watch else 0, file_of_case(options.result, options.case)
+    path = options.output or page_beside(of_case if options.case and of_case.is_file() else options.result, "view")
+    if is_scene(options.result):
+        with undeformed(options.result, options.case) as (files, said):
+            page_of_files(files, said, renew=renew).write(path)
+    else:
+        page_of_results(options.result, options.case, renew).write(path)
+    yield path
 
 
 if __name__ == "__main__":

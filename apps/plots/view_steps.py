@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fields import Field
+from fields import MEGAPASCALS, Field
 from packed import FOR_DRAWING, FOR_READING, Packed
 
 MOST_NUMBERS = 12e6    # of steps that are read: 100 MB
@@ -21,6 +21,8 @@ STEP_ARRAYS = (*COMPONENTS, *STRESSES, "utilisation")
 class HeldStep:
     """The fields of a step, each read once, round-off being zero; stresses divided by the strength are one of them."""
 
+    units = ("", "")  # stresses are in those of the page
+
     def __init__(self, step, strength, size):
         self._step, self._strength, self._held = step, strength, {}
         for name in COMPONENTS:
@@ -38,9 +40,9 @@ class HeldStep:
 
     def field(self, name):
         if name == "utilisation":
-            return self.field("von_mises_stress") / self._strength
+            return self._step.field("von_mises_stress") / self._strength
         if name not in self._held:
-            self._held[name] = self._step.field(name)
+            self._held[name] = self._step.field(name) * (MEGAPASCALS.get(self._step.units, 1.0) if name in STRESSES else 1.0)
             if name in STRESSES and not self._is_loaded:
                 self._held[name] = np.where(np.isfinite(self._held[name]), 0.0, np.nan)
         return self._held[name]

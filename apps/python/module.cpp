@@ -96,6 +96,13 @@ py::tuple check(const SceneText& scene, const std::optional<std::string>& load_c
   return py::make_tuple(run->report(), run->app().summary.warnings);
 }
 
+void undeformed(const std::string& text, const std::string& file, const std::optional<std::string>& load_case,
+                const std::string& folder) {
+  in_turn([&] {
+    write_undeformed([&] { return parsed_scene(text, file); }, start_as_guest(), folder, "scene", load_case);
+  });
+}
+
 /// The run, and why it failed to converge.
 struct Outcome {
   Run run;
@@ -253,6 +260,7 @@ PYBIND11_MODULE(_core, module) {
   module.def("nearest", nearest_name);
   module.def("number_hint", number_hint);
   module.def("check", check);
+  module.def("undeformed", undeformed);
   module.def("run", run);
   module.def("resume", resume);
   module.def("open", open);

@@ -351,4 +351,26 @@ std::string check_supports(const Scene& scene, const ParameterSource& source, co
   return skipped;
 }
 
+LooseStructure loose_structure(const Scene& scene) {
+  LooseStructure loose;
+  loose.part_of_member.assign(scene.members.size(), 0);
+  int number = 0;
+  for (const RigidAssembly& whole : rigid_assemblies(scene)) {
+    const RigidAssembly assembly = whole.parts.size() <= kMostParts ? whole : locked(whole);
+    for (const std::size_t member : all_members(assembly)) loose.part_of_member[member] = number;
+    ++number;
+    for (const Row& row : plain_motions(null_space(blocking_matrix(assembly, scene)))) {
+      if (loose.motions.size() == kMostShownMotions) break;
+      std::vector<RigidVelocity>& velocities = loose.motions.emplace_back(scene.members.size());
+      for (std::size_t p = 0; p < assembly.parts.size(); ++p) {
+        const RigidPart& part = assembly.parts[p];
+        const RigidMotion motion = motion_of_part(row, p);
+        for (const std::size_t member : part.members)
+          velocities[member] = {motion.translation, scaled(1.0 / part.size, motion.rotation), part.center};
+      }
+    }
+  }
+  return loose;
+}
+
 }  // namespace mixbeam

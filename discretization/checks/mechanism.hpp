@@ -5,6 +5,7 @@
 #include "discretization/scene/scene.hpp"
 
 #include <string>
+#include <vector>
 
 namespace mixbeam {
 
@@ -14,5 +15,20 @@ namespace mixbeam {
 /// where the scene stands below the root of `source`. Returns why joints were left out of the check, or nothing: the
 /// elimination is dense, so it takes a limited number of joined parts.
 std::string check_supports(const Scene& scene, const ParameterSource& source, const ParameterPath& path = {"Scene"});
+
+/// Velocity of a rigid body: translation + rotation x (position - center).
+struct RigidVelocity {
+  Vector3 translation{}, rotation{}, center{};
+};
+
+/// What pictures show of a structure that is not held.
+struct LooseStructure {
+  std::vector<int> part_of_member{};                  ///< connected parts, joints included, are numbered from 0
+  std::vector<std::vector<RigidVelocity>> motions{};  ///< without strain; (motion, member)
+};
+
+/// The motions that check_supports() refuses, at most kMostShownMotions.
+LooseStructure loose_structure(const Scene& scene);
+inline constexpr std::size_t kMostShownMotions = 12;
 
 }  // namespace mixbeam

@@ -52,7 +52,7 @@ ListSpec scene_spec() {
 }
 
 Scene read_scene(Teuchos::ParameterList& scene_list, const ParameterSource& source, const ParameterPath& path,
-                 std::vector<std::string>* notes) {
+                 const SceneRemarks& remarks) {
   Scene scene;
   source.collect([&] {
     const ListSpec spec = scene_spec();
@@ -62,8 +62,14 @@ Scene read_scene(Teuchos::ParameterList& scene_list, const ParameterSource& sour
     source.require_mended();
     SceneReader reader(scene_list, {source, path}, variables);
     scene = reader.read();
-    if (notes != nullptr) *notes = reader.notes();
-    if (!source.has_mistakes()) check_supports(scene, source, path);
+    if (remarks.notes != nullptr) *remarks.notes = reader.notes();
+    if (source.has_mistakes()) return;
+    try {
+      check_supports(scene, source, path);
+    } catch (const InputError& error) {
+      if (remarks.loose == nullptr) throw;
+      *remarks.loose = error.what();
+    }
   });
   source.require_mended();
   return scene;

@@ -615,6 +615,19 @@ class Studies(InFolder):
 
 
 class Pictures(InFolder):
+    def test_pages_inline(self):
+        """Of a run, of a scene, and of one that check refuses."""
+        loose = cantilever()
+        del loose.supports["clamp"]
+        for page, words in ((mixbeam.run(cantilever()).view(), ""), (cantilever().view(), ""), (loose.view(), "")):
+            self.assertTrue(page._repr_html_().startswith("<iframe"), words)
+            self.assertIn("srcdoc=\"&lt;!doctype html&gt;", page._repr_html_())
+            with tempfile.TemporaryDirectory() as folder:
+                page.save(Path(folder) / "page.html")
+                self.assertGreater((Path(folder) / "page.html").stat().st_size, 20000)
+        with self.assertRaisesRegex(mixbeam.InputError, "no member"):
+            mixbeam.Scene("empty").view()
+
     def test_pictures_leave_matplotlib_as_it_was(self):
         import matplotlib
         before, modules = dict(matplotlib.rcParams), set(sys.modules)

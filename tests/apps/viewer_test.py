@@ -27,7 +27,7 @@ import view_data  # noqa: E402
 import view_steps  # noqa: E402
 from results import Run  # noqa: E402
 from small_scenes import NUMBERS, cantilever, entry, listed, member, scene, solve, support  # noqa: E402
-from view_result import view_page  # noqa: E402
+from view_page import view_page  # noqa: E402
 
 BROWSER = ("chromium-headless-shell", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--dump-dom",
            "--window-size=1200,800")
@@ -212,10 +212,10 @@ class Viewer(unittest.TestCase):
         for command in ("report", "plot"):
             ended = subprocess.run([PROGRAM, command, str(result)], capture_output=True, text=True, check=False)
             self.assertEqual(ended.returncode, 0, ended.stderr)
-        for written in (*self.folder.glob("evil*.svg"), self.folder / "evil.html", self.folder / "evil.xdmf"):
+        for written in (*self.folder.glob("evil*.svg"), self.folder / "evil-report.html", self.folder / "evil.xdmf"):
             for name in (point, member_name):
                 self.assertNotIn(name, written.read_text(encoding="utf-8"), written)
-        self.assertIn('href="./evil-view.html"', (self.folder / "evil.html").read_text(encoding="utf-8"))
+        self.assertIn('href="./evil-view.html"', (self.folder / "evil-report.html").read_text(encoding="utf-8"))
 
     def test_structures_that_are_thinned_say_so(self):
         most, view_data.MOST_SAMPLES = view_data.MOST_SAMPLES, 12
@@ -229,6 +229,78 @@ class Viewer(unittest.TestCase):
         self.assertLessEqual(samples, 12)
         self.assertIn(f"{samples} of {whole} samples", notes)
         self.assertEqual(last, 1.0)  # ends are kept
+
+    # scenes that are not solved
+
+    @classmethod
+    def preview(cls, name, text):
+        scene_file = cls.folder / f"{name}.xml"
+        scene_file.write_text(text, encoding="utf-8")
+        return cls.view(scene_file)
+
+    def test_a_scene_is_drawn_without_being_solved(self):
+        page = self.preview("portal", cantilever("{0, -1, 0}"))
+        self.assertEqual(page.name, "portal-view.html")
+        self.assertFalse(page.with_name("portal.h5").exists())
+        words, modes, colour, text = self.values(page, "probe.app.words[1]", "probe.app.result.modes.length", "probe.color(...probe.pixel(3))",
+                                                 "document.getElementById('check').textContent")
+        self.assertEqual((words, modes, text), ("not solved", 0, "A run would take this scene."))
+        self.assertNotEqual(colour, BACKGROUND)
+
+    def test_a_mechanism_moves(self):
+        """Two bars: one swings about the z axis of its hinge at the origin, one floats; the message names the first."""
+        text = scene(listed("Members", member("bar", "a", "b"), member("held", "c", "d")),
+                     listed("Supports", support("hinge", "a", rotation="{x, y}"), support("clamp", "c")),
+                     points=(("a", (0, 0, 0)), ("b", (1, 0, 0)), ("c", (0, 0, 1)), ("d", (1, 0, 1))))
+        page = self.preview("mechanism", text)
+        mode = "probe.app.result.floats('mode-0')"
+        told = self.values(page, "probe.app.result.modes.map((mode) => mode.kind)", f"[...{mode}]", "probe.app.swinging > 0",
+                           "probe.app.result.fields[0].of_members", "probe.app.result.preview", "probe.app.result.first_sample")
+        self.assertEqual(told[0], ["motion without strain"])
+        motion = np.array(told[1]).reshape(-1, 3)
+        bar, held = motion[:told[5][1]], motion[told[5][1]:]
+        np.testing.assert_allclose(bar[-1], (0, np.copysign(1, bar[-1, 1]), 0), atol=READ_OFF)  # the tip, square to the bar
+        np.testing.assert_allclose(bar[0], 0, atol=READ_OFF)
+        np.testing.assert_allclose(held, 0, atol=READ_OFF)
+        self.assertTrue(told[2])
+        self.assertEqual(told[3], [0, 1])
+        self.assertEqual(told[4]["named"], [0])
+        self.assertIn('member "bar" can move without strain', told[4]["refusal"])
+
+    def test_what_can_be_drawn_of_a_bad_scene(self):
+        good = cantilever("{0, -1, 0}")
+        for name, text, note, members in (("load", good.replace('value="b"/><Parameter name="Force"', 'value="z"/><Parameter name="Force"'), "leaves out supports", []),
+                                          ("section", good.replace('"Section" type="string" value="s"', '"Section" type="string" value="t"'), "chords", [0])):
+            self.assertNotEqual(text, good)
+            notes, preview = self.values(self.preview(name, text), "document.getElementById('notes').textContent", "probe.app.result.preview")
+            self.assertIn(note, notes)
+            self.assertEqual(preview["named"], members, preview)
+        (self.folder / "nothing.xml").write_text(good.replace("Points", "Pints"), encoding="utf-8")
+        ended = subprocess.run([PROGRAM, "view", "nothing.xml"], cwd=self.folder, capture_output=True, text=True, check=False)
+        self.assertEqual(ended.returncode, 2)
+        self.assertIn('"Pints"', ended.stderr)
+
+    # load cases
+
+    def test_load_cases_share_a_page(self):
+        """One down, one up with half of it: the tip moves by forces of 1 and -0.5 alike."""
+        force = lambda name, size: listed(name, entry("Point", "string", "b"), entry("Force", NUMBERS, f"{{0, 0, {size}}}"), entry("Case", "string", name))
+        text = scene(entry("Load Cases", "Array(string)", "{down, up}"), listed("Members", member("m", "a", "b")),
+                     listed("Supports", support("clamp", "a")), listed("Point Loads", force("down", "-0.01"), force("up", "0.005")),
+                     points=(("a", (0, 0, 0)), ("b", (1, 0, 0))))
+        text = text[:-len("</ParameterList>")] + listed("Quantities", listed("sag", entry("Quantity", "string", "displacement"), entry("Point", "string", "b"),
+                                                                             entry("Component", "string", "z"))) + "</ParameterList>"
+        result = solve(PROGRAM, self.folder, "cases", text)
+        sag = "probe.app.result.series('sag')[1]"
+        told = self.values(self.view(result), "document.getElementById('title').textContent", sag, "probe.set('case', 1, 'change')",
+                           "document.getElementById('title').textContent", sag, "document.getElementById('abscissa').value", "probe.covered()")
+        self.assertEqual((told[0], told[3]), ("portal, load case down", "portal, load case up"))
+        self.assertAlmostEqual(told[4] / told[1], -0.5, delta=1e-3)  # nonlinear by the square of the rotation
+        self.assertEqual(told[5], "sag")  # the first of Quantities
+        self.assertGreater(told[6], 0.001)
+        one = self.view(result, "--case", "up")
+        self.assertEqual(one.name, "cases-up-view.html")
+        self.assertEqual(self.values(one, "document.getElementById('cases-section').hidden")[0], True)
 
     # the path
 

@@ -1,10 +1,12 @@
 #include "discretization/checks/mechanism.hpp"
 
 #include "input_text.hpp"
+#include "kernels/math/vector_algebra.hpp"
 #include "tests/support/processor_time.hpp"
 #include "tests/support/scenes.hpp"
 
 #include <cmath>
+#include <set>
 
 namespace mixbeam {
 namespace {
@@ -117,6 +119,36 @@ TEST(MechanismCheck, NamesEveryPartThatIsNotHeld) {
                              "; one more connected part is not supported either, with member \"e-f\"; allowed: "});
   scene.supports.push_back(support("f", kAll, kAll));
   EXPECT_EQ(refusal(scene).find("one more"), std::string::npos);
+}
+
+/// Of a rigid body at a point.
+Vector3 velocity(const RigidVelocity& of, const Vector3& at) {
+  using namespace vector_algebra;
+  return sum(of.translation, cross(of.rotation, difference(at, of.center)));
+}
+
+/// A beam that swings about z at a (5, 0, 0): b (6, 2, 2) moves along (-2, 1, 0), a not at all; beside it one that is
+/// held, and one on nothing.
+TEST(MechanismCheck, GivesTheMotionsThatItRefuses) {
+  using namespace vector_algebra;
+  constexpr double kRoundingOfMotions = 1e-12;  // of points and motions of order one
+  Scene scene = beam({support("a", kAll, {true, true, false})});
+  LooseStructure loose = loose_structure(scene);
+  ASSERT_EQ(loose.motions.size(), 1u);
+  const RigidVelocity& swing = loose.motions[0][0];
+  EXPECT_LT(norm(velocity(swing, {5, 0, 0})), kRoundingOfMotions);
+  const Vector3 tip = velocity(swing, {6, 2, 2});
+  EXPECT_GT(norm(tip), 0.1);
+  EXPECT_LT(norm(cross(tip, {-2, 1, 0})), kRoundingOfMotions);
+  scene.points.insert(scene.points.end(),
+                      {point("c", {0, 0, 1}), point("d", {0, 1, 1}), point("e", {9, 0, 1}), point("f", {9, 1, 1})});
+  scene.members.insert(scene.members.end(), {line("c", "d"), line("e", "f")});
+  scene.supports.push_back(support("c", kAll, kAll));
+  loose = loose_structure(scene);
+  EXPECT_EQ(loose.motions.size(), 1u + 6u);
+  EXPECT_EQ(std::set<int>(loose.part_of_member.begin(), loose.part_of_member.end()).size(), 3u);
+  for (const auto& motion : loose.motions) EXPECT_LT(norm(velocity(motion[1], {0, 1, 1})), kRoundingOfMotions);
+  EXPECT_TRUE(loose_structure(beam({support("a", kAll, kAll)})).motions.empty());
 }
 
 TEST(MechanismCheck, DoesNotDependOnScaleOrPlace) {

@@ -30,10 +30,11 @@ struct Recording {
   std::map<std::string, std::string> properties{};  ///< in the file, besides those of program and machine
   RunObserver observer{};
   std::function<void(const StepRecord& record)> record_observer{};
-  std::function<bool()> stop{};             ///< see PathControl
-  std::function<void()> restart{};          ///< what was observed so far does not count: another mesh follows
-  const QuantitySet* quantities = nullptr;  ///< followed besides the motion of points
-  const StoredRun* resume = nullptr;        ///< continues after its last step, in its file
+  std::function<bool()> stop{};                 ///< see PathControl
+  std::function<void()> restart{};              ///< what was observed so far does not count: another mesh follows
+  const QuantitySet* quantities = nullptr;      ///< followed besides the motion of points
+  std::vector<RecordedBucklingMode> motions{};  ///< of the undeformed structure, beside its buckling modes
+  const StoredRun* resume = nullptr;            ///< continues after its last step, in its file
   WritingOptions writing{};
 };
 
@@ -64,6 +65,7 @@ class Application {
   std::filesystem::path output;  ///< existing folder
   bool quiet = false;            ///< no progress lines
   bool force = false;            ///< runs what seems not to fit into memory or onto the disk
+  std::string* loose = nullptr;  ///< of a scene that is only drawn: see read_scene()
   Summary summary;
   SharedResultLock summary_lock{};  ///< of the file of the summary, where one is asked for
   Communicator communicator;

@@ -106,6 +106,7 @@ class Application::Recorder {
     if (recording_.quantities != nullptr) follow_quantities(running, report, step);
     if ((report.step == 0 || running.is_between_stages()) && parameters_.analysis.buckling_modes > 0)
       step.buckling = running.buckling_modes(parameters_.analysis.buckling_modes, recording_.points_per_element);
+    step.buckling.insert(step.buckling.end(), recording_.motions.begin(), recording_.motions.end());
     if (estimate != nullptr)
       add_errors(running, *estimate, step);
     else if (running.is_end_of_path(running.load_factor()) &&

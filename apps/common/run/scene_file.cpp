@@ -169,7 +169,7 @@ void read_lists(Application& app, const ApplicationDefinition& definition) {
   const ParameterSource& source = app.xml.source;
   Teuchos::ParameterList& root = *app.xml.list;
   std::vector<std::string> notes;
-  app.scene = read_scene(root.sublist("Scene"), source, {"Scene"}, &notes);
+  app.scene = read_scene(root.sublist("Scene"), source, {"Scene"}, {&notes, app.loose});
   for (const std::string& note : notes) app.out() << "note: " << note << "\n";
   source.attempt([&] {
     if (app.scene.accuracy && !definition.chooses_meshes)
@@ -179,7 +179,7 @@ void read_lists(Application& app, const ApplicationDefinition& definition) {
   if (definition.chooses_meshes && !source.has_mistakes()) take_start_mesh(app);
   source.attempt([&] { app.solver = read_solver_parameters(root.sublist("Solver"), source); });
   source.attempt([&] {
-    if (!source.has_mistakes())
+    if (!source.has_mistakes() && (app.loose == nullptr || app.loose->empty()))
       app.scene = with_mode_shapes(app.scene, app.solver, app.communicator, {source, {"Scene"}});
   });
   source.attempt([&] { app.solver.analysis = read_analysis_parameters(root.sublist("Analysis"), app.scene, source); });

@@ -15,15 +15,15 @@ class Curve {
   /** `choose(place)` is called with the number of a step of the run, or with a critical point behind all of them. */
   constructor(svg, result, choose) {
     Object.assign(this, { svg, result, choose });
-    svg.addEventListener("click", (event) => {
+    svg.onclick = (event) => {
       const box = svg.getBoundingClientRect();
       const place = this.nearest(event.clientX - box.left, event.clientY - box.top);
       if (place >= 0) choose(place);
-    });
+    };
   }
 
   /** Names of the series. */
-  draw(abscissa, ordinate) {
+  draw(abscissa, ordinate, isWhole) {
     const { svg, result } = this;
     svg.replaceChildren();
     this.x = result.series(abscissa);
@@ -34,23 +34,28 @@ class Curve {
     this.height = svg.clientHeight || 210;
     const known = [...this.x.keys()].filter((i) => Math.abs(this.x[i]) < NO_VALUE && Math.abs(this.y[i]) < NO_VALUE);
     this.known = known;
-    this.limits = [this.x, this.y].map((values) => paddedLimits(known.map((i) => values[i])));
+    const first = result.modes.findIndex((mode) => mode.before !== undefined); // a critical point
+    const shown = isWhole || first < 0 ? known : known.filter((i) => i < result.modes[first].step || i === steps + first);
+    this.limits = [this.x, this.y].map((values) => paddedLimits((shown.length > 1 ? shown : known).map((i) => values[i])));
     this.drawFrame();
+    const clip = svgElement("clipPath", { id: "inside" }, svg);
+    svgElement("rect", { x: MARGINS.left, y: MARGINS.top, width: this.width - MARGINS.left - MARGINS.right, height: this.height - MARGINS.top - MARGINS.bottom }, clip);
+    this.inside = svgElement("g", { "clip-path": "url(#inside)" }, svg);
     for (let i = 1; i < steps; ++i) {
       const [from, to] = [this.at(i - 1), this.at(i)];
       if (![...from, ...to].every(Number.isFinite)) continue;
-      svgElement("line", { x1: from[0], y1: from[1], x2: to[0], y2: to[1], class: result.stable[i] === "true" ? "path" : "path not-stable" }, svg);
+      svgElement("line", { x1: from[0], y1: from[1], x2: to[0], y2: to[1], class: result.stable[i] === "true" ? "path" : "path not-stable" }, this.inside);
     }
     if (steps <= 150) for (const i of known) if (i < steps) this.dot(i, 2.4, "step");
     result.modes.forEach((mode, i) => {
       if (mode.kind !== "buckling mode" && known.includes(steps + i)) this.dot(steps + i, 4.2, mode.kind === "bifurcation" ? "critical bifurcation" : "critical");
     });
-    this.now = svgElement("circle", { r: 5.5, class: "now" }, svg);
+    this.now = svgElement("circle", { r: 5.5, class: "now" }, this.inside);
   }
 
   dot(i, radius, kind) {
     const [x, y] = this.at(i);
-    svgElement("circle", { cx: x, cy: y, r: radius, class: kind }, this.svg);
+    svgElement("circle", { cx: x, cy: y, r: radius, class: kind }, this.inside);
   }
 
   /** Pixels of a row of the series; NaN where it is not known. */

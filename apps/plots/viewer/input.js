@@ -28,6 +28,7 @@ function listenToPointers(app) {
     else if (event.shiftKey || event.buttons & 6) app.camera.pan(dx, dy);
     else app.camera.orbit(dx, dy);
     down.set(event.pointerId, now);
+    app.isTurned = true;
     app.moved();
   });
   for (const name of ["pointerup", "pointercancel"]) {
@@ -42,6 +43,7 @@ function listenToPointers(app) {
   stage.addEventListener("wheel", (event) => {
     event.preventDefault();
     app.camera.zoom(Math.exp(-event.deltaY * (event.deltaMode === 1 ? 0.05 : 0.0015)), ...place(event));
+    app.isTurned = true;
     app.moved();
   }, { passive: false });
 }
@@ -61,9 +63,10 @@ function listenToControls(app) {
   on("back", "click", () => app.showStep(app.shape.step - 1));
   on("forward", "click", () => app.showStep(app.shape.step + 1));
   on("play", "click", () => app.play());
+  on("case", "change", (event) => app.open(Number(event.target.value)));
   for (const id of ["field", "range"]) on(id, "change", () => app.showColors());
-  for (const id of ["ghost", "supports", "loads", "thickness"]) on(id, "change", () => app.moved());
-  for (const id of ["ordinate", "abscissa"]) on(id, "change", () => app.drawCurve());
+  for (const id of ["ghost", "supports", "loads", "thickness", "diagram"]) on(id, "change", () => app.moved());
+  for (const id of ["ordinate", "abscissa", "whole"]) on(id, "change", () => app.drawCurve());
   on("scale", "change", (event) => app.setScale(Number(event.target.value)));
   on("true-scale", "click", () => app.setScale(1));
   on("auto-scale", "click", () => app.setScale(app.visibleScale()));
@@ -79,6 +82,7 @@ function listenToControls(app) {
   on("swing", "click", () => app.swing());
   on("leave-mode", "click", () => app.showStep(app.shape.step));
   on("save", "click", () => app.save());
+  on("film", "click", () => app.film());
   on("theme", "click", () => {
     app.look(app.theme === "dark" ? "light" : "dark");
     app.redraw();
@@ -106,8 +110,10 @@ function start() {
   listenToPointers(app);
   listenToControls(app);
   listenToKeys(app);
+  if (jsonOf("pages").renew) renew(app, jsonOf("pages").renew);
   new ResizeObserver(() => {
     app.resize();
+    if (!app.isTurned) app.fit();
     app.drawCurve();
   }).observe(byId("stage"));
   byId("scene").addEventListener("webglcontextlost", (event) => event.preventDefault());
@@ -117,6 +123,21 @@ function start() {
   });
   app.painter.finish();
   document.documentElement.dataset.firstPicture = Math.round(performance.now()); // milliseconds since the page was opened
+}
+
+/** A page that is watched asks for itself anew while the reader is elsewhere, and looks as before. */
+function renew(app, seconds) {
+  const kept = sessionStorage.getItem("camera");
+  if (kept) {
+    Object.assign(app.camera, JSON.parse(kept));
+    app.isTurned = true;
+  }
+  app.resize();
+  setInterval(() => {
+    if (document.hasFocus()) return;
+    sessionStorage.setItem("camera", JSON.stringify(app.camera));
+    location.reload();
+  }, 1000 * seconds);
 }
 
 /** Of scripts, and of promises that nobody waits for. */

@@ -4,28 +4,46 @@ const MODE_SHARE = 0.12; // largest displacement of a mode over the size of the 
 const HIDDEN_SHARE = 0.9; // of the motion of a mode along the line of sight: hardly anything of it is seen
 const VISIBLE_SHARE = 0.1; // the same of displacements that are made visible
 const PLAY_SECONDS = 6;
+const FILM_SECONDS = 2 * Math.PI; // of two periods of a mode
 const VIEWS = { xy: [90, -90], xz: [0, -90], yz: [0, 0], iso: [35.264, -45] }; // elevation, azimuth
 const ROOM = [130, 70, 96, 72]; // pixels left free around the structure: left, right, top, bottom
 
 class App {
   constructor() {
-    this.result = new Result();
-    this.panel = new Panel(this.result);
+    const { cases } = jsonOf("pages");
+    cases.forEach((name, number) => byId("case").append(option(number, name)));
+    byId("cases-section").hidden = cases.length < 2;
+    this.look(matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
+    this.open(0);
+  }
+
+  /** Shows a load case, by its number, as the one before was shown. */
+  open(number) {
+    const before = this.result && this.field.name;
+    this.result = new Result(number);
+    this.panel = new Panel(this.result, before);
     this.painter = new Painter(byId("scene"), this.result);
     this.shape = new Shape(this.result);
+    this.shape.scale = Number(byId("scale").value);
     this.marks = new Marks(byId("marks").getContext("2d"), this.result);
     this.picker = new Picker(this.result);
-    this.camera = new Camera(...this.result.camera);
     this.curve = new Curve(byId("curve"), this.result, (place) => this.choose(place));
     this.marked = [-1, -1];
-    this.wait = 0;
-    this.look(matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
     byId("step").max = this.result.steps.length - 1;
-    byId("ghost").checked = this.result.samples < 20000;
-    this.resize();
-    this.fit();
+    byId("loads").checked = this.marks.groups().length <= MOST_MARKS;
+    byId("steps").hidden = this.result.stable.length < 2;
+    if (before === undefined) {
+      this.camera = new Camera(...this.result.camera);
+      byId("ghost").checked = this.result.samples < 20000;
+      this.resize();
+      this.fit();
+    }
     this.drawCurve();
     this.showStep(this.result.steps.length - 1);
+    if (this.result.preview && this.result.modes.length > 0) {
+      this.showMode(0);
+      this.swing();
+    }
     cancelAnimationFrame(this.wait);
     this.draw();
   }
@@ -90,28 +108,38 @@ class App {
   describe() {
     const { shape, result } = this;
     const scaled = shape.scale === 1 ? "" : ` · displacements × ${numberText(shape.scale, 4)}`;
+    if (result.preview) return [result.title, shape.modeNumber >= 0 ? `not solved · ${result.modes[shape.modeNumber].kind}` : "not solved"];
     if (shape.modeNumber >= 0) {
       const mode = result.modes[shape.modeNumber];
       return [result.title, `${mode.kind} at λ = ${numberText(mode.factor, 6)}${scaled}`];
     }
     const step = result.steps[shape.step];
     const stable = { true: "stable", false: "not stable", neutral: "neutral", unknown: "stability unknown" }[step.stable];
-    return [result.title, `step ${step.number} of ${result.steps[result.steps.length - 1].number} · λ = ${numberText(step.factor, 6)} · ${stable}${scaled}`];
+    return [result.title, `step ${step.number} of ${result.steps[result.steps.length - 1].number} · λ = ${numberText(step.factor, 6)}${this.stageWords(step.factor)} · ${stable}${scaled}`];
+  }
+
+  /** Of several stages, the one that grows and how far it is. */
+  stageWords(factor) {
+    const { stages } = this.result;
+    if (stages < 2 || factor < 0 || factor > stages) return "";
+    const stage = Math.max(1, Math.ceil(factor - 1e-9));
+    const share = factor - stage + 1;
+    return ` (stage ${stage} ${share > 1 - 1e-9 ? "full" : `at ${numberText(100 * share, 3)} %`})`;
   }
 
   /** The values that colour the state; a mode is coloured by its own size. */
   showColors() {
     const { shape, result, field } = this;
     const values = new Float32Array(result.samples);
-    const isMode = shape.modeNumber >= 0;
+    const isMode = shape.modeNumber >= 0 && !field.names;
     for (let i = 0; i < result.samples; ++i) {
       const value = isMode ? norm(row(shape.mode, i)) : result.valueAt(field, shape.step, i);
-      values[i] = Number.isNaN(value) ? 1e30 : value;
+      values[i] = Number.isNaN(value) ? 1e30 : field.names ? value % STOPS.names.length : value;
     }
     byId("field").disabled = isMode;
     this.shownField = isMode ? { label: "mode, largest = 1", unit: "" } : field;
-    this.range = isMode ? [0, 1] : this.rangeOf(field);
-    this.colors = !isMode && field.signed ? "signed" : "magnitude";
+    this.range = isMode ? [0, 1] : field.names ? [0, STOPS.names.length - 1] : this.rangeOf(field);
+    this.colors = isMode ? "magnitude" : field.names ? "names" : field.signed ? "signed" : "magnitude";
     this.panel.showExtremes(field, isMode ? -1 : shape.step);
     this.painter.setColors(this.colors);
     this.painter.setShape(shape, values);
@@ -133,6 +161,7 @@ class App {
     const checked = (id) => byId(id).checked;
     const farthest = this.result.hull.reduce((far, point) => Math.max(far, norm(point)), this.result.size);
     return { camera: this.camera, look: this.theme, range: this.range, colors: this.colors, field: this.shownField, words: this.words,
+      diagram: this.shape.modeNumber < 0 && this.result.fields.find((field) => field.name === byId("diagram").value), rangeOf: (field) => this.rangeOf(field),
       ghost: checked("ghost"), supports: checked("supports"), loads: checked("loads"), marked: this.marked, ratio: this.ratio,
       thickness: Number(byId("thickness").value), reach: 4 * farthest * Math.max(1, this.shape.scale) + norm(this.camera.target) };
   }
@@ -180,7 +209,7 @@ class App {
   }
 
   drawCurve() {
-    this.curve.draw(byId("abscissa").value, byId("ordinate").value);
+    this.curve.draw(byId("abscissa").value, byId("ordinate").value, byId("whole").checked);
     const { place } = this.result.steps[this.shape.step];
     this.curve.show(this.shape.modeNumber >= 0 ? this.result.stable.length + this.shape.modeNumber : place);
   }
@@ -263,9 +292,40 @@ class App {
   }
 
   save() {
+    this.hand(this.picture(), `-${this.shape.step}.png`);
+  }
+
+  /** A file of this name's end. */
+  hand(address, ending) {
     const link = element("a");
-    link.href = this.picture();
-    link.download = `${this.result.title.replace(/[^\p{L}\p{N}_-]+/gu, "_")}-${this.shape.step}.png`;
+    link.href = address;
+    link.download = this.result.title.replace(/[^\p{L}\p{N}_-]+/gu, "_") + ending;
     link.click();
+  }
+
+  /** The steps one after the other, or a period of the motion of a mode, as a film; its frames are those of the screen. */
+  film() {
+    if (this.filming) return;
+    const canvas = document.createElement("canvas");
+    Object.assign(canvas, { width: byId("scene").width, height: byId("scene").height });
+    const context = canvas.getContext("2d");
+    const isMode = this.shape.modeNumber >= 0;
+    const recorder = new MediaRecorder(canvas.captureStream(), { mimeType: "video/webm", videoBitsPerSecond: 8e6 });
+    const parts = [];
+    recorder.ondataavailable = (event) => parts.push(event.data);
+    recorder.onstop = () => this.hand(URL.createObjectURL(new Blob(parts, { type: "video/webm" })), isMode ? "-mode.webm" : ".webm");
+    if (!isMode) this.showStep(0);
+    this.stopSwing();
+    this.stopPlay();
+    (isMode ? this.swing() : this.play());
+    this.filming = true;
+    recorder.start();
+    const end = performance.now() + (isMode ? FILM_SECONDS * 1000 : 60000);
+    const frame = () => {
+      for (const id of ["scene", "marks"]) context.drawImage(byId(id), 0, 0);
+      if (performance.now() < end && (isMode || this.playing)) requestAnimationFrame(frame);
+      else setTimeout(() => { this.filming = false; this.stopSwing(); recorder.stop(); }, 400); // the last step stands
+    };
+    requestAnimationFrame(frame);
   }
 }

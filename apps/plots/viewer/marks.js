@@ -6,11 +6,14 @@ const FACING = 0.2; // of its length: an arrow that appears shorter points at th
 const MOST_LINE_ARROWS = 150;
 const MANY_LINE_LOADS = 10;
 const MANY_SUPPORTS = 40; // get small signs,
+const MOST_MARKS = 20; // of loads: of more, one is drawn for all that are alike
+const DIAGRAM = 62; // pixels of the largest value
+const DIAGRAMS = { axial_force: 0, shear_2: 2, shear_3: 3, torsion: 0, bending_2: 3, bending_3: -2 }; // axis on whose side positive values stand; 0: that which is seen best
 const NARROW = 560; // pixels of a picture with room for little more than the buttons
 const CROWD = 300; // and more of them squares
 const INK = {
-  light: { text: "#20262e", soft: "#5b6673", support: "#20262e", force: "#c2410c", moment: "#a21caf", motion: "#047857", halo: "#ffffff" },
-  dark: { text: "#e6eaf0", soft: "#9aa5b4", support: "#dfe5ee", force: "#fb923c", moment: "#e879f9", motion: "#34d399", halo: "#15181d" },
+  light: { text: "#20262e", soft: "#5b6673", support: "#20262e", force: "#c2410c", moment: "#a21caf", motion: "#047857", named: "#b42318", halo: "#ffffff", positive: "#0072B2", negative: "#D55E00" },
+  dark: { text: "#e6eaf0", soft: "#9aa5b4", support: "#dfe5ee", force: "#fb923c", moment: "#e879f9", motion: "#34d399", named: "#ff8a7a", halo: "#15181d", positive: "#56B4E9", negative: "#fb923c" },
 };
 // Signs below the point, which is at the origin; lines through points, in units of the size of a sign.
 const SIGNS = {
@@ -37,8 +40,10 @@ class Marks {
     context.setTransform(view.ratio, 0, 0, view.ratio, 0, 0);
     context.clearRect(0, 0, view.camera.width, view.camera.rows);
     context.lineCap = context.lineJoin = "round";
+    if (view.diagram) this.drawDiagram(view.diagram, view.rangeOf(view.diagram)[1]);
     if (view.supports) this.drawSupports();
     if (view.loads) this.drawLoads();
+    for (const number of this.result.preview ? this.result.preview.named : []) this.drawNamed(number);
     this.drawAxes();
     if (view.field) this.drawScale(view);
     this.drawTitle(view.words);
@@ -87,6 +92,7 @@ class Marks {
   /** Whether something that begins to act at a load factor acts in the state that is shown. */
   acts(begins) {
     const { shape, result } = this;
+    if (result.preview) return true;
     const factor = shape.modeNumber >= 0 ? result.modes[shape.modeNumber].factor : result.steps[shape.step].factor;
     return begins < Math.abs(factor);
   }
@@ -95,19 +101,91 @@ class Marks {
     return follows ? turned(Array.from(this.shape.triad.subarray(4 * sample, 4 * sample + 4)), vector) : vector;
   }
 
+  /** Loads that are alike, [{ name, loads }]: of one entry of the scene, as a rule. */
+  groups() {
+    const found = new Map();
+    for (const name of ["forces", "moments", "shifts", "turns", "line_loads"]) {
+      for (const load of this.result[name]) {
+        const key = JSON.stringify([name, ...load.slice(1)]);
+        if (!found.has(key)) found.set(key, { name, loads: [] });
+        found.get(key).loads.push(load);
+      }
+    }
+    return [...found.values()];
+  }
+
   drawLoads() {
     const { result, ink } = this;
     if (result.strained.length <= CROWD) for (const number of result.strained) this.drawStrained(number);
-    const kinds = [["forces", ink.force, 1], ["moments", ink.moment, 2], ["shifts", ink.motion, 1], ["turns", ink.motion, 2]];
-    this.drawLineLoads();
-    for (const [name, color, heads] of kinds) {
-      for (const [sample, direction, follows, begins] of result[name]) {
-        if (!this.acts(begins)) continue;
-        const [x, y] = this.at(sample);
-        const flat = this.camera.flat(this.spatial(direction, follows, sample)).map((part) => part * ARROW);
-        this.arrow([x, y], flat, color, heads, dot(this.spatial(direction, follows, sample), this.camera.toward));
-      }
+    const looks = { forces: [ink.force, 1], moments: [ink.moment, 2], shifts: [ink.motion, 1], turns: [ink.motion, 2] };
+    const groups = this.groups();
+    const isThinned = groups.reduce((count, { loads }) => count + loads.length, 0) > MOST_MARKS;
+    const lines = [];
+    for (const { name, loads } of groups) {
+      const acting = loads.filter((load) => this.acts(load[load.length - 1]));
+      const shown = isThinned && acting.length > 1 ? [acting[acting.length >> 1]] : acting;
+      if (name === "line_loads") lines.push(...shown);
+      else for (const load of shown) this.drawPointLoad(load, ...looks[name]);
+      const sample = shown.length && shown[0][0];
+      if (shown.length < acting.length) this.word(`× ${acting.length}`, this.at(Array.isArray(sample) ? sample[sample.length >> 1] : sample), ink.force);
     }
+    this.drawLineLoads(lines);
+  }
+
+  drawPointLoad([sample, direction, follows], color, heads) {
+    const spatial = this.spatial(direction, follows, sample);
+    this.arrow(this.at(sample), this.camera.flat(spatial).map((part) => part * ARROW), color, heads, dot(spatial, this.camera.toward));
+  }
+
+  /** A section force along all members, in the plane of the section axis that it belongs to; its largest and smallest value. */
+  drawDiagram(field, largest) {
+    const { result, ink } = this;
+    const extremes = [{ value: 0 }, { value: 0 }]; // largest, smallest
+    for (let member = 0; largest > 0 && member < result.first_sample.length; ++member) {
+      const points = [];
+      for (let i = result.first_sample[member]; i <= result.lastSample(member); ++i) {
+        const value = result.valueAt(field, this.shape.step, i);
+        const foot = this.at(i);
+        const side = this.sideOf(field.name, i).map((part) => (part * DIAGRAM * value) / largest);
+        const point = { foot, tip: [foot[0] + side[0], foot[1] + side[1]], value };
+        if (value > extremes[0].value) extremes[0] = point;
+        if (value < extremes[1].value) extremes[1] = point;
+        const last = points[points.length - 1];
+        if (last && last.value * value < 0) { // a zero between two samples
+          const share = last.value / (last.value - value);
+          const zero = last.foot.map((part, axis) => part + share * (foot[axis] - part));
+          points.push({ foot: zero, tip: zero, value: 0 });
+        }
+        points.push(point);
+      }
+      for (const sign of [1, -1]) this.fillDiagram(points, sign);
+    }
+    for (const { tip, value } of extremes) {
+      if (Math.abs(value) > 1e-6 * largest) this.word(`${numberText(value, 4)}${field.unit ? ` ${field.unit}` : ""}`, tip, value > 0 ? ink.positive : ink.negative);
+    }
+  }
+
+  /** Pixels of a length of one on the side of positive values, at a sample. */
+  sideOf(name, sample) {
+    const axes = [2, 3].map((axis) => this.camera.flat(this.shape.axis(axis, sample)));
+    const axis = DIAGRAMS[name];
+    const flat = axis === 0 ? axes.reduce((best, each) => (Math.hypot(...each) > Math.hypot(...best) + 1e-3 ? each : best)) : axes[Math.abs(axis) - 2];
+    return axis < 0 ? flat.map((part) => -part) : flat;
+  }
+
+  fillDiagram(points, sign) {
+    const { context, ink } = this;
+    context.beginPath();
+    for (let i = 1; i < points.length; ++i) {
+      const [a, b] = [points[i - 1], points[i]];
+      if (sign * (a.value + b.value) <= 0) continue;
+      [a.foot, a.tip, b.tip, b.foot].forEach(([x, y], corner) => (corner === 0 ? context.moveTo(x, y) : context.lineTo(x, y)));
+    }
+    context.globalAlpha = 0.35;
+    context.fillStyle = sign > 0 ? ink.positive : ink.negative;
+    context.fill();
+    context.globalAlpha = 1;
+    this.lines(runsOf(points, sign).map((run) => [run[0].foot, ...run.map(({ tip }) => tip), run[run.length - 1].foot]), context.fillStyle, 1.2);
   }
 
   /** A moment has two heads; what points at the reader is a ring with a dot, away from him one with a cross. */
@@ -160,9 +238,8 @@ class Marks {
     } else this.lines([[[x - 5, y - 5], [x + 5, y + 5]], [[x - 5, y + 5], [x + 5, y - 5]]], color, 2);
   }
 
-  drawLineLoads() {
-    const { result, ink } = this;
-    const acting = result.line_loads.filter((load) => this.acts(load[3]));
+  drawLineLoads(acting) {
+    const { ink } = this;
     const every = Math.max(1, Math.ceil((acting.length * 9) / MOST_LINE_ARROWS));
     const paths = [];
     for (const [samples, forces, follows] of acting) {
@@ -195,6 +272,28 @@ class Marks {
     context.fillText("ε", x + 9, y - 9);
   }
 
+  /** A member that the message names: along its line and by its name. */
+  drawNamed(member) {
+    const { context, result, ink } = this;
+    const [first, last] = [result.first_sample[member], result.lastSample(member)];
+    context.globalAlpha = 0.3;
+    this.lines([Array.from({ length: last - first + 1 }, (_, i) => this.at(first + i))], ink.named, 12);
+    context.globalAlpha = 1;
+    this.word(result.members[member], this.at((first + last) >> 1), ink.named);
+  }
+
+  word(text, [x, y], color) {
+    const { context, ink } = this;
+    context.font = "600 13px system-ui, sans-serif";
+    context.textAlign = "left";
+    context.textBaseline = "middle";
+    context.lineWidth = 4;
+    context.strokeStyle = ink.halo;
+    context.strokeText(text, x + 9, y - 9);
+    context.fillStyle = color;
+    context.fillText(text, x + 9, y - 9);
+  }
+
   drawAxes() {
     const { context, camera } = this;
     const [x, y] = [42, camera.rows - 46];
@@ -219,9 +318,13 @@ class Marks {
     context.font = "600 12.5px system-ui, sans-serif";
     const words = field.label + (field.unit ? ` [${field.unit}]` : "");
     this.veil(x - 8, y - 32, context.measureText(words).width + 16, 24);
-    this.veil(x - 8, y - 10, 96, height + 20);
+    if (!field.names) this.veil(x - 8, y - 10, 96, height + 20);
     context.fillStyle = ink.text;
     context.fillText(words, x, y - 20);
+    if (field.names) {
+      this.drawNames(field.names, x, y);
+      return;
+    }
     for (let i = 0; i < height; ++i) {
       context.fillStyle = `rgb(${colorAt(colors, 1 - i / (height - 1)).join()})`;
       context.fillRect(x, y + i, width, 1.5);
@@ -238,6 +341,20 @@ class Marks {
       this.lines([[[x + width, at], [x + width + 4, at]]], ink.soft, 1);
       context.fillText(numberText(tick, 4), x + width + 8, at);
     }
+  }
+
+  /** Of the colours of members, as many as there is room for. */
+  drawNames(names, x, y) {
+    const { context, ink } = this;
+    const shown = names.slice(0, STOPS.names.length);
+    context.font = "12px system-ui, sans-serif";
+    shown.forEach((name, i) => {
+      this.veil(x - 8, y - 10 + 20 * i, context.measureText(name).width + 36, 20);
+      context.fillStyle = STOPS.names[i];
+      context.fillRect(x, y - 5 + 20 * i, 14, 10);
+      context.fillStyle = ink.text;
+      context.fillText(name, x + 22, y + 20 * i);
+    });
   }
 
   /** Behind words, so that they can be read before a structure. */
@@ -274,4 +391,14 @@ function barbed(from, to) {
   const head = Math.min(5, 0.5 * length) / length;
   const barb = (side) => [to[0] - head * (dx + side * 0.5 * dy), to[1] - head * (dy - side * 0.5 * dx)];
   return [[from, [to[0], to[1]]], [barb(1), [to[0], to[1]], barb(-1)]];
+}
+
+/** Runs of points whose values are not of the other sign. */
+function runsOf(points, sign) {
+  const runs = [[]];
+  for (const point of points) {
+    if (sign * point.value >= 0) runs[runs.length - 1].push(point);
+    else if (runs[runs.length - 1].length) runs.push([]);
+  }
+  return runs.filter((run) => run.some(({ value }) => value !== 0));
 }

@@ -16,6 +16,7 @@ async function inflateAll() {
 
 /** The bytes of an element of this name; undefined where there is none. */
 const bytesOf = (name) => inflated.get(name);
+const jsonOf = (name) => JSON.parse(new TextDecoder().decode(bytesOf(name)));
 
 /** Numbers of the page as whole multiples of a unit for each column, one column after the other. */
 class Packed {

@@ -15,6 +15,7 @@ const STOPS = {
   signed: ["#0072B2", "#7FB2D6", "#C9C9C9", "#E8A36B", "#D55E00"],
   magnitude: ["#440154", "#482878", "#3E4A89", "#31688E", "#26828E", "#1F9E89", "#35B779", "#6DCD59", "#B4DE2C", "#FDE725"], // viridis
 };
+STOPS.names = ["#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#8A8A8A", "#7F6000"]; // of members
 const hex = (text) => [1, 3, 5].map((at) => parseInt(text.slice(at, at + 2), 16));
 
 /** Red, green, blue (0 to 255) at a share of a scale of colours. */

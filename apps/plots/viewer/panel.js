@@ -32,26 +32,46 @@ function readable(name) {
 }
 
 class Panel {
-  constructor(result) {
+  /** `wanted`: name of the field to be shown, where there is a choice. */
+  constructor(result, wanted) {
     this.result = result;
+    const { preview } = result;
+    for (const id of ["notes", "field", "ordinate", "abscissa", "modes", "check"]) byId(id).replaceChildren();
     document.title = result.title;
     byId("title").textContent = result.title;
     const units = result.units[0] ? `units ${result.units.join(", ")}` : "units of the scene";
     const count = (number, word) => `${number} ${word}${number === 1 ? "" : "s"}`;
-    byId("subtitle").textContent = `${count(result.all_members, "member")} · ${count(result.stable.length - 1, "step")} · ${units} · mixbeam ${result.version}`;
-    for (const note of [...result.notes, PRECISION]) byId("notes").append(element("p", note));
-    this.fillFields();
+    const steps = preview ? "not solved" : count(result.stable.length - 1, "step");
+    byId("subtitle").textContent = `${count(result.all_members, "member")} · ${steps} · ${units} · mixbeam ${result.version}`;
+    for (const note of preview ? result.notes : [...result.notes, PRECISION]) byId("notes").append(element("p", note));
+    byId("check-section").hidden = !preview;
+    byId("values-section").hidden = byId("range").hidden = Boolean(preview);
+    if (preview) {
+      byId("check").append(preview.refusal ? element("p", preview.refusal, "bad") : element("p", "A run would take this scene."),
+        ...preview.warnings.map((text) => element("p", `warning: ${text}`)));
+    }
+    this.fillFields(wanted);
+    this.fillDiagrams(byId("diagram").value);
     this.fillSeries();
     this.fillModes();
   }
 
-  fillFields() {
-    const vanishes = (field) => field.extremes.every((pair) => !pair || (pair[0] === 0 && pair[1] === 0));
+  fillFields(shown) {
+    const vanishes = (field) => !field.names && field.extremes.every((pair) => !pair || (pair[0] === 0 && pair[1] === 0));
     this.result.fields.forEach((field, i) => byId("field").append(option(i, field.label + (vanishes(field) ? " (zero)" : ""))));
     const byName = (name) => this.result.fields.findIndex((field) => field.name === name && !vanishes(field));
     const everywhere = (i) => i >= 0 && this.result.fields[i].extremes.slice(1).every(Boolean);
     const wanted = ["von_mises", "bending", "axial_force", "torsion", "displacement"].map(byName);
-    byId("field").value = wanted.find(everywhere) ?? 0;
+    const before = this.result.fields.findIndex((field) => field.name === shown);
+    byId("field").value = before >= 0 ? before : wanted.find(everywhere) ?? 0;
+  }
+
+  /** Section forces that do not vanish can be drawn on the structure. */
+  fillDiagrams(shown) {
+    const some = this.result.fields.filter((field) => field.name in DIAGRAMS && field.extremes.some((pair) => pair && (pair[0] || pair[1])));
+    byId("diagram").replaceChildren(option("", "none"), ...some.map((field) => option(field.name, field.label)));
+    byId("diagram").value = some.some((field) => field.name === shown) ? shown : "";
+    byId("diagram").parentElement.hidden = some.length === 0;
   }
 
   fillSeries() {
@@ -59,16 +79,19 @@ class Panel {
       for (const name of this.result.series_names) byId(id).append(option(name, readable(name)));
     byId("ordinate").value = "load factor";
     byId("abscissa").value = this.result.abscissa;
+    byId("whole-line").hidden = !this.result.modes.some((mode) => mode.before !== undefined);
     byId("path-section").hidden = this.result.stable.length < 2;
   }
 
   fillModes() {
     const { modes } = this.result;
+    byId("modes-title").textContent = this.result.preview ? "What can move" : "Critical points and modes";
+    byId("leave-mode").textContent = this.result.preview ? "at rest" : "back to the step";
     byId("modes-section").hidden = modes.length === 0;
     modes.forEach((mode, i) => {
       const button = element("button");
       button.dataset.mode = i;
-      button.append(element("span", mode.kind), element("span", `λ = ${numberText(mode.factor, 6)}`));
+      button.append(element("span", mode.kind), element("span", this.result.preview ? i + 1 : `λ = ${numberText(mode.factor, 6)}`));
       if (mode.before !== undefined) button.title = `negative eigenvalues: ${mode.before} before, ${mode.after} after; ${mode.modes} become singular together`;
       byId("modes").append(button);
     });
@@ -83,7 +106,7 @@ class Panel {
   showExtremes(field, step) {
     const pair = field.extremes[step];
     const unit = field.unit ? ` ${field.unit}` : "";
-    byId("extremes").textContent = step < 0 ? "" : pair ? `this step: ${numberText(pair[0])} to ${numberText(pair[1])}${unit}` : "not recorded in this step";
+    byId("extremes").textContent = step < 0 || field.names ? "" : pair ? `this step: ${numberText(pair[0])} to ${numberText(pair[1])}${unit}` : "not recorded in this step";
   }
 
   /** Quantities, displacements, reactions in a row of the series. */

@@ -4,8 +4,10 @@
 const COMPLIANT = { force_strain: ["material_force", 0], moment_strain: ["material_moment", 3] }; // and the first compliance
 
 class Result {
-  constructor() {
-    Object.assign(this, JSON.parse(new TextDecoder().decode(bytesOf("description"))));
+  /** Of a load case, by its number. */
+  constructor(number) {
+    this.bytes = (name) => bytesOf(`${number}/${name}`);
+    Object.assign(this, jsonOf(`${number}/description`));
     this.packed = new Map();
     this.held = new Map();
     this.heldStep = -1;
@@ -13,7 +15,7 @@ class Result {
     this.arcLength = this.floats("arc_length");
     this.dimensions = this.floats("dimensions"); // width, height, wall, web
     this.restTriad = this.floats("rest_triad");
-    const path = new Packed(bytesOf("series"), this.units_of.series);
+    const path = new Packed(this.bytes("series"), this.units_of.series);
     this.path = { rows: path.rows, values: path.columns() };
   }
 
@@ -29,7 +31,7 @@ class Result {
 
   /** An array of the page; null where there is none of that name. */
   floats(name) {
-    return this.units_of[name] ? new Packed(bytesOf(name), this.units_of[name]).floats() : null;
+    return this.units_of[name] ? new Packed(this.bytes(name), this.units_of[name]).floats() : null;
   }
 
   /** A quantity of a step: extrapolated from the steps behind, it is kept as whole numbers. Null where the step does not have it. */
@@ -39,7 +41,7 @@ class Result {
     if (!this.packed.has(name)) {
       const next = this.unpacked(quantity, step + 1);
       const later = next ? [next, this.unpacked(quantity, step + 2)].filter(Boolean) : [];
-      this.packed.set(name, new Packed(bytesOf(name), this.units_of[name], later));
+      this.packed.set(name, new Packed(this.bytes(name), this.units_of[name], later));
     }
     return this.packed.get(name);
   }
@@ -79,6 +81,7 @@ class Result {
 
   /** Of one sample; NaN where there is no value. */
   valueAt(field, step, sample) {
+    if (field.of_members) return field.of_members[this.memberOf(sample)];
     const values = this.ofStep(field.source, step);
     if (!values) return NaN;
     const columns = values.length / this.samples;
@@ -145,6 +148,23 @@ class Shape {
     this.modeNumber = number;
     this.mode = result.floats(`mode-${number}`);
     this.displacement = result.floats(`critical-displacement-${number}`) || this.zero;
+  }
+
+  /** Section axis 1, 2 or 3 at a sample, square to the line that is drawn. */
+  axis(number, sample) {
+    const { result, triad } = this;
+    const own = [0, 1, 2].map((i) => turned(Array.from(triad.subarray(4 * sample, 4 * sample + 4)), [i === 0, i === 1, i === 2].map(Number)));
+    if (!this.isAligned && this.scale === 1) return own[number - 1];
+    const tag = result.reference[4 * sample + 3];
+    const chord = sum(this.position(tag === 2 ? sample : sample + 1), this.position(tag === 1 ? sample : sample - 1), -1);
+    const length = norm(chord);
+    if (!(length > 0)) return own[number - 1];
+    const along = chord.map((part) => part / length);
+    const cosine = dot(own[0], along);
+    if (cosine < -0.9) return own[number - 1];
+    const quaternion = [1 + cosine, ...cross(own[0], along)];
+    const size = Math.hypot(...quaternion);
+    return turned(quaternion.map((part) => part / size), own[number - 1]);
   }
 
   /** Relative to the middle of the structure. */

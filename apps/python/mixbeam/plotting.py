@@ -1,6 +1,7 @@
 """Pictures of runs, by the code of `mixbeam plot` (apps/plots), whose modules stand beside this one in the folder plots."""
 
 import contextlib
+import html
 import importlib
 import sys
 import tempfile
@@ -11,6 +12,7 @@ from . import _core
 from .errors import InputError, unknown
 
 FOLDER = Path(__file__).parent / "plots"
+VIEW_HEIGHT = 620  # pixels
 _lock = threading.RLock()
 _loaded = {}  # modules of the folder, which nobody else sees: their names are those of scripts ("style", "view")
 
@@ -92,3 +94,25 @@ def picture(results, kind, given):
     if not pictures:
         raise InputError(f"{results.path}: nothing to show in a picture {kind!r}")
     return pictures if len(pictures) > 1 else next(iter(pictures.values()))
+
+
+class View:
+    """A page to turn and to ask, shown inline by notebooks."""
+
+    def __init__(self, page):
+        self._page = page
+
+    def save(self, file):
+        """Writes the HTML file, which needs no network."""
+        with modules() as plots:
+            plots.call(self._page.write, Path(file))
+
+    def _repr_html_(self):
+        return f'<iframe style="border:0" width="100%" height="{VIEW_HEIGHT}" srcdoc="{html.escape(self._page.markup(), quote=True)}"></iframe>'
+
+
+def view(files, refusal="", warnings=None):
+    """The View of result files; of a scene that is not solved with what is said of it."""
+    with modules() as plots:
+        said = plots.load("preview").Said(refusal, warnings) if warnings is not None else None
+        return View(plots.call(plots.load("view_page").page_of_files, files, said))

@@ -53,6 +53,18 @@ def check(scene, case=None):
     return SceneCheck(*_core.check(scene_text(scene), case))
 
 
+def view(scene, case=None):
+    """See Scene.view."""
+    refusal, warnings = "", []
+    with tempfile.TemporaryDirectory(prefix="mixbeam-") as folder, without_lines(scene):
+        _core.undeformed(*text_and_file(scene), case, folder)
+        try:
+            warnings = check(scene, case).warnings
+        except InputError as error:
+            refusal = str(error)
+        return plotting.view(sorted(Path(folder).glob("*.h5"), key=lambda file: file.stat().st_mtime_ns), refusal, warnings)
+
+
 def open_results(file):
     """The Run in a result file. Raises InputError."""
     return Run(_core.open(os.fspath(file)), file)
@@ -341,6 +353,10 @@ class Run:
         """A picture, shown by notebooks, with save(file): shape, fields, section_forces, diagrams, along, curve,
         load_path, critical_modes, iterations, steps. Options: those of `mixbeam plot`, as field="axial_force", view="xy"."""
         return plotting.picture(self.results, picture, options)
+
+    def view(self):
+        """The page of `mixbeam view`, shown inline by notebooks, with save(file)."""
+        return plotting.view([self.results.path])
 
 
 class MemberResults:

@@ -74,6 +74,13 @@ class Scene(Parameters):
         cells = "".join(f"<tr><td>{html.escape(title)}</td><td>{count}</td></tr>" for title, count in counts)
         return f"<b>mixbeam.Scene {html.escape(self.name)}</b><table>{cells}</table>"
 
+    def view(self, case=None):
+        """Draws the scene without solving it, also one that check refuses: a page that notebooks show inline, with
+        save(file). Raises InputError where nothing can be drawn."""
+        from .runs import view
+
+        return view(self, case)
+
     def add_points(self, name, coordinates):
         """Points from an array (..., 3): returns their names, name0, name1, ... or name0_0, ..., in its shape (...)."""
         coordinates = np.asarray(coordinates, dtype=float)
