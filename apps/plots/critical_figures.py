@@ -31,7 +31,7 @@ def modes_figure(view, points):
 
 def _draw_mode(axes, view, point):
     position, mode = view.position(point), point.field("mode")
-    plane = _projection(view.plane, mode)
+    plane = view.plane if view.look.plane is not None else _projection(view.plane, mode)
     largest = np.linalg.norm(mode, axis=1).max(initial=0.0)
     mode = mode * (MODE_SHARE * view.size / largest if largest else 0.0)
     width = 0.8 * line_width(view.structure)

@@ -72,7 +72,7 @@ def name_extremes(axes, places, values):
         if abs(values[at]) < ROUND_OFF * largest or values.max() - values.min() < ROUND_OFF * largest and at > 0:
             continue
         axes.plot([places[at]], [values[at]], "o", color=style.BLACK, markersize=3.5, zorder=6, gid="extreme")
-        axes.annotate(f"{values[at]:.4g}", (places[at], values[at]), xytext=(0, 4 if at == highest else -11),
+        axes.annotate(fields.number_text(values[at]), (places[at], values[at]), xytext=(0, 4 if at == highest else -11),
                       textcoords="offset points", fontsize=9, zorder=7, gid="value",
                       ha="left" if places[at] < np.mean([places[0], places[-1]]) else "right")
 
@@ -116,14 +116,15 @@ def _most_loaded(members, values):
 
 
 def on_structure_figure(view, step):
-    """Each section force that does not vanish as filled diagram along the deformed members in the best plane.
+    """Each section force that does not vanish as filled diagram along the deformed members, in the plane of the structure or,
+    where it has none, in space.
 
-    A positive value stands to the left of the direction of growing arc length; bending moments stand on the side that
-    --moments says, where the picture shows it.
+    In a plane a positive value stands to the left of the direction of growing arc length; bending moments stand on the side that
+    --moments says, where the picture shows it. In space forces and moments stand along the axes of the section.
     """
     values = {name: field.values(step, view.size) for name, field in fields.SECTION_FORCES.items()}
     shown = [name for name in values if np.any(values[name])] or ["bending_3"]
-    position = view.position(step) @ view.plane.T / view.unit
+    position = view.position(step) @ view.projection.T / view.unit
     low, high = position.min(axis=0), position.max(axis=0)
     aspect = np.clip((high[1] - low[1]) / ((high[0] - low[0]) or 1.0), 0.35, 1.5)
     columns = min(3, len(shown)) if len(shown) != 4 else 2
@@ -132,11 +133,15 @@ def on_structure_figure(view, step):
     for axes in panels.flat[len(shown):]:
         axes.set_visible(False)
     for axes, name in zip(panels.flat, shown):
-        _hedgehog(axes, view, step, values[name], side_of(view, step, name))
+        _hedgehog(axes, view, step, values[name], side_of(view, step, name), None if view.is_plane else _axis_of(view, step, name))
         unit = fields.SECTION_FORCES[name].unit(view.run.units)
         axes.set_title(fields.SECTION_FORCES[name].label + _range(values[name]) + f" {style.literal(unit)}".rstrip(), fontsize=11.5)
+    if not view.is_plane:
+        where = "Q2 and M3 stand along section axis 2, Q3 and M2 along axis 3, N and T along the one that is seen best"
+    else:
+        where = "positive forces stand left of the direction of $s$"
     moments = "moments too" if view.look.moments == "left" else f"moments on the {view.look.moments} side"
-    caption = (f"blue: positive, orange: negative; positive forces stand left of the direction of $s$, {moments}; "
+    caption = (f"blue: positive, orange: negative; {where}, {moments}; "
                f"{view.scale_words()}")
     caption = "\n".join(style.wrapped(caption, int(LETTERS_PER_INCH * canvas.get_size_inches()[0])))
     canvas.suptitle(f"{view.title(step)}\n{caption}", fontsize=12)
@@ -154,6 +159,8 @@ def side_of(view, step, name):
     stretched = step.field("triad_3") if name == "bending_2" else -step.field("triad_2")
     if view.look.moments == "compression":
         stretched = -stretched
+    if not view.is_plane:
+        return np.ones(len(position))
     tangent = tangents(position, view.structure.starts) @ view.plane.T
     shown = stretched @ view.plane.T
     left = tangent[:, 0] * shown[:, 1] - tangent[:, 1] * shown[:, 0]
@@ -165,21 +172,38 @@ def _range(values):
         return ": zero everywhere"
     largest = np.abs(values).max()
     low, high = (0.0 if abs(value) < ROUND_OFF * largest else value for value in (values.min(), values.max()))
-    return f": {high:.4g}" if high - low < ROUND_OFF * largest else f": {low:.4g} to {high:.4g}"
+    low, high, is_one = fields.number_text(low), fields.number_text(high), high - low < ROUND_OFF * largest
+    return f": {high}" if is_one else f": {low} to {high}"
 
 
-def _hedgehog(axes, view, step, values, sides):
+def _axis_of(view, step, name):
+    """(n, 3) directions in which positive values stand in space; bending moments on the side in tension, unless in compression."""
+    second, third = (step.field(f"triad_{i}") for i in (2, 3))
+    if name in ("bending_2", "bending_3"):
+        stretched = third if name == "bending_2" else -second
+        return -stretched if view.look.moments == "compression" else stretched
+    if name in ("shear_2", "shear_3"):
+        return second if name == "shear_2" else third
+    seen = [np.linalg.norm(axis @ view.projection.T, axis=1) for axis in (second, third)]
+    return np.where((seen[0] >= seen[1])[:, None], second, third)
+
+
+def _hedgehog(axes, view, step, values, sides, directions=None):
+    """`directions`: (n, 3) of positive values, of a structure in space."""
     largest = np.abs(values).max(initial=0.0) or 1.0
     position = view.position(step)
-    nodes, tangent, (level, turned), owner = view.structure.nodes(position, tangents(position, view.structure.starts),
-                                                                  values / largest, sides)
-    nodes, tangent = nodes @ view.plane.T / view.unit, tangent @ view.plane.T
-    along = np.linalg.norm(tangent, axis=2)
-    side = np.stack([-tangent[..., 1], tangent[..., 0]], axis=2) / np.maximum(along, 1e-30)[..., None]
-    visible = along.min(axis=1) > NEARLY_ALONG_VIEW
-    level = np.where(visible[:, None], level, 0.0)
+    across = np.zeros_like(position) if directions is None else directions
+    nodes, tangent, (level, turned, *across), owner = view.structure.nodes(position, tangents(position, view.structure.starts),
+                                                                           values / largest, sides, *across.T)
+    nodes, tangent = nodes @ view.projection.T / view.unit, tangent @ view.projection.T
+    if directions is None:
+        along = np.linalg.norm(tangent, axis=2)
+        side = np.stack([-tangent[..., 1], tangent[..., 0]], axis=2) / np.maximum(along, 1e-30)[..., None]
+        level = np.where((along.min(axis=1) > NEARLY_ALONG_VIEW)[:, None], level, 0.0)
+    else:
+        side = np.stack(across, axis=2) @ view.projection.T
     side = side * np.where(turned < 0.0, -1.0, 1.0)[..., None]
-    spine = _height(view, position @ view.plane.T / view.unit) * side
+    spine = _height(view, position @ view.projection.T / view.unit) * side
     for sign, color in ((1, style.BLUE), (-1, style.RED)):
         part = np.maximum(sign * level, 0.0)
         areas = _areas(nodes, nodes + sign * part[..., None] * spine, part, owner)
@@ -199,7 +223,7 @@ def _name_values(axes, nodes, tips, level, largest, extremes):
     flat = level.max() - level.min() < ROUND_OFF
     named = [at for at in (sorted(ends)[:1] if flat else sorted(ends)) if abs(level[at]) >= ROUND_OFF]
     named = [at for at in named if np.abs(level[at] - extremes).min() < SAME_DIGITS]
-    words = [f"{largest * level[at]:.4g}" for at in named]
+    words = [fields.number_text(largest * level[at]) for at in named]
     if len(named) == 2 and np.linalg.norm(tips[named[0]] - tips[named[1]]) < SAME_SPOT * np.ptp(nodes.reshape(-1, 2), axis=0).max():
         named, words = named[:1], [", ".join(words)]
     for at, word in zip(named, words):
@@ -229,7 +253,7 @@ def _frame(axes, view, points):
     axes.set_aspect("equal")
     axes.locator_params(axis="x", nbins=4)
     axes.locator_params(axis="y", nbins=4)
-    axes.set(xlabel=view.axis_label(view.plane[0]), ylabel=view.axis_label(view.plane[1]))
+    view.name_axes(axes)
 
 
 def _height(view, position):

@@ -1,5 +1,7 @@
 """Curves over the load path: what moved how far, and how hard the solver worked."""
 
+import re
+
 import numpy as np
 
 import fields
@@ -13,6 +15,7 @@ JUMP = {"color": style.RED, "linestyle": (0, (1, 1.5)), "linewidth": 1.2, "marke
 MARKERS = {"limit point": ("o", style.ORANGE), "bifurcation": ("D", style.PURPLE)}
 NOT_STABLE = {"false": (0, (4, 2)), "neutral": (0, (4, 1.5, 1, 1.5)), "unknown": (0, (1, 1.2)), "jump": "none"}  # dashes
 OF_JUMPS = ("jump.energy_released", "jump.motion", "jump.largest_displacement")  # zero between: no curves
+OF_SYMBOLS = {"u": "displacement", r"\theta": "rotation", "R": "reaction force", "M": "reaction moment"}
 STILL = 1e-9        # what changed less than this share of its scale (size, largest force) stood still
 
 
@@ -42,7 +45,7 @@ def load_displacement_figure(view):
         axes.set_title(name if len(name) < 44 else name[:41] + "...")
         axes.set_xlabel("load factor")
         axes.axhline(0.0, color=style.GREY, linewidth=0.7, zorder=1)
-        axes.set_ylabel(fields.times(exponent, unit).strip())
+        axes.set_ylabel(OF_SYMBOLS.get(symbol, "") + fields.times(exponent, unit))
         if axes.get_legend_handles_labels()[1]:
             axes.legend(loc="best", ncol=1)
     canvas.suptitle(f"{view.scene_words}: load path of {_steps(view)}{_end(view)}", fontsize=13)
@@ -58,7 +61,7 @@ def curve_figure(view, ordinate, abscissa):
     for name, series in zip((ordinate, abscissa), values):
         exponent = fields.power_of_ten(np.nanmax(np.abs(series), initial=0.0))
         series /= 10.0 ** exponent
-        labels.append(style.literal(name) + fields.times(exponent, run.unit_of(name)))
+        labels.append(readable(name) + fields.times(exponent, run.unit_of(name)))
     y, x = values
     stable, jumps = [step.stable for step in run.steps], _jumps(view)
     for at in jumps:
@@ -74,8 +77,20 @@ def curve_figure(view, ordinate, abscissa):
     axes.set(xlabel=labels[1], ylabel=labels[0])
     axes.axhline(0.0, color=style.GREY, linewidth=0.7, zorder=1)
     axes.axvline(0.0, color=style.GREY, linewidth=0.7, zorder=1)
-    canvas.suptitle(f"{view.scene_words}: {style.literal(ordinate)} over {style.literal(abscissa)}{_end(view)}", fontsize=13)
+    canvas.suptitle(f"{view.scene_words}: {readable(ordinate)} over {readable(abscissa)}{_end(view)}", fontsize=13)
     return canvas
+
+
+KINDS = {"": "displacement", "force": "reaction force", "moment": "reaction moment", "rotation": "rotation"}
+
+
+def readable(name):
+    """"tip: reaction force x" of "force:tip.x"; quantities bear their own names."""
+    found = re.fullmatch(r"(?:(force|moment|rotation):)?(.+)\.(x|y|z|norm)", name, re.DOTALL)
+    if not found:
+        return style.literal(name.replace("_", " ") if name in ("load_factor", "strain_energy") else name)
+    kind, point, component = found.groups()
+    return style.literal(f"{point}: {KINDS[kind or '']} {'(size)' if component == 'norm' else component}")
 
 
 def _jumps(view):
@@ -104,6 +119,7 @@ def _end(view):
 def _critical_path_figure(view):
     """The path through its critical points, dashed where the equilibrium is unstable; the title tells of the end."""
     curves = [curve for curve in _monitored(view) if curve[3] in ("u", r"\theta")] or _monitored(view)
+    curves = _asked_for(view)[:MOST_ASKED] or curves  # the quantities of the scene come first
     columns = min(3, len(curves))
     rows = -(-len(curves) // columns)
     canvas, panels = style.figure(max(4.6 * columns, 6.6), 4.2 * rows + 0.5, rows, columns, squeeze=False)
@@ -128,7 +144,8 @@ def _draw_critical_path(axes, view, title, values, symbol, unit):
         color = style.COMPONENT_COLORS[i % 3]
         for first, last in _runs(stable):
             axes.plot(path[first:last + 1, i], factor[first:last + 1], color=color, linestyle=NOT_STABLE.get(stable[first], "-"))
-        axes.plot([], [], color=color, label=f"${symbol}_{'xyz'[i]}$")
+        if symbol:
+            axes.plot([], [], color=color, label=f"${symbol}_{'xyz'[i]}$")
         axes.plot(path[steps, i], factor[steps], ".", color=color, markersize=4)
     for at in jumps:
         _mark_jump(axes, path[at - 1:at + 1, moving], factor[at - 1:at + 1, None])
@@ -140,13 +157,16 @@ def _draw_critical_path(axes, view, title, values, symbol, unit):
             axes.annotate(f"{factor[at]:.6g}", (path[at, moving[-1]], factor[at]), xytext=(6, 5), textcoords="offset points", fontsize=9.5)
     axes.axhline(0.0, color=style.GREY, linewidth=0.7, zorder=1)
     axes.set(xlabel=title + fields.times(exponent, unit), ylabel="load factor")
-    axes.legend(loc="best")
+    if axes.get_legend_handles_labels()[1]:
+        axes.legend(loc="best")
 
 
 def _through_critical_points(view, title, values):
     """Load factors and values of steps and critical points in their order on the path; whether each piece that begins
     there is stable; (place, critical point) of the latter."""
-    name = next(name for name in view.run.monitor() if _title(name) == title)
+    asked = [style.literal(name) for name in view.run.quantities()]
+    name = "quantities" if title in asked else next(name for name in view.run.monitor() if _title(name) == title)
+    own = slice(asked.index(title), asked.index(title) + 1) if title in asked else slice(None)
     factor, path, stable, points = [], [], [], []
     for step, value in zip(view.run.steps, values):
         for point in step.critical_points():
@@ -157,7 +177,7 @@ def _through_critical_points(view, title, values):
                 stable[-1] = "false" if point.negative_before > 0 else "true"
             points.append((len(factor), point))
             factor.append(point.load_factor)
-            path.append(there)
+            path.append(there[own])
             stable.append("false" if point.negative_after > 0 else "true")
         if stable and step.stable != "unknown":
             stable[-1] = step.stable  # a branch that begins at the critical point may be stable

@@ -1,5 +1,5 @@
 #!/usr/bin/python3 -Es
-"""Draws the pictures of one result file: shapes, section forces, load path, iterations."""
+"""Draws pictures of a result file, of the table of a batch, or of a scene, which is not solved."""
 
 import argparse
 import sys
@@ -7,7 +7,7 @@ from pathlib import Path
 
 from command import finish
 
-KINDS = {"shape": "deformed and undeformed, in space and in the best plane, coloured by --field",
+KINDS = {"shape": "members with their sections, deformed and undeformed, coloured by --field",
          "fields": "bending, torsion, axial force, shear and strains in the best plane",
          "section_forces": "N, Q2, Q3, T, M2, M3 over the arc length of the members",
          "diagrams": "the same drawn on the structure",
@@ -18,6 +18,8 @@ KINDS = {"shape": "deformed and undeformed, in space and in the best plane, colo
          "critical_modes": "structure and mode at limit points and bifurcations",
          "iterations": "Newton iterations and residuals",
          "steps": "several steps side by side"}
+BY_DEFAULT = ("shape", "diagrams", "load_path")
+TELLING = ("von_mises", "bending", "axial_force", "torsion", "displacement")  # fields, the first of which that does not vanish is shown
 OF_ONE_STEP = ("shape", "fields", "section_forces", "diagrams", "along")
 FEW_STEPS = 5   # points of a curve, the origin among them, that are hardly one
 
@@ -35,13 +37,13 @@ def options_of(words):
     """What a command line asks for."""
     kinds = "; ".join(f"{name}: {text}" for name, text in KINDS.items())
     parser = argparse.ArgumentParser("mixbeam plot", description=__doc__, epilog=f"Pictures: {kinds}.")
-    parser.add_argument("result", type=Path, help="result file (.h5)")
+    parser.add_argument("result", type=Path, help="result file (.h5), or a scene, of which the shape is drawn")
     parser.add_argument("-o", "--output", type=Path, metavar="FOLDER", help="default: beside the result file")
-    parser.add_argument("--format", default="png,svg", help="png, svg, pdf, separated by commas (default: png,svg)")
+    parser.add_argument("--format", default="png", help="png, svg, pdf, separated by commas (default: png)")
     parser.add_argument("--step", default="last", metavar="N", help="number of a step, last (default) or all")
-    parser.add_argument("--field", default="bending", metavar="NAME", help="colour of shape and steps; see below")
+    parser.add_argument("--field", metavar="NAME", help="colour of shape and steps (default: von_mises where the step has it, else bending)")
     parser.add_argument("--case", metavar="NAME", help="load case: takes FILE-NAME.h5 beside FILE.h5")
-    parser.add_argument("--picture", nargs="+", choices=KINDS, metavar="PICTURE", help="these only: " + ", ".join(KINDS))
+    parser.add_argument("--picture", nargs="+", choices=KINDS, metavar="PICTURE", help=f"these only: {', '.join(KINDS)} (default: {', '.join(BY_DEFAULT)})")
     parser.add_argument("--triads", action="store_true", help="draw axes 1, 2, 3 of some sections in space")
     parser.add_argument("--view", metavar="VIEW", help="xy, xz, yz, iso or azimuth/elevation [degrees]; default: the best")
     parser.add_argument("--members", nargs="+", metavar="PATTERN", help="these members only; * stands for any characters, ? for one, [abc] for one of these")
@@ -58,8 +60,10 @@ def options_of(words):
 
 def _draw(options):
     """Draws what is asked for, and yields the paths of the files."""
+    import batch_figures
     import envelope_figures
     import style
+    from preview import is_scene, undeformed
     from results import InputError, Run
 
     formats = [name.strip() for name in options.format.split(",") if name.strip()]
@@ -67,17 +71,37 @@ def _draw(options):
         raise InputError(f"--format {options.format}: allowed are png, svg, pdf, separated by commas")
     if options.dots:
         style.plt.rcParams["savefig.dpi"] = options.dots
+    folder = options.output or options.result.parent
+    if is_scene(options.result):
+        with undeformed(options.result, options.case) as (files, said):
+            folder.mkdir(parents=True, exist_ok=True)
+            for file in files:
+                with Run(file, members=options.members) as run:
+                    name = f"{file.stem}-shape"
+                    yield from style.save_all(preview_figure(run, options, said), folder / name, formats)
+        return
+    if batch_figures.is_batch(options.result):
+        folder.mkdir(parents=True, exist_ok=True)
+        yield from style.save_all(batch_figures.batch_figure(options.result, options.curve), folder / options.result.stem, formats)
+        return
     if not options.case and envelope_figures.is_envelope(options.result):
-        folder = options.output or options.result.parent
         folder.mkdir(parents=True, exist_ok=True)
         for name, canvas in envelope_pictures(options):
-            yield from style.save_all(canvas, folder / f"{options.result.stem}_{name}", formats)
+            yield from style.save_all(canvas, folder / f"{options.result.stem}-{name.replace('_', '-')}", formats)
         return
     with Run(options.result, options.case, options.members) as run:
-        folder = options.output or options.result.parent
         folder.mkdir(parents=True, exist_ok=True)
         for name, canvas in figures(run, options):
-            yield from style.save_all(canvas, folder / f"{run.path.stem}_{name}", formats)
+            yield from style.save_all(canvas, folder / f"{run.path.stem}-{name.replace('_', '-')}", formats)
+
+
+def preview_figure(run, options, said):
+    """The shape of a scene that is not solved."""
+    import shape_figures
+    from view import Look, View
+
+    view = View(run, run.steps, Look(options.view))
+    return shape_figures.shape_figure(view, run.steps[0], None, options.triads, said)
 
 
 def envelope_pictures(options):
@@ -105,7 +129,7 @@ def figures(run, options):
     from results import InputError
     from view import Look, View
 
-    if options.field not in fields.FIELDS:
+    if options.field is not None and options.field not in fields.FIELDS:
         raise InputError(f"--field {options.field}: allowed are " + ", ".join(fields.FIELDS))
     if not (np.isfinite(options.scale) and options.scale >= 0.0):
         raise InputError(f"--scale {options.scale:g}: allowed are numbers from 0 on; 1 is the true scale")
@@ -118,8 +142,7 @@ def figures(run, options):
     wanted = [kind for kind in ("along", "curve") if getattr(options, kind)]
     if options.picture == ["envelope"]:
         raise InputError(f"{run.path}: of one run; an envelope is in the file SCENE.h5 beside those of several load cases")
-    every = wanted or [kind for kind in KINDS if kind not in ("along", "curve", "envelope")]
-    for kind in options.picture or every:
+    for kind in options.picture or wanted or BY_DEFAULT:
         drawn = list(_figures(kind, run, view, chosen, options))
         if options.picture and not drawn:
             _note(f"--picture {kind}: nothing to show{_why_nothing(kind, run, options)}")
@@ -131,7 +154,7 @@ def figures(run, options):
 
 def _why_nothing(kind, run, options):
     if kind == "steps" and len(run.steps) > 1:
-        return f" of {options.field} in every step; for stresses: \"Stresses\" = \"every step\" in \"Analysis\" of the scene"
+        return f" of {options.field or 'it'} in every step; for stresses: \"Stresses\" = \"every step\" in \"Analysis\" of the scene"
     return {"critical_modes": ", no critical point was met", "load_path": " of a single step",
             "steps": " of a single step"}.get(kind, "")
 
@@ -146,7 +169,7 @@ def _figures(kind, run, view, chosen, options):
     import shape_figures
     from view import View
 
-    field = fields.FIELDS[options.field]
+    field = fields.FIELDS[options.field or _telling_field(view, chosen[-1])]
     if kind in OF_ONE_STEP:
         draw = {"shape": lambda step: shape_figures.shape_figure(view, step, field, options.triads),
                 "fields": lambda step: shape_figures.overview_figure(view, step),
@@ -154,7 +177,7 @@ def _figures(kind, run, view, chosen, options):
                 "diagrams": lambda step: diagram_figures.on_structure_figure(view, step),
                 "along": lambda step: along_figures.along_figure(view, step, options.along)}[kind]
         for step in chosen:
-            yield kind if options.step == "last" else f"{kind}_{step.number:06d}", draw(step)
+            yield kind if options.step == "last" else f"{kind}-{step.number:06d}", draw(step)
     elif kind == "critical_modes":
         points = run.critical_points()
         if points:
@@ -168,6 +191,13 @@ def _figures(kind, run, view, chosen, options):
     elif kind == "steps" and len(run.steps) > 1 and all(step.has(field.source) for step in shape_figures.strip_steps(run.steps)):
         shown = shape_figures.strip_steps(run.steps)
         yield kind, shape_figures.strip_figure(View(run, shown, view.look), shown, field)
+
+
+def _telling_field(view, step):
+    import fields
+
+    of_step = [name for name in TELLING if step.has(fields.FIELDS[name].source)]
+    return next((name for name in of_step if fields.FIELDS[name].values(step, view.size).any()), "bending")
 
 
 def _chosen_steps(run, wanted, path):

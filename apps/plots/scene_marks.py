@@ -13,6 +13,8 @@ MOST_ARROWS = 240   # of all line loads together
 MANY_SUPPORTS = 20  # get small signs
 CROWD = 300         # and more of them none: they would cover the structure
 ARROW_WIDTH = 0.012  # of a line load [inch]
+MOST_MARKS = 20      # of loads: of more, one is drawn for all that are alike
+COLORS = {"force": style.RED, "moment": style.PURPLE, "shift": style.GREEN, "turn": style.GREEN, "line load": style.RED}
 FACING = 0.2        # a direction whose share in the picture is smaller points at the reader
 
 # Signs below the point, which is at the origin, in sizes of a marker.
@@ -45,8 +47,9 @@ class Marks:
     eigenstrain.
     """
 
-    def __init__(self, run, step, reference):
-        self._run, self._step, self._reference = run, step, reference
+    def __init__(self, run, step, reference, is_whole=False):
+        """`is_whole`: of all stages, whatever the step."""
+        self._run, self._step, self._reference, self._is_whole = run, step, reference, is_whole
         self._near = SAME_PLACE * (np.ptp(reference, axis=0).max() or 1.0)
         self.supports, self.joints, self.forces, self.moments, self.line_loads = [], [], [], [], []
         self.shifts, self.turns, self.strained = [], [], []
@@ -113,8 +116,16 @@ class Marks:
             if member is not None and self._has_begun(begins):
                 self.strained.append(member)
 
+    def groups(self):
+        """[(kind, marks that are alike)] of all that acts: of one entry of the scene, as a rule."""
+        found = {}
+        for kind, own in (("force", self.forces), ("moment", self.moments), ("shift", self.shifts), ("turn", self.turns), ("line load", self.line_loads)):
+            for mark in own:
+                found.setdefault((kind, *np.round(np.ravel(mark[1]), 9).tolist()), []).append(mark)
+        return [(key[0], alike) for key, alike in found.items()]
+
     def _has_begun(self, begins):
-        return not np.isfinite(begins) or begins < self._step.load_factor
+        return self._is_whole or not np.isfinite(begins) or begins < self._step.load_factor
 
     def _keep(self, marks, place, what):
         sample = self._sample(*place)
@@ -158,9 +169,8 @@ def _rows(table, place, position, *names):
 
 
 def draw_marks(axes, marks, points, projection, length):
-    """Draws into 3-D or plane axes; `points` (n, 2 or 3) of all samples; `length` of an arrow. Returns words for the
-    caption and the ends of arrows."""
-    flat = axes.name != "3d"
+    """Draws into plane axes; `points` (n, 2) of all samples; `length` of an arrow. Returns words for the caption and the ends of
+    arrows."""
     words, tips = [], []
     _draw_supports(axes, marks.supports, points, words)
     for kind in sorted({kind for _, kind in marks.joints}):
@@ -168,22 +178,32 @@ def draw_marks(axes, marks, points, projection, length):
         axes.plot(*points[samples].T, JOINT_SIGNS[kind], color=style.BLACK, markerfacecolor="white", markersize=6,
                   zorder=6, gid=f"joint {kind}")
         words.append(f"white: {kind}s" if kind != "ball" else "white: ball joints")
-    for arrows, turns, colors, gids in ((marks.forces, marks.moments, (style.RED, style.PURPLE), ("force", "moment")),
-                                        (marks.shifts, marks.turns, (style.GREEN, style.GREEN), ("shift", "turn"))):
-        for sample, direction in arrows:
-            _arrow(axes, flat, points[sample], length * projection @ direction, length, colors[0], gids[0])
-            tips.append(points[sample] + length * projection @ direction)
-        for sample, direction in turns:
-            _turn(axes, flat, points[sample], direction, projection, length, colors[1], gids[1])
+    groups = marks.groups()
+    if len(groups) > MOST_MARKS:
+        words.append(f"{len(groups)} different loads and motions: not drawn")
+        groups = []
+    drawn = {kind: [] for kind in COLORS}
+    is_thinned = sum(len(alike) for _, alike in groups) > MOST_MARKS
+    for kind, alike in groups:
+        shown = [alike[len(alike) // 2]] if is_thinned else alike
+        drawn[kind] += shown
+        if len(shown) < len(alike):
+            at = points[np.atleast_1d(shown[0][0])]
+            axes.annotate(f"\u00d7 {len(alike)}", at[len(at) // 2], xytext=(6, 8), textcoords="offset points", color=COLORS[kind], fontsize=10,
+                          zorder=7, gid="count")
+    for kind, draw in (("force", _arrow), ("moment", _turn), ("shift", _arrow), ("turn", _turn)):
+        for sample, direction in drawn[kind]:
+            draw(axes, points[sample], direction, projection, length, COLORS[kind], kind)
             tips.append(points[sample] + length * projection @ direction)
     for member in marks.strained:
         axes.plot(*points[member.samples].T, color=style.ORANGE, linewidth=8, alpha=0.35, zorder=1, solid_capstyle="butt",
                   gid="eigenstrain")
-    tips += _draw_line_loads(axes, flat, marks.line_loads, points, projection, length * LINE_SHARE / MARK_SHARE)
-    words += ["arrows: directions of point forces"] if marks.forces else []
-    words += ["purple: moments"] if marks.moments else []
-    words += ["combs: line loads"] if marks.line_loads else []
-    words += ["green: prescribed motions"] if marks.shifts or marks.turns else []
+    tips += _draw_line_loads(axes, drawn["line load"], points, projection, length * LINE_SHARE / MARK_SHARE)
+    words += ["arrows: directions of point forces"] if drawn["force"] else []
+    words += ["purple: moments"] if drawn["moment"] else []
+    words += ["combs: line loads"] if drawn["line load"] else []
+    words += ["green: prescribed motions"] if drawn["shift"] or drawn["turn"] else []
+    words += ["\u00d7: one of so many alike"] if is_thinned else []
     words += ["broad: members with eigenstrains"] if marks.strained else []
     return words, tips
 
@@ -203,43 +223,37 @@ def _draw_supports(axes, supports, points, words):
     words.append("squares: supports (" + ", ".join(kind for kind in SIGNS if any(of == kind for _, of in supports)) + ")")
 
 
-def _arrow(axes, flat, tail, arrow, length, color, gid, width=1.6):
-    if not flat:
-        axes.quiver(*tail, *arrow, color=color, linewidth=width, arrow_length_ratio=0.3, gid=gid)
-    elif np.linalg.norm(arrow) < FACING * length:
-        axes.plot(*tail, "o", color=color, markersize=7, markerfacecolor="none", zorder=5, gid=gid)
-    else:
-        axes.annotate("", tail + arrow, tail, annotation_clip=False, zorder=5, gid=gid,
-                      arrowprops={"arrowstyle": "-|>", "color": color, "linewidth": width, "shrinkA": 0})
-
-
-def _turn(axes, flat, point, direction, projection, length, color, gid):
-    """A moment or rotation: an arrow along its axis, a turning arrow where that points at the reader."""
+def _arrow(axes, point, direction, projection, length, color, gid):
     arrow = length * projection @ direction
-    if not flat or np.linalg.norm(arrow) >= FACING * length:
-        return _arrow(axes, flat, point, arrow, length, color, gid)
+    if np.linalg.norm(arrow) < FACING * length:
+        axes.plot(*point, "o", color=color, markersize=7, markerfacecolor="none", zorder=5, gid=gid)
+    else:
+        axes.annotate("", point + arrow, point, annotation_clip=False, zorder=5, gid=gid,
+                      arrowprops={"arrowstyle": "-|>", "color": color, "linewidth": 1.6, "shrinkA": 0})
+
+
+def _turn(axes, point, direction, projection, length, color, gid):
+    """A moment or rotation: an arrow along its axis, a turning arrow where that points at the reader."""
+    if np.linalg.norm(projection @ direction) >= FACING:
+        return _arrow(axes, point, direction, projection, length, color, gid)
     toward = np.cross(projection[0], projection[1]) @ direction > 0
     axes.annotate("\u21ba" if toward else "\u21bb", point, color=color, fontsize=24, ha="center", va="center",
                   annotation_clip=False, zorder=6, gid=gid)
 
 
-def _draw_line_loads(axes, flat, line_loads, points, projection, length):
-    """Returns the ends of the combs."""
+def _draw_line_loads(axes, line_loads, points, projection, length):
+    """Behind the members. Returns the ends of the combs."""
     largest = max((np.linalg.norm(forces, axis=1).max() for _, forces in line_loads), default=0.0)
     if not largest > 0.0:
         return []
     heads = np.concatenate([points[samples] for samples, _ in line_loads])
     arrows = length / largest * np.concatenate([forces for _, forces in line_loads]) @ projection.T
     ends = np.cumsum([len(samples) for samples, _ in line_loads])[:-1]
-    backs = add_lines(axes, np.split(heads - arrows, ends), width=0.9, color=style.RED, zorder=4)
+    backs = add_lines(axes, np.split(heads - arrows, ends), width=0.9, color=style.RED, zorder=2)
     backs.set(gid="line load", clip_on=False)
     chosen = slice(None, None, max(1, -(-len(heads) // MOST_ARROWS)))
     ends_of_backs = heads - arrows
-    tails, arrows = ends_of_backs[chosen], arrows[chosen]
-    if flat:
-        drawn = axes.quiver(*tails.T, *arrows.T, color=style.RED, angles="xy", scale_units="xy", scale=1, units="inches",
-                            width=ARROW_WIDTH, headwidth=5, headlength=6, headaxislength=6, zorder=4, clip_on=False, gid="line load arrows")
-        drawn.set_in_layout(False)  # its extent is measured wrongly; the backs of the combs reach as far
-    else:
-        axes.quiver(*tails.T, *arrows.T, color=style.RED, linewidth=0.7, arrow_length_ratio=0.3, gid="line load arrows")
+    drawn = axes.quiver(*ends_of_backs[chosen].T, *arrows[chosen].T, color=style.RED, angles="xy", scale_units="xy", scale=1, units="inches",
+                        width=ARROW_WIDTH, headwidth=5, headlength=6, headaxislength=6, zorder=2, clip_on=False, gid="line load arrows")
+    drawn.set_in_layout(False)  # its extent is measured wrongly; the backs of the combs reach as far
     return list(ends_of_backs)

@@ -1,76 +1,119 @@
-"""Pictures of the deformed structure: one step in space and in its best plane, coloured by a field, and several steps."""
+"""Pictures of the deformed structure: one step with its sections, coloured by a field, and several steps."""
 
 import numpy as np
+from matplotlib.patheffects import withStroke
 
 import fields
 import style
+from preview import parts_of
 from scene_marks import MARK_SHARE, Marks, draw_marks
+from solid import draw_solid
 from structure import add_lines, line_width, tangents
 
 MOST_TRIADS = 24
 STRIP_STEPS = 6
-CAPTION_WIDTH = 12.0  # letters to an inch
-WIDTH, HEIGHT, FLAT_WIDTH = 12.4, 5.4, 4.7  # of a picture, and of its right panel for a structure wider than tall [inch]
-SPACE_WIDTH = 5.6  # of what the picture in space takes; none where a plane is asked for [inch]
-MARGIN_OF_TALL = 1.3  # empty to both sides of a mast in the square of the picture in space [inch]
-SMALL_WIDTH = 5.0  # letters of the caption need it [inch]
-TALL = 1.6  # of a box in space, height over width: its labels need to be kept off its edge
+CAPTION_WIDTH = 11.0  # letters to an inch
+WIDTH, LEAST_HEIGHT = 9.0, 3.6  # of a picture [inch]
+MOST_LETTERS = 400   # of a message
+MOTION_SHARE = 0.1   # of a mechanism, over the size of the structure
+PART_COLORS = (style.BLUE, style.ORANGE, style.GREEN, style.PURPLE, style.SKY, "#7F6000", style.GREY)
 
 
-def shape_figure(view, step, field, triads=False):
-    """Left in space, right in the best plane, or in the plane that was asked for alone; grey: undeformed."""
-    canvas, space, flat, inch = _panels(view)
-    position = view.position(step)
-    values = field.values(step, view.size)
-    exponent = fields.power_of_ten(np.nanmax(np.abs(values), initial=0.0))
-    values = values / 10.0 ** exponent
-    scale = fields.color_scale(field, values)
-    width = line_width(view.structure)
-    lines, colors = view.lines(position, values, tangents(position, view.structure.starts))
+def shape_figure(view, step, field, triads=False, said=None):
+    """The members with their sections as the page of `mixbeam view` shows them; grey: undeformed. `said`: of a scene that is not
+    solved (preview.Said), whose connected parts are coloured in place of a field."""
+    projection, position = view.projection, view.position(step)
+    shown = np.vstack([view.everything, position]) @ projection.T
+    aspect = np.clip(np.ptp(shown[:, 1]) / (np.ptp(shown[:, 0]) or 1.0), 0.25, 1.4)
+    canvas, axes = style.figure(WIDTH, np.clip(WIDTH * aspect, LEAST_HEIGHT, WIDTH))
+    axes.set_axis_off()
     grey, _ = view.lines(view.structure.reference)
-    shrunk = view.has_shrunk(position)
-    for axes, projection in ((space, np.eye(3)), (flat, view.plane)):
-        if axes is not None and (axes is flat or not shrunk):
-            add_lines(axes, grey @ projection.T, width=max(0.35 * width, 0.4), zorder=1)
-        if axes is not None:
-            pieces = add_lines(axes, lines @ projection.T, colors, scale, width, zorder=3)
-    marked, tips = _draw_marks(view, (space, flat), position, step, shrunk)
-    if space is not None:
-        if triads:
-            _draw_triads(view, space, step, position)
-        style.equal_axes_3d(space, (position if shrunk else view.everything) / view.unit, ticks=4)
-        space.view_init(*(view.camera_of(position / view.unit) if shrunk else view.camera))
-        _name_axes_3d(space, view)
-    _finish_plane(flat, view, tips=tips)
-    label = view.field_label(field, exponent) + ("" if np.any(values) else ": zero everywhere")
-    canvas.colorbar(pieces, ax=flat, shrink=0.85, pad=0.03, aspect=28, label=label)
-    on_the_right = shrunk and space is not None
-    caption = ["grey: undeformed, on the right only" if on_the_right else "grey: undeformed", *marked, view.scale_words()]
-    words = style.wrapped("; ".join(caption), int(CAPTION_WIDTH / inch))
-    raised = 0.045 * (len(words) - 1)  # a second line must not meet the box in space
-    canvas.suptitle(view.title(step), y=0.985 + raised, fontsize=13)
-    canvas.text(0.5, 0.925 + raised, "\n".join(words), ha="center", va="top", fontsize=11, color="#444444")
+    directions = _directions(view, step, position)
+    if said:
+        words = _draw_parts(axes, view, position, directions, said)
+    else:
+        values = field.values(step, view.size)
+        exponent = fields.power_of_ten(np.nanmax(np.abs(values), initial=0.0))
+        values = values / 10.0 ** exponent
+        add_lines(axes, grey @ projection.T, width=1.0, zorder=1)
+        colors, corners = draw_solid(axes, view, position, directions, projection, values, fields.color_scale(field, values))
+        label = view.field_label(field, exponent) + ("" if np.any(values) else ": zero everywhere")
+        canvas.colorbar(colors, ax=axes, shrink=0.8, pad=0.02, aspect=28, label=label)
+        words = ["grey: undeformed"], corners
+    marks = Marks(view.run, step, view.structure.reference, is_whole=bool(said))
+    length = MARK_SHARE * np.ptp(shown, axis=0).max() / view.unit
+    marked, tips = draw_marks(axes, marks, position @ projection.T / view.unit, projection, length)
+    if triads:
+        _draw_triads(view, axes, step, position, projection)
+    _frame_without_axes(axes, view, np.vstack([words[1], grey.reshape(-1, 3) @ projection.T, *tips]))
+    lines = style.wrapped("; ".join([*words[0], *marked, view.scale_words()]), int(CAPTION_WIDTH * WIDTH))
+    title = f"{view.scene_words}: not solved" if said else view.title(step)
+    canvas.suptitle("\n".join([title, *lines]), fontsize=11.5)
     return canvas
 
 
-def _panels(view):
-    """Canvas, axes in space (None where a plane of the axes was asked for) and in the plane, and an inch as a share of the width."""
-    projected = np.ptp(view.everything @ view.plane.T, axis=0)
-    flat_width = FLAT_WIDTH * np.clip(projected[0] / (projected[1] or 1.0), 0.5, 1.0)
-    alone = view.look.in_plane
-    width = WIDTH - FLAT_WIDTH + flat_width
-    if alone:
-        flat_width = FLAT_WIDTH * np.clip(projected[0] / (projected[1] or 1.0), 0.25, 1.8)
-        width = max(WIDTH - FLAT_WIDTH + flat_width - SPACE_WIDTH, SMALL_WIDTH)
-    depth, height = np.hypot(*np.ptp(view.everything[:, :2], axis=0)), np.ptp(view.everything[:, 2])
-    margin = 0.0 if alone else MARGIN_OF_TALL * (1.0 - np.clip(depth / (height or 1.0), 0.0, 1.0))
-    width -= 2.0 * margin
-    with style.plt.rc_context({"figure.constrained_layout.use": False}):
-        canvas = style.plt.figure(figsize=(width, HEIGHT))
-    inch = 1.0 / width
-    space = None if alone else canvas.add_axes((-margin * inch, 0.02, 5.46 * inch, 0.82), projection="3d", facecolor="none")
-    left = (0.5 if alone else 1.0) * (1.0 - (flat_width + 1.13) * inch) + (0.35 * inch if alone else 0.0)  # labels stand left
-    return canvas, space, canvas.add_axes((left, 0.13, (flat_width + 0.88) * inch, 0.74)), inch
+def _directions(view, step, position):
+    """Section axes 2 and 3 at all samples; square to a line that is drawn with scaled displacements."""
+    second, third = (step.field(f"triad_{i}") for i in (2, 3))
+    if view.look.scale == 1.0:
+        return second, third
+    along = tangents(position, view.structure.starts)
+    second = second - along * np.einsum("ij,ij->i", second, along)[:, None]
+    second = second / np.maximum(np.linalg.norm(second, axis=1, keepdims=True), 1e-30)
+    return second, np.cross(along, second)
+
+
+def _draw_parts(axes, view, position, directions, said):
+    """Connected parts in colours, names of the members that the message names: (words, corners)."""
+    members, parts = view.run.members, parts_of(view.run)
+    palette = [style.rgb(color) for color in PART_COLORS]
+    colors = [palette[parts[member.index] % len(palette)] if parts else palette[0] for member in members]
+    _, corners = draw_solid(axes, view, position, directions, view.projection, colors=colors)
+    for number in said.names(members):
+        line = position[members[number].samples] @ view.projection.T / view.unit
+        axes.plot(*line.T, color=style.RED, linewidth=9, alpha=0.3, zorder=4, solid_capstyle="round", gid="named")
+        name = axes.annotate(style.literal(members[number].name), line[len(line) // 2], xytext=(7, 7), textcoords="offset points",
+                             color=style.RED, zorder=7)
+        name.set_path_effects([withStroke(linewidth=2.5, foreground="white")])
+    for motion in [mode for _, mode in view.run.buckling_modes()][:1]:
+        largest = np.linalg.norm(motion, axis=1).max(initial=0.0) or 1.0
+        moved, speed = view.lines(position + MOTION_SHARE * view.size / largest * motion, np.linalg.norm(motion, axis=1) / largest)
+        moved = moved[speed > fields.NOISE]
+        add_lines(axes, moved @ view.projection.T, width=1.4, color=style.RED, zorder=4).set(gid="motion", linestyle=(0, (5, 2)))
+    count = len(set(parts))
+    words = [f"colours: the {count} parts that are not connected"] if count > 1 else []
+    words += ["red, dashed: moves without strain"] if view.run.buckling_modes() else []
+    words += [view.run.properties()["drawn"].rstrip(".")] if view.run.properties().get("drawn") else []
+    refusal = style.wrapped(style.literal(said.refusal if len(said.refusal) <= MOST_LETTERS else said.refusal[:MOST_LETTERS] + " ..."), int(CAPTION_WIDTH * WIDTH))
+    axes.set_title("\n".join(refusal) if said.refusal else "", fontsize=10.5, color=style.RED)
+    return words, corners
+
+
+def _frame_without_axes(axes, view, points):
+    """Equal axes around all that is drawn, with the directions of x, y, z and a length to compare with in the place of them."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    span = (high - low).max() or 1.0
+    low, high = low - 0.04 * span, high + 0.04 * span
+    low[1] -= 0.13 * span
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+    axes.set_aspect("equal")
+    corner = low + 0.07 * span
+    for name, direction in zip("xyz", view.projection.T):
+        if np.linalg.norm(direction) > 0.1:
+            tip = corner + 0.055 * span * direction
+            axes.annotate("", tip, corner, arrowprops={"arrowstyle": "-|>", "color": style.BLACK, "linewidth": 1, "shrinkA": 0, "shrinkB": 0})
+            axes.annotate(f"${name}$", corner + 0.075 * span * direction, ha="center", va="center", fontsize=11, gid="axis")
+    bar = round_length(0.2 * (high[0] - low[0]) * view.unit)
+    start = np.array([high[0] - bar / view.unit - 0.03 * span, corner[1]])
+    axes.plot(start[0] + np.array([0, bar / view.unit]), [start[1]] * 2, color=style.BLACK, linewidth=2, gid="length")
+    axes.annotate(f"{bar:.4g} {style.literal(view.run.units[0])}".strip(), start + (bar / view.unit / 2, 0), xytext=(0, 5),
+                  textcoords="offset points", ha="center", fontsize=10)
+
+
+def round_length(most):
+    """The largest of 1, 2, 5 times a power of ten up to a length."""
+    power = 10.0 ** np.floor(np.log10(most))
+    return float(max(factor * power for factor in (1, 2, 5) if factor * power <= most * (1 + 1e-12)))
 
 
 def overview_figure(view, step):
@@ -81,7 +124,7 @@ def overview_figure(view, step):
     shown = [(field, field.values(step, view.size)) for field in (fields.FIELDS[name] for name in overview)]
     shown = [entry for entry in shown if np.any(entry[1])] or shown[:1]
     shown_points = position if view.has_shrunk(position) else view.everything
-    projected = shown_points @ view.plane.T
+    projected = shown_points @ view.projection.T
     aspect = np.clip(np.ptp(projected[:, 1]) / (np.ptp(projected[:, 0]) or 1.0), 0.3, 1.4)
     columns = min(3, len(shown))
     rows = -(-len(shown) // columns)
@@ -94,8 +137,8 @@ def overview_figure(view, step):
         values = values / 10.0 ** exponent
         lines, colors = view.lines(position, values, slopes)
         width = 0.8 * line_width(view.structure)
-        add_lines(axes, grey @ view.plane.T, width=max(0.35 * width, 0.4), zorder=1)
-        pieces = add_lines(axes, lines @ view.plane.T, colors, fields.color_scale(field, values), width, zorder=3)
+        add_lines(axes, grey @ view.projection.T, width=max(0.35 * width, 0.4), zorder=1)
+        pieces = add_lines(axes, lines @ view.projection.T, colors, fields.color_scale(field, values), width, zorder=3)
         _finish_plane(axes, view, shown_points)
         axes.set_title(view.field_label(field, exponent) + ("" if np.any(values) else ": zero everywhere"))
         axes.label_outer()
@@ -111,7 +154,7 @@ def strip_figure(view, steps, field):
     exponent = fields.power_of_ten(max(np.nanmax(np.abs(value), initial=0.0) for value in values))
     values = [value / 10.0 ** exponent for value in values]
     scale = fields.color_scale(field, np.concatenate(values))
-    projected = view.everything @ view.plane.T
+    projected = view.everything @ view.projection.T
     wide = np.ptp(projected[:, 0]) > 1.6 * np.ptp(projected[:, 1])
     columns = min(3 if wide else 6, len(steps))
     rows = -(-len(steps) // columns)
@@ -126,8 +169,8 @@ def strip_figure(view, steps, field):
     for axes, step, points, value in zip(panels.flat, steps, position, values):
         lines, colors = view.lines(points, value, tangents(points, view.structure.starts))
         width = 0.8 * line_width(view.structure)
-        add_lines(axes, grey @ view.plane.T, width=max(0.35 * width, 0.4), zorder=1)
-        pieces = add_lines(axes, lines @ view.plane.T, colors, scale, width, zorder=3)
+        add_lines(axes, grey @ view.projection.T, width=max(0.35 * width, 0.4), zorder=1)
+        pieces = add_lines(axes, lines @ view.projection.T, colors, scale, width, zorder=3)
         _finish_plane(axes, view)
         axes.label_outer()
         axes.set_title(f"load factor {step.load_factor:.4g}")
@@ -143,38 +186,16 @@ def strip_steps(steps):
     return [steps[i] for i in numbers]
 
 
-def _draw_marks(view, panels, position, step, shrunk):
-    """What acts, in both panels; returns the words for the caption and where marks end in the plane."""
-    marks = Marks(view.run, step, view.structure.reference)
-    for axes, projection in zip(panels, (np.eye(3), view.plane)):
-        if axes is None:
-            continue
-        size = np.linalg.norm(np.ptp(position, axis=0)) if shrunk and axes.name == "3d" else view.size
-        words, tips = draw_marks(axes, marks, position @ projection.T / view.unit, projection, MARK_SHARE * size / view.unit)
-    return words, tips
-
-
-def _draw_triads(view, axes, step, position):
+def _draw_triads(view, axes, step, position, projection):
     count = min(MOST_TRIADS, len(position))
     chosen = np.unique(np.linspace(0, len(position) - 1, count).round().astype(int))
-    length = 0.06 * view.size / view.unit
     for i, color in enumerate(style.COMPONENT_COLORS, start=1):
-        direction = step.field(f"triad_{i}")[chosen]
-        start = position[chosen] / view.unit
-        add_lines(axes, np.stack([start, start + length * direction], axis=1), color=color, width=1.2, zorder=4)
-
-
-def _name_axes_3d(axes, view):
-    width, depth, height = axes.get_xlim3d(), axes.get_ylim3d(), axes.get_zlim3d()
-    is_tall = np.ptp(height) > TALL * max(np.ptp(width), np.ptp(depth))
-    if is_tall:
-        axes.tick_params(axis="z", pad=8)
-    for i, name in enumerate("xyz"):
-        getattr(axes, f"set_{name}label")(f"${name}$" + fields.times(view.exponent, view.run.units[0]), labelpad=(9, 9, 34 if is_tall else 4)[i])
+        tips = position[chosen] + 0.06 * view.size * step.field(f"triad_{i}")[chosen]
+        add_lines(axes, np.stack([position[chosen], tips], axis=1) @ projection.T / view.unit, color=color, width=1.2, zorder=4)
 
 
 def _finish_plane(axes, view, points=None, tips=()):
-    projected = (view.everything if points is None else points) @ view.plane.T / view.unit
+    projected = (view.everything if points is None else points) @ view.projection.T / view.unit
     projected = np.vstack([projected, *tips])
     low, high = projected.min(axis=0), projected.max(axis=0)
     extent = high - low
@@ -185,6 +206,4 @@ def _finish_plane(axes, view, points=None, tips=()):
     axes.set_aspect("equal")
     axes.locator_params(axis="x", nbins=5)
     axes.locator_params(axis="y", nbins=5)
-    axes.set(xlabel=view.axis_label(view.plane[0]), ylabel=view.axis_label(view.plane[1]))
-    if view.look.from_camera:  # neither direction is one of the scene
-        axes.set(xticks=[], yticks=[])
+    view.name_axes(axes)

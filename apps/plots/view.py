@@ -8,6 +8,7 @@ from results import InputError
 from structure import Structure, axis_name, best_plane, best_view
 
 SHRUNK = 0.3  # below this share of its undeformed extent a structure gets the picture in space for itself
+FLAT = 1e-6     # a structure this thin over its size lies in a plane, which is looked at
 PLANES = {"xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
 CAMERAS = {"xy": (90.0, -90.0), "xz": (0.0, -90.0), "yz": (0.0, 0.0)}  # elevation, azimuth [degrees]
 ISO = (35.264, -45.0)  # all three axes equally short
@@ -40,6 +41,11 @@ def _camera(text):
     return elevation, azimuth
 
 
+def _way(direction):
+    """An arrow for a direction in the picture."""
+    return "\u2192\u2197\u2191\u2196\u2190\u2199\u2193\u2198"[round(np.arctan2(direction[1], direction[0]) / (np.pi / 4)) % 8]
+
+
 def _plane_of(camera):
     """Directions to the right and upwards in the picture."""
     elevation, azimuth = np.radians(camera)
@@ -60,6 +66,10 @@ class View:
         self.plane = self.look.plane if chosen else best_plane(self.everything / self.unit)
         self.camera = self.look.camera or best_view(self.everything / self.unit)
         self.size = self.structure.size
+        centered = self.everything - self.everything.mean(axis=0)
+        across = np.abs(centered @ np.cross(self.plane[0], self.plane[1])).max()
+        self.is_plane = chosen or across <= FLAT * self.size
+        self.projection = self.plane if self.is_plane else _plane_of(self.camera)  # directions to the right and upwards
 
     def position(self, of):
         """Of all samples at a step or critical point, displacements scaled as the user wants."""
@@ -79,9 +89,16 @@ class View:
         return np.ptp(position, axis=0).max() < SHRUNK * np.ptp(self.structure.reference, axis=0).max()
 
     def axis_label(self, direction):
-        if self.look.from_camera:
-            return ""
         return axis_name(direction) + fields.times(self.exponent, self.run.units[0])
+
+    def name_axes(self, axes):
+        """x, y or z with numbers where the picture is along them; else no numbers, and the directions in the picture as words."""
+        if all(np.abs(direction).max() > 1 - 1e-9 for direction in self.projection):
+            axes.set(xlabel=self.axis_label(self.projection[0]), ylabel=self.axis_label(self.projection[1]))
+            return
+        axes.set(xticks=[], yticks=[])
+        towards = [f"${name}$ {_way(direction)}" for name, direction in zip("xyz", self.projection.T) if np.linalg.norm(direction) > 0.1]
+        axes.set_xlabel(", ".join(towards), fontsize=10)
 
     def field_label(self, field, exponent=0):
         return field.label + fields.times(exponent, field.unit(self.run.units))

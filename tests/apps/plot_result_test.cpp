@@ -2,7 +2,9 @@
 #include "discretization/results/result_file.hpp"
 #include "process.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace mixbeam::plot_result_test {
 namespace {
@@ -61,20 +63,33 @@ class PlotResult : public ::testing::Test {
 };
 
 TEST_F(PlotResult, DrawsEveryKindInBothFormats) {
-  const Ended ended = plot(write_result());
+  const std::vector<std::string> kinds = {"shape",     "fields",     "section_forces", "diagrams",
+                                          "load_path", "iterations", "steps"};
+  std::vector<std::string> options = {"--format", "png,svg", "--picture"};
+  options.insert(options.end(), kinds.begin(), kinds.end());
+  const Ended ended = plot(write_result(), options);
   ASSERT_EQ(ended.exit_code, 0) << ended.err;
   EXPECT_EQ(ended.err, "");
-  for (const char* kind : {"shape", "fields", "section_forces", "diagrams", "load_path", "iterations", "steps"}) {
+  for (std::string kind : kinds) {
+    std::replace(kind.begin(), kind.end(), '_', '-');
     for (const char* ending : {".png", ".svg"}) {
-      const fs::path path = picture("run_" + std::string(kind) + ending);
+      const fs::path path = picture("run-" + kind + ending);
       ASSERT_TRUE(fs::exists(path)) << path;
       EXPECT_GT(fs::file_size(path), kLeastBytes) << path;
       expect_in(ended.out, {path.filename().string()});
     }
   }
-  expect_in(text_of(picture("run_shape.svg")), {"cantilever: step 2, load factor 1", "undeformed"});
-  expect_in(text_of(picture("run_load_path.svg")), {"tip: displacement"});
-  expect_in(text_of(picture("run_section_forces.svg")), {"zero everywhere"});  // there is a moment and nothing else
+  expect_in(text_of(picture("run-shape.svg")), {"cantilever: step 2, load factor 1", "undeformed"});
+  expect_in(text_of(picture("run-load-path.svg")), {"tip: displacement"});
+  expect_in(text_of(picture("run-section-forces.svg")), {"zero everywhere"});  // there is a moment and nothing else
+}
+
+TEST_F(PlotResult, DrawsThreePicturesUnlessMoreAreAskedFor) {
+  const Ended ended = plot(write_result());
+  ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  std::set<std::string> drawn;
+  for (const auto& entry : fs::directory_iterator(folder_ / "pictures")) drawn.insert(entry.path().filename().string());
+  EXPECT_EQ(drawn, (std::set<std::string>{"run-shape.png", "run-diagrams.png", "run-load-path.png"}));
 }
 
 TEST_F(PlotResult, DrawsStressesOfTheStepsThatHaveThem) {
@@ -101,12 +116,12 @@ TEST_F(PlotResult, DrawsStressesOfTheStepsThatHaveThem) {
   }
   file.close();
   for (const char* field : {"von_mises", "normal_stress", "shear_stress"}) {
-    const Ended ended = plot(path, {"--format", "svg", "--field", field});
+    const Ended ended = plot(path, {"--format", "svg", "--field", field, "--picture", "shape", "fields"});
     ASSERT_EQ(ended.exit_code, 0) << ended.err;
     EXPECT_EQ(ended.err, "");
   }
-  expect_in(text_of(picture("run_fields.svg")), {"von Mises stress, largest of the section"});
-  expect_in(text_of(picture("run_shape.svg")), {"shear stress"});
+  expect_in(text_of(picture("run-fields.svg")), {"von Mises stress, largest of the section"});
+  expect_in(text_of(picture("run-shape.svg")), {"shear stress"});
   const Ended early = plot(path, {"--format", "svg", "--field", "von_mises", "--step", "0", "--picture", "shape"});
   EXPECT_EQ(early.exit_code, 2);
   expect_in(early.err, {"step 0 has no stresses", "Stresses"});
@@ -139,17 +154,17 @@ TEST_F(PlotResult, DrawsPathAndModesOfCriticalPoints) {
   const Ended ended = plot(path, {"--format", "svg", "--picture", "load_path", "critical_modes"});
   ASSERT_EQ(ended.exit_code, 0) << ended.err;
   EXPECT_EQ(ended.err, "");
-  expect_in(text_of(picture("run_load_path.svg")), {"dashed: unstable", "limit point", "1.0625"});
-  expect_in(text_of(picture("run_critical_modes.svg")), {"1: limit point, load factor 1.0625"});
+  expect_in(text_of(picture("run-load-path.svg")), {"dashed: unstable", "limit point", "1.0625"});
+  expect_in(text_of(picture("run-critical-modes.svg")), {"1: limit point, load factor 1.0625"});
 }
 
 TEST_F(PlotResult, DrawsTheStepAndTheFormatAskedFor) {
   const fs::path file = write_result();
   const Ended ended = plot(file, {"--step", "1", "--format", "svg", "--picture", "shape", "--field", "moment"});
   ASSERT_EQ(ended.exit_code, 0) << ended.err;
-  expect_in(text_of(picture("run_shape_000001.svg")), {"step 1, load factor 0.5"});
-  EXPECT_FALSE(fs::exists(picture("run_shape_000001.png")));
-  EXPECT_FALSE(fs::exists(picture("run_fields_000001.svg")));
+  expect_in(text_of(picture("run-shape-000001.svg")), {"step 1, load factor 0.5"});
+  EXPECT_FALSE(fs::exists(picture("run-shape-000001.png")));
+  EXPECT_FALSE(fs::exists(picture("run-fields-000001.svg")));
 }
 
 TEST_F(PlotResult, RefusesWhatItCannotDraw) {

@@ -5,13 +5,16 @@ usage: plots_test.py MIXBEAM     runs small scenes, and looks at the figures tha
 """
 
 import json
+import re
 import subprocess
 import sys
 import tempfile
 import unittest
 from pathlib import Path
+from types import SimpleNamespace
 
 PROGRAM = str(Path(sys.argv.pop(1)).resolve())
+REPOSITORY = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "apps" / "plots"))
 
 import matplotlib  # noqa: E402
@@ -22,10 +25,14 @@ import numpy as np  # noqa: E402
 
 import along_figures  # noqa: E402
 import envelope_figures  # noqa: E402
+import batch_figures  # noqa: E402
+import critical_figures  # noqa: E402
 import diagram_figures  # noqa: E402
 import fields  # noqa: E402
 import path_figures  # noqa: E402
+import scene_marks  # noqa: E402
 import shape_figures  # noqa: E402
+import solid  # noqa: E402
 import thread_scaling  # noqa: E402
 from results import InputError, Run  # noqa: E402
 from scene_marks import Marks, kind_of_support  # noqa: E402
@@ -151,7 +158,7 @@ class Plots(unittest.TestCase):
         view, step = self.view("portal")
         figure = self.shape(view, step)
         for kind in ("hinge", "roller", "spring"):
-            self.assertEqual(len(named(figure, f"support {kind}")), 2, kind)  # in space and in the plane
+            self.assertEqual(len(named(figure, f"support {kind}")), 1, kind)
         self.assertEqual(named(figure, "support clamp"), [])
 
     def test_loads_are_drawn_where_they_act(self):
@@ -170,7 +177,7 @@ class Plots(unittest.TestCase):
         view, step = self.view("portal")
         figure = self.shape(view, step)
         combs = named(figure, "line load")
-        self.assertEqual([len(comb.get_paths() or comb._segments3d) for comb in combs], [2, 2])  # two members, two panels
+        self.assertEqual([len(comb.get_paths()) for comb in combs], [2])  # members
         self.assertTrue(named(figure, "force") and named(figure, "moment"))
 
     def test_follower_loads_turn_with_their_member(self):
@@ -192,7 +199,7 @@ class Plots(unittest.TestCase):
         self.assertEqual([member.name for member in marks.strained], ["second"])
         figure = self.shape(*self.view("bent"))
         for gid in ("shift", "turn", "eigenstrain"):
-            self.assertEqual(len(named(figure, gid)), 2, gid)
+            self.assertEqual(len(named(figure, gid)), 1, gid)
         before = self.marks("bent", step=0)
         self.assertEqual((before.shifts, before.turns, before.strained), ([], [], []))
 
@@ -210,10 +217,112 @@ class Plots(unittest.TestCase):
             with self.assertRaisesRegex(InputError, "--view"):
                 self.view("portal", view=wrong)
 
-    def test_a_plane_that_is_asked_for_stands_alone(self):
-        for look, panels in (({"view": "xz"}, 1), ({}, 2), ({"view": "iso"}, 2)):
-            figure = self.shape(*self.view("portal", **look))
-            self.assertEqual(len(named(figure, "supports")), panels, look)
+    def test_a_shape_is_seen_from_where_it_is_asked_for(self):
+        """The portal lies in the x-z plane: across the picture its 2, upwards its 1; obliquely each side is as long as its shadow."""
+        shadow = 1 / np.sqrt(2)  # of a side along x at 45 degrees
+        for look, width in (({}, 2.0), ({"view": "xz"}, 2.0), ({"view": "yz"}, 0.0), ({"view": "iso"}, 2 * shadow)):
+            view, step = self.view("portal", **look)
+            solid, = named(self.shape(view, step), "solid")
+            x = np.concatenate([path.vertices[:, 0] for path in solid.get_paths()])
+            self.assertAlmostEqual(np.ptp(x), width, delta=0.15, msg=str(look))  # bent, and as thick as its sections
+
+    def test_sections_are_drawn_to_scale(self):
+        """Of a box 0.1 by 0.3 along x, seen from both sides; faces turned away are not drawn."""
+        dimensions = np.array([0.1, 0.3, 0.01, 0.0])
+        for kind, sides in (("box", 4), ("I", 12), ("tube", 24), ("T upright 0 0.1", 8)):
+            corners = solid.outline(kind, dimensions[None], 24)[0]
+            self.assertEqual(corners.shape, (sides, 2), kind)
+            np.testing.assert_allclose(np.ptp(corners, axis=0), (0.1, 0.3), rtol=1e-9, err_msg=kind)
+            turned = np.roll(corners, -1, axis=0)
+            self.assertGreater(np.sum(corners[:, 0] * turned[:, 1] - turned[:, 0] * corners[:, 1]), 0.0, kind)  # counter-clockwise
+        np.testing.assert_allclose(solid.outline("T upright 0 0.1", dimensions[None], 24)[0][:, 1].max(), 0.15 - 0.03)
+
+    def test_round_lengths(self):
+        for most, length in ((1.0, 1.0), (0.99, 0.5), (4.9, 2.0), (73.0, 50.0), (2.1e-3, 2e-3)):
+            self.assertAlmostEqual(shape_figures.round_length(most), length, delta=1e-12 * length)
+
+    def test_many_loads_alike_have_one_mark(self):
+        """24 equal forces: an arrow and its number; 20 of them: every one."""
+        for count, arrows in ((24, 1), (20, 20)):
+            view, step = self.view("portal")
+            marks = Marks(view.run, step, view.structure.reference)
+            marks.forces, marks.moments, marks.line_loads = [(i % 5, np.array((1.0, 0.0, 0.0))) for i in range(count)], [], []
+            figure, axes = matplotlib.pyplot.subplots()
+            scene_marks.draw_marks(axes, marks, step.field("position")[:, :2], np.eye(3)[:2], 0.1)
+            self.assertEqual(len(named(figure, "force")), arrows)
+            self.assertEqual([text.get_text() for text in named(figure, "count")], ["\u00d7 24"] * (count == 24))
+
+    def test_diagrams_of_structures_in_space(self):
+        """A moment M3 < 0 of a cantilever along x with a force down stands above, whatever the camera; the twin in its plane too."""
+        view, step = self.view("down", view=None)
+        moment = step.field("material_moment")[:, 2]
+        directions = diagram_figures._axis_of(view, step, "bending_3")
+        at = int(np.argmax(np.abs(moment)))
+        self.assertGreater((moment[at] * directions[at])[1], 0.01)  # the side in tension
+        axis = diagram_figures._axis_of(view, step, "bending_2")
+        np.testing.assert_allclose(axis, step.field("triad_3"), atol=ROUNDING)
+        view.is_plane, view.projection = False, np.array([[1, 0, 0], [0, 0.6, 0.8]])
+        figure = diagram_figures.on_structure_figure(view, step)
+        panel = next(axes for axes in figure.axes if "M_3" in axes.get_title())
+        tips = np.vstack([path.vertices for areas in named(panel, "positive") + named(panel, "negative") for path in areas.get_paths()])
+        near = tips[np.abs(tips[:, 0]) < 0.2]
+        self.assertGreater(near[:, 1].max(), 0.01)
+        self.assertEqual(panel.get_xticks().tolist(), [])
+
+    def test_a_view_that_is_asked_for_holds_for_all_modes(self):
+        mode = np.zeros((3, 3))
+        mode[1, 1] = 1.0  # out of the x-z plane
+        plane = np.eye(3)[[0, 2]]
+        self.assertGreater(np.abs(critical_figures._projection(plane, mode) - plane).max(), 0.1)  # chosen by the program
+        run = Run(solve(PROGRAM, Path(self.folder.name), "snap", (REPOSITORY / "apps/gallery/snap_back.xml").read_text()))
+        self.addCleanup(run.__exit__)
+        points = run.critical_points()
+        for look, widths in ((Look("yz"), 1), (Look("xy"), 2)):
+            view = View(run, run.steps[-1:], look)
+            for axes in critical_figures.modes_figure(view, points).axes:
+                lines = np.vstack([path.vertices for collection in axes.collections for path in collection.get_paths()])
+                self.assertEqual(int(np.sum(np.ptp(lines, axis=0) > 1e-6)), widths, look)  # a plane frame from its side is a line
+
+    def test_stresses_are_in_megapascals(self):
+        field = fields.FIELDS["von_mises"]
+        step = SimpleNamespace(units=("m", "kN"), has=lambda name: True, field=lambda name: np.array([[2500.0]]), number=1)
+        self.assertEqual((field.values(step, 1.0).tolist(), field.unit(("m", "kN"))), ([2.5], "MPa"))
+        step.units = ("ft", "lb")
+        self.assertEqual((field.values(step, 1.0).tolist(), field.unit(("ft", "lb"))), ([2500.0], "lb/ft\u00b2"))
+
+    def test_pictures_of_a_batch(self):
+        """A cantilever of stiffness 1: the tip sinks by F/3 for small F; over force and stiffness a map of cells."""
+        grid = lambda name, low, high, count: listed(name, entry("From", "double", low), entry("To", "double", high), entry("Count", "int", count))
+        text = cantilever("{0, -0.01, 0}")
+        folder = Path(self.folder.name)
+        force, stiffness = "Point Loads/f/Force[1]", "Sections/s/EI3"
+        for name, rows in (("curve", [(f"{-0.01 * i}",) for i in range(1, 5)]),
+                           ("map", [(f"{-0.01 * i}", f"{j}") for i in range(1, 4) for j in range(1, 3)])):
+            (folder / f"{name}.csv").write_text(",".join((force, stiffness)[:len(rows[0])]) + "\n" + "".join(",".join(row) + "\n" for row in rows))
+            (folder / f"{name}.xml").write_text(with_list(text, listed("Batch", entry("Table", "string", f"{name}.csv"))))
+            ended = subprocess.run([PROGRAM, "batch", f"{name}.xml", "--output", ".", "--quiet"], cwd=folder, capture_output=True, text=True, check=False)
+            self.assertEqual(ended.returncode, 0, ended.stderr)
+            ended = subprocess.run([PROGRAM, "plot", f"{name}-batch.h5"], cwd=folder, capture_output=True, text=True, check=False)
+            self.assertEqual((ended.returncode, ended.stdout.strip()), (0, f"{name}-batch.png"), ended.stderr)
+        figure = batch_figures.batch_figure(folder / "curve-batch.csv")
+        panel = next(axes for axes in figure.axes if axes.get_ylabel() == "b.displacement.y")
+        (line,) = named(panel, "curve")
+        np.testing.assert_allclose(line.get_ydata(), line.get_xdata() / 3, rtol=1e-3)  # less by the square of the rotation
+        self.assertEqual(panel.get_xlabel(), "f, Force[1]")
+        cells = named(batch_figures.batch_figure(folder / "map-batch.csv"), "map")
+        self.assertEqual(cells[0].get_array().size, 6)
+        with self.assertRaisesRegex(InputError, "--curve nonsense: no column"):
+            batch_figures.batch_figure(folder / "map-batch.csv", ["nonsense", force])
+
+    def test_a_scene_that_is_not_solved(self):
+        folder = Path(self.folder.name)
+        (folder / "loose.xml").write_text(portal().replace('"a"/><Parameter name="Fixed Displacement" type="Array(string)" value="{x, y, z}"',
+                                                           '"a"/><Parameter name="Fixed Displacement" type="Array(string)" value="{y, z}"')
+                                          .replace(entry("Displacement Stiffness", NUMBERS, "{50, 0, 0}"), ""))
+        ended = subprocess.run([PROGRAM, "plot", "loose.xml", "--format", "svg"], cwd=folder, capture_output=True, text=True, check=False)
+        self.assertEqual((ended.returncode, ended.stdout.strip()), (0, "loose-shape.svg"), ended.stderr)
+        for words in ("not solved", "can move without strain in 1 way", "moves without strain"):
+            self.assertIn(words, re.sub(r"<[^>]*>|\s+", " ", (folder / "loose-shape.svg").read_text()).replace("  ", " "), words)
 
     def test_arrows_end_inside_the_picture(self):
         figure = self.shape(*self.view("portal", view="xz"))
@@ -233,8 +342,9 @@ class Plots(unittest.TestCase):
     def test_axes_have_names_and_units(self):
         view, step = self.view("portal", view="xz")
         figure = self.shape(view, step)
-        self.assertIn("$x$  [m]", texts(figure))
-        self.assertIn("$z$  [m]", texts(figure))
+        self.assertEqual([text.get_text() for text in named(figure, "axis")], ["$x$", "$z$"])
+        self.assertTrue(any(re.fullmatch(r"0\.\d m", text) for text in texts(figure)), texts(figure))  # a length to compare with
+        self.assertIn("$x$  [m]", texts(diagram_figures.on_structure_figure(view, step)))
         labels = texts(diagram_figures.over_arc_length_figure(view, step))
         self.assertTrue(any(label.startswith("$N$") and "kN" in label for label in labels), labels)
         self.assertTrue(any(label.startswith("$M_3$") and "kN m" in label for label in labels), labels)
@@ -323,10 +433,10 @@ class Plots(unittest.TestCase):
         np.testing.assert_allclose(line.get_ydata() * np.abs(monitor["a.reaction_force"][-1, 0] / line.get_ydata()[-1]),
                                    monitor["a.reaction_force"][:, 0], rtol=1e-12)  # up to a power of ten
         np.testing.assert_array_equal(np.sign(line.get_xdata()), (0.0, 1.0))
-        self.assertTrue(figure.axes[0].get_ylabel().startswith("force:a.x"))
+        self.assertTrue(figure.axes[0].get_ylabel().startswith("a: reaction force x"))
         self.assertTrue(figure.axes[0].get_ylabel().endswith("kN]"))
         self.assertTrue(figure.axes[0].get_xlabel().endswith("m]"))
-        self.assertEqual(path_figures.curve_figure(view, "load_factor", "rotation:b.y").axes[0].get_ylabel(), "load_factor")
+        self.assertEqual(path_figures.curve_figure(view, "load_factor", "rotation:b.y").axes[0].get_ylabel(), "load factor")
         self.assertEqual(view.run.unit_of("b.nonsense"), "")
         self.assertEqual(view.run.series("load_factor").tolist(), [0.0, 1.0])
         with self.assertRaisesRegex(InputError, "nothing is followed as bb.x; the nearest are .*b.displacement.x"):
@@ -375,11 +485,11 @@ class Plots(unittest.TestCase):
                       ("report", "two-up.h5"), ("verify", "two.h5")):
             ended = mixbeam(*words)
             self.assertEqual(ended.returncode, 0, ended.stderr)
-        self.assertIn("quantities at the ends of 3 runs", (folder / "two_envelope.svg").read_text())
+        self.assertIn("quantities at the ends of 3 runs", (folder / "two-envelope.svg").read_text())
         for page in ("two", "two-up"):
-            self.assertIn(">Envelope</h2>", (folder / f"{page}.html").read_text())
+            self.assertIn(">Envelope</h2>", (folder / f"{page}-report.html").read_text())
         for words, reason in ((("plot", "two.h5", "--picture", "shape"), "--case takes one of them (down, up, both)"),
-                              (("plot", "two-up.h5", "--picture", "envelope"), "of one run"), (("view", "two.h5"), "--case")):
+                              (("plot", "two-up.h5", "--picture", "envelope"), "of one run")):
             ended = mixbeam(*words)
             self.assertEqual(ended.returncode, 2, ended.stdout)
             self.assertIn(reason, ended.stderr)
@@ -405,7 +515,7 @@ class Plots(unittest.TestCase):
             self.assertFalse((folder / "executed").exists())
             subprocess.run(["/usr/bin/python3", "-c", "import numpy"], cwd=folder, check=False)
             self.assertTrue((folder / "executed").exists())  # which Python otherwise does
-            self.assertGreater((folder / "pictures" / "one_shape.png").stat().st_size, 20000)  # not of 7 dots per inch
+            self.assertGreater((folder / "pictures" / "one-shape.png").stat().st_size, 20000)  # not of 7 dots per inch
             (folder / "link.html").symlink_to("one.h5")
             before = result.read_bytes()
             for words in (("report", "-o", "one.h5"), ("view", "-o", "one.xml"), ("view", "--output", "link.html")):
@@ -443,7 +553,7 @@ class Plots(unittest.TestCase):
         np.testing.assert_array_equal(star.get_xdata(), down[at - 1:at + 1])
         self.assertEqual(len(named(curve, "piece true")), 2)  # the path stops before the jump, and goes on behind it
         self.assertEqual(named(path_figures.curve_figure(self.view("portal")[0], "load_factor", "b.x"), "jump"), [])
-        page = (folder / "snapping_arch.html").read_text()
+        page = (folder / "snapping_arch-report.html").read_text()
         jump = view.run.steps[at].jump
         self.assertIn(f"<td>{jump['released']:.4g}</td>", page)
         self.assertIn("point &quot;crown&quot;", page)
@@ -460,7 +570,7 @@ class Plots(unittest.TestCase):
             for command in (("run", "strong.xml", "--output", ".", "--quiet", "--summary", "s.json"), ("report", "strong.h5")):
                 ended = subprocess.run([PROGRAM, *command], cwd=folder, capture_output=True, text=True, check=False)
                 self.assertEqual(ended.returncode, 0, ended.stdout + ended.stderr)
-            page = (folder / "strong.html").read_text()
+            page = (folder / "strong-report.html").read_text()
             self.assertEqual(words in page, beyond)
             for one in json.loads((folder / "s.json").read_text())["quantities"]:
                 self.assertIn(f"<td>{one['error']:.4g}</td>", page)
@@ -478,7 +588,7 @@ class Plots(unittest.TestCase):
                         ("report", "evil.h5", "--summary", "sum.json")):
             ended = subprocess.run([PROGRAM, *command], cwd=folder, capture_output=True, text=True, check=False)
             self.assertEqual(ended.returncode, 0, ended.stderr)
-        page = (folder / "evil.html").read_text()
+        page = (folder / "evil-report.html").read_text()
         self.assertNotIn(evil, page)  # names are data
         self.assertIn("&lt;img src=x onerror=alert(1)&gt;", page)
         self.assertNotIn("://", page.split("<details>")[0])  # nothing is fetched
@@ -488,7 +598,7 @@ class Plots(unittest.TestCase):
             self.assertIn(words, page)
         (folder / "pages").mkdir()
         subprocess.run([PROGRAM, "report", "evil.h5", "--output", "pages"], cwd=folder, capture_output=True, check=True)
-        self.assertTrue((folder / "pages" / "evil.html").exists())  # a folder takes the page
+        self.assertTrue((folder / "pages" / "evil-report.html").exists())  # a folder takes the page
         ended = subprocess.run([PROGRAM, "report", "none.h5"], cwd=folder, capture_output=True, text=True, check=False)
         self.assertEqual(ended.returncode, 2)
         self.assertIn("none.h5", ended.stderr)
@@ -524,7 +634,7 @@ class Plots(unittest.TestCase):
         self.assertEqual(ended.returncode, 0, ended.stderr)
         ended = plot("--along", "deck *")
         self.assertEqual(ended.returncode, 0, ended.stderr)
-        self.assertIn("portal_along.svg", ended.stdout)
+        self.assertIn("portal-along.svg", ended.stdout)
         for options, word in ((("--scale", "-1"), "--scale"), (("--picture", "along"), "--along"), (("--view", "top"), "--view"),
                               (("--moments", "up"), "--moments"), (("--along", "dek"), "deck 1"), (("--picture", "curve"), "--curve")):
             ended = plot(*options)

@@ -1,0 +1,107 @@
+"""A picture of the table of `mixbeam batch`: curves over one parameter, maps over two."""
+
+import csv
+
+import numpy as np
+
+import fields
+import style
+from command import inputs
+from results import InputError
+
+MOST_PANELS = 9
+ENDING = "-batch"
+OF_SOLVER = "iterations"  # the first column that says how a case was solved
+
+
+def is_batch(path):
+    return path.stem.endswith(ENDING) and path.suffix in (".h5", ".csv")
+
+
+class Batch:
+    """`parameters` and `followed`: columns {name: (cases,)} with nan where a case has no number; followed ones that change."""
+
+    def __init__(self, path):
+        table = path.with_suffix(".csv")
+        inputs.add(table)
+        try:
+            with open(table, encoding="utf-8", errors="replace", newline="") as file:
+                rows = list(csv.reader(line for line in file if not line.startswith("#")))
+        except OSError as error:
+            raise InputError(f"{table}: {error.strerror}") from None
+        names = rows[0] if rows else []
+        if len(rows) < 2 or names[0] != "case" or OF_SOLVER not in names or any(len(row) != len(names) for row in rows):
+            raise InputError(f"{table}: not the table of a batch; allowed: what mixbeam batch has written")
+        self.name, self.columns = table.stem.removesuffix(ENDING), {}
+        for number, name in enumerate(names[1:names.index(OF_SOLVER)], 1):
+            self.columns[name] = np.array([_number(row[number]) for row in rows[1:]])
+        varied = {name: values for name, values in self.columns.items() if len(set(values[np.isfinite(values)])) > 1}
+        self.parameters = {name: values for name, values in varied.items() if "/" in name and not name.startswith("Expected/")}
+        self.followed = {name: values for name, values in varied.items() if "/" not in name}
+
+    def column(self, name):
+        if name not in self.columns:
+            raise InputError(f"--curve {name}: no column of the batch; allowed are {', '.join(self.columns)}")
+        return self.columns[name]
+
+
+def batch_figure(path, curve=None):
+    """One column over another; else all that changes over the parameter, or over both of them."""
+    batch = Batch(path)
+    if curve:
+        panels = [(curve[0], curve[1], batch.column(curve[0]), batch.column(curve[1]))]
+    elif len(batch.parameters) == 1:
+        (across, x), = batch.parameters.items()
+        panels = [(name, across, values, x) for name, values in batch.followed.items()]
+    elif len(batch.parameters) == 2:
+        panels = [(name, None, values, None) for name, values in batch.followed.items()]
+    else:
+        raise InputError(f"{path}: a batch over {len(batch.parameters)} parameters; allowed: one or two, or --curve with two of "
+                         f"{', '.join(batch.columns)}")
+    if not panels:
+        raise InputError(f"{path}: nothing that is followed changes from case to case")
+    panels = panels[:MOST_PANELS]
+    columns = min(3, len(panels))
+    rows = -(-len(panels) // columns)
+    canvas, all_axes = style.figure(max(4.6 * columns, 6.4), 3.7 * rows + 0.5, rows, columns, squeeze=False)
+    for axes in all_axes.flat[len(panels):]:
+        axes.set_visible(False)
+    for axes, (name, across, y, x) in zip(all_axes.flat, panels):
+        if across is None:
+            _draw_map(canvas, axes, batch, name, y)
+        else:
+            order = np.argsort(x, kind="stable")
+            axes.plot(x[order], y[order], "o-", markersize=3.5, color=style.BLUE, gid="curve")
+            axes.set(xlabel=_words(across), ylabel=_words(name))
+    count = len(next(iter(batch.columns.values())))
+    canvas.suptitle(f"{style.literal(batch.name)}: batch of {count} cases", fontsize=13)
+    return canvas
+
+
+def _draw_map(canvas, axes, batch, name, values):
+    """Of a grid as its cells, of scattered cases as points."""
+    (across, x), (up, y) = batch.parameters.items()
+    xs, ys = np.unique(x), np.unique(y)
+    exponent = fields.power_of_ten(np.nanmax(np.abs(values), initial=0.0))
+    values = values / 10.0 ** exponent
+    if len(xs) * len(ys) == len(values):
+        cells = np.full((len(ys), len(xs)), np.nan)
+        cells[np.searchsorted(ys, y), np.searchsorted(xs, x)] = values
+        drawn = axes.pcolormesh(xs, ys, cells, shading="nearest", cmap="viridis", gid="map")
+    else:
+        drawn = axes.scatter(x, y, c=values, cmap="viridis", gid="map")
+    axes.set(xlabel=_words(across), ylabel=_words(up))
+    axes.grid(False)
+    canvas.colorbar(drawn, ax=axes, label=_words(name) + fields.times(exponent), pad=0.02)
+
+
+def _words(name):
+    """The end of the path of a parameter says what it is."""
+    return style.literal(", ".join(name.split("/")[-2:]))
+
+
+def _number(text):
+    try:
+        return float(text)
+    except ValueError:
+        return np.nan
