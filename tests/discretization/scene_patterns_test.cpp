@@ -275,7 +275,7 @@ TEST(ScenePatterns, WhatHasNoMembersWhereThePatternEndsIsLeftOut) {
   std::vector<std::string> notes;
   const auto read = [&](const std::string& text) {
     XmlParameters file = parsed(text);
-    return read_scene(file.list->sublist("Scene"), file.source, {"Scene"}, &notes);
+    return read_scene(file.list->sublist("Scene"), file.source, {"Scene"}, {&notes});
   };
   const Scene scene = read(scene_text(kCell, kCellMembers, patterns({repeat("[1, 0, 0]", 3, "Copy: all")}) + joint));
   ASSERT_EQ(scene.joints.size(), 2U);
