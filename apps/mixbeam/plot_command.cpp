@@ -71,9 +71,11 @@ namespace {
 /// Other files of the program hold no run.
 void require_run(const std::string& command, const std::filesystem::path& file) {
   const std::string name = file.stem().string(), batch = "-batch", allowed = "; allowed: results of mixbeam run";
-  if (name.size() > batch.size() && name.substr(name.size() - batch.size()) == batch && file.extension() == ".h5")
+  if (command != "plot" && name.size() > batch.size() && name.substr(name.size() - batch.size()) == batch &&
+      file.extension() == ".h5")
     throw InputError("\"" + excerpt(file.string()) + "\" holds the table of a batch" + allowed +
-                     "; the same table for other programs: " + excerpt((file.parent_path() / name).string()) + ".csv");
+                     "; a picture: mixbeam plot; the same table for other programs: " +
+                     excerpt((file.parent_path() / name).string()) + ".csv");
   if (command == "report" && (file.extension() == ".xml" || file.extension() == ".yaml" || file.extension() == ".yml"))
     throw InputError("\"" + excerpt(file.string()) + "\" is a scene" + allowed + ": mixbeam run " +
                      excerpt(file.string()) + ", then mixbeam report results/" + name + "/" + name + ".h5");
