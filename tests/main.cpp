@@ -1,10 +1,15 @@
 // Start of every test executable: MPI, Kokkos and Tpetra around Google Test, on one rank or on several.
 #include "apps/common/session/mpi_session.hpp"
+#include "nonlinear/newton/thresholds.hpp"
+#include "nonlinear/path/thresholds.hpp"
+#include "nonlinear/stability/thresholds.hpp"
 
 #include <gtest/gtest.h>
 #include <mpi.h>
 
 #include <cstdio>
+#include <stdexcept>
+#include <string>
 
 namespace {
 
@@ -28,6 +33,18 @@ class FailuresOfRank : public testing::EmptyTestEventListener {
   const testing::TestInfo* test_ = nullptr;
 };
 
+// --threshold=path:4:9.7 sets the fifth number of nonlinear/path/thresholds.hpp. The tables hold nothing but numbers.
+template <class Table>
+void move_threshold(Table& table, const std::string& room, const std::string& argument) {
+  static_assert(sizeof(Table) % sizeof(double) == 0);
+  const std::string option = "--threshold=" + room + ":";
+  const size_t end = argument.find(':', option.size());
+  if (argument.compare(0, option.size(), option) != 0 || end == std::string::npos) return;
+  const size_t place = std::stoul(argument.substr(option.size()));
+  if (place >= sizeof(Table) / sizeof(double)) throw std::out_of_range(argument);
+  reinterpret_cast<double*>(&table)[place] = std::stod(argument.substr(end + 1));
+}
+
 int run_tests(int rank) {
   if (rank != 0) {
     auto& listeners = testing::UnitTest::GetInstance()->listeners();
@@ -48,6 +65,11 @@ int run_tests(int rank) {
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
+  for (int i = 1; i < argc; ++i) {
+    move_threshold(mixbeam::path_limit, "path", argv[i]);
+    move_threshold(mixbeam::newton_limit, "newton", argv[i]);
+    move_threshold(mixbeam::stability_limit, "stability", argv[i]);
+  }
   const mixbeam::MpiSession session;
   return run_tests(session.communicator()->getRank());
 }

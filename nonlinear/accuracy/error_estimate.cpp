@@ -77,7 +77,8 @@ class RicherSolve {
   /// With the tangent here.
   void correct() {
     tangent_ = group_;
-    tangent_->computeJacobian();
+    Teuchos::ParameterList none;
+    tangent_->computeNewton(none);
     move(tangent_->getNewton(), 1.0);
   }
   /// With the tangent of the last correct().

@@ -1,4 +1,5 @@
 #include "nonlinear/newton/beam_group.hpp"
+#include "nonlinear/newton/thresholds.hpp"
 
 #include <LOCA_Extended_MultiAbstractGroup.H>
 #include <LOCA_Extended_Vector.H>
@@ -174,14 +175,13 @@ void BeamGroup::computeX(const NOX::Abstract::Group& from, const NOX::Abstract::
   const MixedVector& d = BeamVector::of(direction);
   reset();
   norm_before_ = source.valid_f_ ? source.getNormF() : 0.0;
-  state_ = problem_->model.apply(source.state_, d, step);
+  state_ = moved(*problem_, source.state_, d, step);
   x_->values().update(1.0, source.x_->values(), step, d, 0.0);
 }
 
 NOX::Abstract::Group::ReturnType BeamGroup::computeF() {
   if (valid_f_) return Ok;
-  point_ = mixed_residual(problem_->model, state_, load_factor(), f_->values());
-  ++problem_->work.residuals;
+  point_ = take_residual(*problem_, state_, load_factor(), f_->values());
   valid_f_ = true;
   return Ok;
 }
@@ -190,70 +190,48 @@ Linearization& BeamGroup::linearization() {
   if (isJacobian()) return *linearization_;
   computeF();
   ++problem_->work.tangents;
-  linearize(choice_.in_space);
+  linearize_here(choice_.in_space);
   problem_->last_failure = linearization_->failure();
   return *linearization_;
 }
-
-namespace {
-
-/// An increment that is not exact leaves so much less of the residual than its linearisation does, and than the
-/// tolerance of the residual: in its largest row an error in energy is up to ten times larger.
-constexpr double kLessThanCurvature = 0.01, kLessThanTolerance = 0.01;
-/// Of the tolerance: where the linearisation will leave no more, it often leaves less, and the iteration is the last.
-constexpr double kNearlyThere = 100.0;
-
-}  // namespace
 
 /// The linearisation leaves the square of what it left in the last step.
 double BeamGroup::enough_for_increment() const {
   if (choice_.enough == 0.0 || norm_before_ == 0.0) return choice_.enough;
   const double norm = getNormF(), tolerance = problem_->model.options().residual_tolerance;
   const double square = norm / norm_before_ * norm / norm_before_;
-  const bool is_last = square * norm <= kNearlyThere * tolerance;
-  return std::min(choice_.enough, is_last ? kLessThanTolerance * tolerance / norm : kLessThanCurvature * square);
+  const bool is_last = square * norm <= newton_limit.nearly_there * tolerance;
+  return std::min(choice_.enough, is_last ? newton_limit.less_than_curvature * tolerance / norm
+                                          : newton_limit.less_than_curvature * square);
 }
 
 NOX::Abstract::Group::ReturnType BeamGroup::computeJacobian() {
-  if (valid_newton_ && isJacobian()) return Ok;
   linearization();
-  // the condensed residual is that of F now: the Newton increment costs one solve
-  newton_cap_ = linearization_->tangent().cap();
-  try {
-    linearization_->newton_increment(newton_->values(), enough_for_increment());
-    if (!choice_.keeps_cap && remove_cap_compliance_where_it_slows(*linearization_, f_->values(), newton_->values()))
-      newton_cap_ = {};
-  } catch (const LinearSolverError& error) {
-    // an increment that is NaN fails the finite-value test of this very iteration, and the step is repeated smaller
-    problem_->last_failure = error.what();
-    newton_->init(std::numeric_limits<double>::quiet_NaN());
-  }
-  valid_newton_ = true;
   return Ok;
 }
 
 /// Borders may leave the plane, and all solves are to be with the same tangent.
-void BeamGroup::linearize(bool in_space) const {
-  ++problem_->work.factorizations;
+void BeamGroup::linearize_here(bool in_space) const {
+  TangentChoice choice = choice_;
+  choice.in_space = in_space;
   linearization_.reset();  // its arrays are used again
-  linearization_ =
-      std::make_unique<Linearization>(*problem_, point_, cap(), TangentKind{in_space, choice_.counts_interior});
+  linearization_ = linearize(*problem_, point_, choice);
 }
 
 Tangent BeamGroup::tangent() const { return Tangent(problem_->model, point_, cap(), {choice_.in_space, false}); }
 
 NOX::Abstract::Group::ReturnType BeamGroup::computeNewton(Teuchos::ParameterList&) {
-  if (valid_newton_) return Ok;
-  return computeJacobian();
+  if (!valid_newton_) linearization();
+  find_newton();
+  return Ok;
 }
 
-namespace {
-
-/// Where every stiffness that is cut off is infinite, in place of the ratio to the largest finite one: an increment
-/// that equilibrium determines loses all of what the cap adds, one that closed rigid frames share stays as it is.
-constexpr double kRigidRatio = 1e-2;
-
-}  // namespace
+void BeamGroup::find_newton() const {
+  if (valid_newton_) return;
+  newton_cap_ = find_increment(*problem_, *linearization_, f_->values(), choice_.keeps_cap, enough_for_increment(),
+                               newton_->values());
+  valid_newton_ = true;
+}
 
 NOX::Abstract::Group::ReturnType BeamGroup::applyJacobian(const NOX::Abstract::Vector& input,
                                                           NOX::Abstract::Vector& result) const {
@@ -267,17 +245,19 @@ NOX::Abstract::Group::ReturnType BeamGroup::applyJacobianInverse(Teuchos::Parame
                                                                  NOX::Abstract::Vector& result) const {
   if (!isJacobian()) return BadDependency;
   const MixedVector& rhs = BeamVector::of(input);
-  if (valid_newton_ && rhs.same_values(f_->values())) {  // what LOCA asks for in every Newton iteration
+  if (rhs.same_values(f_->values())) {  // what LOCA asks for in every Newton iteration
+    find_newton();
     result.update(-1.0, *newton_, 0.0);
     return Ok;
   }
   BeamVector increment(problem_->model.create_vector());
   try {
-    if (linearization_->tangent().is_planar() && !problem_->model.is_in_plane(rhs)) linearize(true);
+    if (linearization_->tangent().is_planar() && !problem_->model.is_in_plane(rhs)) linearize_here(true);
     linearization_->solve(rhs, increment.values(), choice_.enough);
     if (!choice_.keeps_cap) {
       const double cap_ratio = linearization_->tangent().cap().least_ratio;
-      remove_cap_compliance(*linearization_, cap_ratio > 0.0 ? cap_ratio : kRigidRatio, increment.values());
+      remove_cap_compliance(*linearization_, cap_ratio > 0.0 ? cap_ratio : newton_limit.rigid_ratio,
+                            increment.values());
     }
   } catch (const LinearSolverError& error) {
     problem_->last_failure = error.what();

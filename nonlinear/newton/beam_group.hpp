@@ -141,7 +141,8 @@ class BeamGroup : public LOCA::Abstract::Group {
     linearization_.reset();
   }
   Cap cap() const { return cap_for(problem_->model, point_.scales, choice_.cap_raise); }
-  void linearize(bool in_space) const;
+  void linearize_here(bool in_space) const;
+  void find_newton() const;
   double enough_for_increment() const;
 
   Teuchos::RCP<LOCA::GlobalData> global_;
@@ -152,10 +153,12 @@ class BeamGroup : public LOCA::Abstract::Group {
   EvaluationPoint point_;
   StepObserver observer_;
   TangentChoice choice_;
-  bool valid_f_ = false, valid_newton_ = false;
+  bool valid_f_ = false;
   double norm_before_ = 0.0;  ///< of F where the last step began; zero: not known
-  Cap newton_cap_;            ///< left in the Newton increment; of no stiffness where it was taken out
-  mutable std::unique_ptr<Linearization> linearization_;  ///< here; copies take their own when they need it
+  // Caches of what belongs to F: the tangent, of which copies take their own when they need it, and its increment.
+  mutable bool valid_newton_ = false;
+  mutable Cap newton_cap_;  ///< left in the Newton increment; of no stiffness where it was taken out
+  mutable std::unique_ptr<Linearization> linearization_;
 };
 
 }  // namespace mixbeam

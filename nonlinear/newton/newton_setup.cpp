@@ -1,6 +1,7 @@
 #include "nonlinear/newton/newton_setup.hpp"
 
 #include "nonlinear/newton/beam_group.hpp"
+#include "nonlinear/newton/thresholds.hpp"
 
 #include <NOX_LineSearch_Generic.H>
 #include <NOX_LineSearch_UserDefinedFactory.H>
@@ -34,24 +35,14 @@ class RotationLimitedLineSearch : public NOX::LineSearch::Generic {
   double maximum_rotation_;
 };
 
-class RotationLimitedFactory : public NOX::LineSearch::UserDefinedFactory {
- public:
+struct RotationLimitedFactory : NOX::LineSearch::UserDefinedFactory {
   explicit RotationLimitedFactory(double maximum_rotation) : maximum_rotation_(maximum_rotation) {}
   Teuchos::RCP<NOX::LineSearch::Generic> buildLineSearch(const Teuchos::RCP<NOX::GlobalData>&,
                                                          Teuchos::ParameterList&) const override {
     return Teuchos::rcp(new RotationLimitedLineSearch(maximum_rotation_));
   }
-
- private:
   double maximum_rotation_;
 };
-
-/// Of the motion. Each iteration divides what is left by the cap, 1e5 as a rule: a bound near rounding would ask for
-/// one iteration more than is of use.
-constexpr double kNegligibleMotion = 1e-9;
-
-/// Beyond, rounding errors of the strains make the forces oscillate, and more iterations do not help.
-constexpr int kMostRefusals = 2;
 
 /// Tiny loads: residuals of compatibility allow for the rounding errors of strains, which are differences of numbers of
 /// size one. Where these errors do not arise (members along an axis), the residual cannot tell the first increment of a
@@ -68,9 +59,10 @@ class CapStatusTest : public NOX::StatusTest::Generic {
     status_ = Converged;
     if (type == None) {
       status_ = Unevaluated;
-    } else if (solver.getNumIterations() > 0 && refusals_ < kMostRefusals) {
+    } else if (solver.getNumIterations() > 0 && refusals_ < newton_limit.most_refusals) {
       const BeamGroup& before = BeamGroup::of(solver.getPreviousSolutionGroup());
-      if (BeamGroup::of(solver.getSolutionGroup()).left_out_since(before) > kNegligibleMotion) status_ = Unconverged;
+      if (BeamGroup::of(solver.getSolutionGroup()).left_out_since(before) > newton_limit.negligible_cap_motion)
+        status_ = Unconverged;
       refusals_ += status_ == Unconverged ? 1 : 0;
     }
     return status_;
@@ -158,11 +150,10 @@ Teuchos::ParameterList default_nox(const NewtonParameters&) {
 
 /// A user's status tests need not end an iteration that diverges or whose residual is NaN; these always do.
 Teuchos::RCP<NOX::StatusTest::Generic> with_guards(const Teuchos::RCP<NOX::StatusTest::Generic>& tests) {
-  constexpr int kIterationsWithoutEnd = 1000;
   const auto guarded = Teuchos::rcp(new NOX::StatusTest::Combo(NOX::StatusTest::Combo::OR));
   guarded->addStatusTest(tests);
   guarded->addStatusTest(finite_residual());
-  guarded->addStatusTest(Teuchos::rcp(new NOX::StatusTest::MaxIters(kIterationsWithoutEnd)));
+  guarded->addStatusTest(Teuchos::rcp(new NOX::StatusTest::MaxIters(newton_limit.iterations_without_end)));
   return guarded;
 }
 

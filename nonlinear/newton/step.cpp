@@ -2,12 +2,48 @@
 
 #include "nonlinear/linear/krylov.hpp"
 #include "nonlinear/newton/beam_group.hpp"
+#include "nonlinear/newton/thresholds.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace mixbeam {
+
+// The step, in the order in which it happens. BeamGroup: computeF, computeJacobian, computeNewton, computeX.
+
+EvaluationPoint take_residual(BeamProblem& problem, const State& state, double load_factor, MixedVector& rows) {
+  ++problem.work.residuals;
+  return mixed_residual(problem.model, state, load_factor, rows);  // scales of the rows -> residual of the elements
+}
+
+std::unique_ptr<Linearization> linearize(BeamProblem& problem, const EvaluationPoint& point,
+                                         const TangentChoice& choice) {
+  ++problem.work.factorizations;
+  const Cap cap = cap_for(problem.model, point.scales, choice.cap_raise);
+  const TangentKind kind{choice.in_space, choice.counts_interior};
+  // tangent of the elements, each condensed to its two vertices -> chains eliminated to their ends
+  // -> junctions factorised
+  return std::make_unique<Linearization>(problem, point, cap, kind);
+}
+
+Cap find_increment(BeamProblem& problem, Linearization& here, const MixedVector& rows, bool keeps_cap, double enough,
+                   MixedVector& increment) {
+  try {
+    here.newton_increment(increment, enough);  // junctions solved, checked -> chains expanded -> interiors recovered
+    if (!keeps_cap && remove_cap_compliance_where_it_slows(here, rows, increment)) return {};
+  } catch (const LinearSolverError& error) {
+    // an increment that is NaN fails the finite-value test of this very iteration, and the step is repeated smaller
+    problem.last_failure = error.what();
+    increment.fill(std::numeric_limits<double>::quiet_NaN());
+  }
+  return here.tangent().cap();
+}
+
+State moved(const BeamProblem& problem, const State& from, const MixedVector& increment, double share) {
+  return problem.model.apply(from, increment, share);  // rotations limited by step_within_rotation() -> state updated
+}
 
 Linearization::Linearization(BeamProblem& problem, const EvaluationPoint& point, const Cap& cap,
                              const TangentKind& kind)
@@ -41,23 +77,6 @@ void Linearization::cap_compliance_rows(const MixedVector& increment, MixedVecto
   mixbeam::cap_compliance_rows(tangent_.model(), tangent_.cap(), tangent_.point().scales, increment, rows);
 }
 
-namespace {
-
-/// Iterations, and vectors that are kept. Newton's method goes on with what is left.
-constexpr int kMostVectors = 20;
-
-/// Where to stop: what was left out need not be known better than the increment itself, which the rounding errors of
-/// the condensed equations disturb in the fifth digit where the cap is reached.
-constexpr double kReduction = 1e-6;
-
-/// Of the cap ratio: no stress shared by finite stiffness answers a unit vector with less.
-constexpr double kRigidAnswer = 0.1;
-
-/// A smaller gain is not worth a change.
-constexpr double kWorthwhile = 0.5;
-
-}  // namespace
-
 // With S = J_c^-1 (-.): d = d_0 + S g and g = D d, so (I - D S) g = D d_0.
 bool remove_cap_compliance(Linearization& linearization, double cap_ratio, MixedVector& increment) {
   MixedVector left_out = increment.clone(false);
@@ -66,26 +85,20 @@ bool remove_cap_compliance(Linearization& linearization, double cap_ratio, Mixed
   if (!(beta > 0.0) || !std::isfinite(beta)) return false;
   std::vector<MixedVector> basis, response;
   basis.push_back(std::move(left_out));
-  const GmresResult found = gmres(basis, beta, kReduction, kMostVectors, [&](const MixedVector& of, MixedVector& next) {
-    response.push_back(increment.clone(false));
-    linearization.solve(of, response.back());
-    linearization.cap_compliance_rows(response.back(), next);
-    next.update(1.0, of, -1.0);
-    return norm_of(next) > kRigidAnswer * cap_ratio;
-  });
+  const GmresResult found = gmres(basis, beta, newton_limit.reduction, newton_limit.most_vectors,
+                                  [&](const MixedVector& of, MixedVector& next) {
+                                    response.push_back(increment.clone(false));
+                                    linearization.solve(of, response.back());
+                                    linearization.cap_compliance_rows(response.back(), next);
+                                    next.update(1.0, of, -1.0);
+                                    return norm_of(next) > newton_limit.rigid_answer * cap_ratio;
+                                  });
   const std::vector<double>& y = found.y;
-  if (!(found.left <= kWorthwhile * beta)) return false;
+  if (!(found.left <= newton_limit.worthwhile * beta)) return false;
   if (!std::all_of(y.begin(), y.end(), [](double factor) { return std::isfinite(factor); })) return false;
   for (size_t k = 0; k < y.size(); ++k) increment.update(y[k], response[k], 1.0);
   return true;
 }
-
-namespace {
-
-/// The cap is let be where it leaves less than this fraction of what the next residual holds anyway.
-constexpr double kNegligible = 0.1;
-
-}  // namespace
 
 bool remove_cap_compliance_where_it_slows(Linearization& linearization, const MixedVector& residual,
                                           MixedVector& increment) {
@@ -98,8 +111,8 @@ bool remove_cap_compliance_where_it_slows(Linearization& linearization, const Mi
   // Strains of the order of the squared rotation are left by the linearisation.
   const double spin = increment.largest_vertex_spin();
   const double from_rotation = spin * spin / scales.rotation;
-  if (!(left > kNegligible * std::max(model.options().residual_tolerance, from_rotation))) return false;
-  if (!(left > kNegligible * compatibility_norm(model, residual))) return false;
+  if (!(left > newton_limit.negligible_cap * std::max(model.options().residual_tolerance, from_rotation))) return false;
+  if (!(left > newton_limit.negligible_cap * compatibility_norm(model, residual))) return false;
   try {
     return remove_cap_compliance(linearization, cap.least_ratio, increment);
   } catch (const LinearSolverError&) {
@@ -107,22 +120,14 @@ bool remove_cap_compliance_where_it_slows(Linearization& linearization, const Mi
   }
 }
 
-namespace {
-
-/// A full step beyond the rotation limit must reduce the imbalance of forces and moments at least to this fraction.
-/// Pure bending reaches round-off, whatever the angle; a step that merely shuffles the imbalance has left the range of
-/// the linearisation, and with 0.4 in place of 0.1 the kinked frame and the fork converge to other equilibria.
-constexpr double kBalanceGain = 0.1;
-
-}  // namespace
-
 double step_within_rotation(NOX::Abstract::Group& group, const NOX::Abstract::Group& from,
                             const NOX::Abstract::Vector& direction, double largest_rotation) {
   const double spin = BeamVector::of(direction).largest_vertex_spin();
   group.computeX(from, direction, 1.0);
   group.computeF();
   if (spin <= largest_rotation || !std::isfinite(spin)) return 1.0;  // the finite-value test reports the latter
-  if (BeamGroup::of(group).equilibrium_norm() <= kBalanceGain * BeamGroup::of(from).equilibrium_norm()) return 1.0;
+  if (BeamGroup::of(group).equilibrium_norm() <= newton_limit.balance_gain * BeamGroup::of(from).equilibrium_norm())
+    return 1.0;
   const double step = largest_rotation / spin;
   group.computeX(from, direction, step);
   group.computeF();

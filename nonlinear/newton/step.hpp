@@ -1,13 +1,5 @@
-/// One step of Newton's method, verb by verb. NOX calls them through BeamGroup.
-///
-///   mixed_residual (assembly/residual.hpp)      scales of the rows -> residual of the elements
-///   Linearization                               tangent of the elements, each condensed to its two vertices
-///                                               -> chains eliminated to their ends -> junctions factorised
-///   Linearization::newton_increment             junctions solved, the solve checked -> chains expanded
-///                                               -> interiors recovered
-///   remove_cap_compliance_where_it_slows        compliance of the cap removed
-///   step_within_rotation                        rotations limited
-///   Model::apply                                state updated
+/// One step of Newton's method, verb by verb: take_residual, linearize, find_increment, moved. The first page of
+/// step.cpp has them in the order in which they happen; BeamGroup hands each to NOX.
 #pragma once
 
 #include "nonlinear/newton/beam_problem.hpp"
@@ -27,10 +19,6 @@ struct TangentChoice {
   /// iteration.
   double enough = 0.0;
 };
-
-/// Of tangents of a path, and at most of Newton increments: what the path bends by in a step, and what the
-/// linearisation leaves of an imbalance, is more.
-inline constexpr double kEnoughForTangents = 1e-4, kEnoughForIncrements = 1e-3;
 
 /// Bordered systems next to a critical point combine several solves with a nearly singular tangent, whose errors cancel
 /// only if it is one and the same; and there the cap of the tangent is felt more than its condition: with the usual one
@@ -65,6 +53,18 @@ class Linearization {
   std::shared_ptr<TangentSolver> solver_;
   std::string failure_;
 };
+
+/// Scales of the rows and residual of the elements, its rows scaled.
+EvaluationPoint take_residual(BeamProblem& problem, const State& state, double load_factor, MixedVector& rows);
+/// The tangent there, factorised; Linearization::failure() where that was not possible.
+std::unique_ptr<Linearization> linearize(BeamProblem& problem, const EvaluationPoint& point,
+                                         const TangentChoice& choice);
+/// The Newton increment for the rows at that point, NaN where the linear solver fails (BeamProblem::last_failure).
+/// Returns the cap that was left in it, of no stiffness where it was taken out.
+Cap find_increment(BeamProblem& problem, Linearization& here, const MixedVector& rows, bool keeps_cap, double enough,
+                   MixedVector& increment);
+/// The state after a share of the increment.
+State moved(const BeamProblem& problem, const State& from, const MixedVector& increment, double share);
 
 /// Takes the cap of the tangent out of a Newton increment. The capped tangent J_c differs from J only by the compliance
 /// that it adds to N and M where a section is (nearly) rigid. Forces that equilibrium determines do not feel it; but in

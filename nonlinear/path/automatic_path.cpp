@@ -1,43 +1,33 @@
 // A load path without tuning: load steps as large as Newton's method takes them, and where one fails or the stability
 // changes within it, the path itself, by its length, through limit points and snap-backs.
 //
+// Or from one stable state to the next: load steps that follow the path as long as it is stable, and where it ends or
+// turns unstable a jump down the total potential.
+//
 // LOCA's constrained group is used without its stepper, which cannot be resumed exactly along the arc length (its
 // scaling depends on all steps so far), does not tell why a step failed, and knows no events between steps.
+#include "discretization/assembly/equation_place.hpp"
+#include "discretization/state/difference.hpp"
+#include "discretization/state/potential.hpp"
 #include "discretization/text/number_text.hpp"
 #include "nonlinear/diagnosis/limp_members.hpp"
 #include "nonlinear/path/branch.hpp"
+#include "nonlinear/path/descent.hpp"
 #include "nonlinear/path/path_goal.hpp"
 #include "nonlinear/path/path_recorder.hpp"
 #include "nonlinear/path/steep_start.hpp"
 #include "nonlinear/path/step_judge.hpp"
 #include "nonlinear/path/step_size.hpp"
+#include "nonlinear/path/thresholds.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <utility>
 
 namespace mixbeam {
 
 namespace {
-
-/// Load steps that have not converged by then seldom do (dead loads of 1e8 EI/L^2 take 23), and the attempt is lost.
-constexpr int kMostIterationsOfLoadStep = 25;
-/// Steps along the path are abandoned a little above what they aim at, see growth_along_path().
-constexpr int kMostIterationsAlongPath = 10;
-/// Attempts in a row that fail in the plane of the scene before the path goes on in space.
-constexpr int kFailuresInPlane = 3;
-/// Largest vertex rotation [rad] in the first step along a path: what follows a failed load step is difficult.
-constexpr double kFirstSpin = 0.4;
-/// Loads that turn back are looked for so many steps ahead.
-constexpr double kReach = 2.0;
-/// The path ends below this length (1: the structure moves by its own size).
-constexpr double kShortestStep = 1e-9;
-/// A path that runs away from the end of its stage is followed this far, in load factors of one stage.
-constexpr double kLargestDetour = 100.0;
-/// A controlled displacement is not sought beyond this multiple of the first critical load, or of the first step's.
-constexpr double kLargestLoad = 1e6;
-/// A rest of the stage that exceeds the step by no more than this share of it is rounding, and not worth a step.
-constexpr double kRoundedSteps = 1e-12;
 
 class AutomaticPath {
  public:
@@ -47,7 +37,8 @@ class AutomaticPath {
         parameters_(parameters),
         range_(range),
         recorder_(recorder),
-        goal_(problem->model, parameters.analysis.control, range.to),
+        jumps_(parameters.analysis.snap == Snap::jump),
+        goal_(problem->model, jumps_ ? std::nullopt : parameters.analysis.control, range.to),
         rule_(step_size_rule(problem->model, parameters)),
         corrector_(problem, parameters, recorder.record()),
         judge_(problem, parameters, recorder.counts(), range.to),
@@ -57,7 +48,14 @@ class AutomaticPath {
 
   bool follow() {
     try {
+      if (jumps_ && recorder_.counts() == nullptr)
+        throw GaveUp{"jumps need the stability of states, which is not counted in a structure of this size"};
       if (!begin()) return false;
+      if (jumps_) {
+        while (!arrived())
+          if (!may_try() || !step_or_jump()) return false;
+        return true;
+      }
       const bool goes_along = parameters_.analysis.trace || !moves_at_first();
       if (!moves_at_first() && !range_.before) start_ = here_;
       if (goes_along && !along_path_ && !arrived() && !start_along_path()) return false;
@@ -105,13 +103,17 @@ class AutomaticPath {
       begin_way();
       return true;
     }
-    const Correction start =
-        corrector_.at_load({here_.state, here_.load_factor}, parameters_.newton.maximum_iterations);
+    const Correction start = corrector_.at_load(here_.state, here_.load_factor, parameters_.newton.maximum_iterations);
     if (!start.converged) {
       recorder_.not_converged();
       return false;
     }
-    accept(station_at(start, nullptr), start.residual, {});
+    Station at = jumps_ ? judge_.station(start.state, start.load_factor, nullptr) : station_at(start, nullptr);
+    if (jumps_ && !is_stable(at)) {
+      here_ = std::move(at);
+      return jump(here_.load_factor, false);
+    }
+    accept(std::move(at), start.residual, {});
     begin_way();
     return true;
   }
@@ -122,7 +124,8 @@ class AutomaticPath {
     start_of_goal_ = goal_now();
   }
 
-  void accept(Station next, double residual, std::vector<CriticalPoint> passed) {
+  void accept(Station next, double residual, std::vector<CriticalPoint> passed,
+              const std::optional<RecordedJump>& jump = {}) {
     here_ = std::move(next);
     failures_in_a_row_ = 0;
     ConvergedStep step{here_.state, here_.load_factor, residual};
@@ -131,10 +134,12 @@ class AutomaticPath {
     step.direction = here_.tangent.load < 0.0 ? -1 : 1;
     step.branched = branched_;
     step.stability = here_.stability;
-    if (goal_.is_controlled() && here_.stability && recorder_.reports_stability())
-      step.held_stability =
-          recorder_.counts()->count_held(here_.state, here_.load_factor, goal_.row(here_.load_factor, 0.0).weights);
+    if (goal_.is_controlled() && here_.stability && recorder_.reports_stability()) {
+      const MixedVector held = goal_.row(here_.load_factor, 0.0).weights;
+      step.held_stability = recorder_.counts()->ask({here_.state, here_.load_factor, nullptr, &held}, How::held);
+    }
     step.critical_points = std::move(passed);
+    step.jump = jump;
     recorder_.set_attempts(range_.attempts - attempts_left_);
     recorder_.converged(step);
   }
@@ -142,7 +147,7 @@ class AutomaticPath {
   /// Where elements turn by many radians each, Newton's method in the plane arrives less often than that in space.
   void not_converged() {
     recorder_.not_converged();
-    if (++failures_in_a_row_ >= kFailuresInPlane) here_.state.in_plane = false;
+    if (++failures_in_a_row_ >= path_limit.failures_in_plane) here_.state.in_plane = false;
   }
 
   bool take(const Correction& found, const StepTest& test) {
@@ -190,8 +195,8 @@ class AutomaticPath {
   bool step_to_goal() {
     const double now = goal_now(), rest = goal_.value() - now;
     const double size = std::copysign(std::min(size_, std::abs(rest)), rest);
-    const bool is_last = std::abs(rest) <= size_ * (1.0 + kRoundedSteps);
-    const int most = std::min(kMostIterationsOfLoadStep, parameters_.newton.maximum_iterations);
+    const bool is_last = std::abs(rest) <= size_ * (1.0 + path_limit.rounded_steps);
+    const int most = std::min<int>(path_limit.most_iterations_of_load_step, parameters_.newton.maximum_iterations);
     const PathDirection way = scaled(here_.tangent, size / goal_.rate(here_.tangent));
     const bool is_known = here_.has_tangent() && std::isfinite(way.load) && std::isfinite(way.x.maximum_norm());
     const Correction found = goal_.correct(corrector_, here_, is_last ? goal_.value() : now + size,
@@ -214,8 +219,7 @@ class AutomaticPath {
   /// Whether the loads turn members as they set in, and so tell limp ones to which side they sag. A column under thrust
   /// alone may be as limp, but buckles to either side.
   bool sets_out_sideways() const {
-    constexpr double kLeastSpin = 1e-3;  // of a tangent of length 1; limp members turn by about that length
-    return !here_.has_tangent() || here_.tangent.x.largest_vertex_spin() > kLeastSpin;
+    return !here_.has_tangent() || here_.tangent.x.largest_vertex_spin() > path_limit.least_sideways_spin;
   }
 
   /// Whether a step from the start, which no direction there tells of, has led to the one state that cables hang in.
@@ -237,7 +241,8 @@ class AutomaticPath {
   /// Whether the loads turn back within reach of the next step along the path; then it is one of the load.
   bool meets_turning_loads() {
     if (goal_.is_controlled() || !(here_.tangent.load > 0.0)) return false;
-    const double reach = std::min(kReach * length_ * here_.tangent.load, range_.to - here_.load_factor);
+    const double reach =
+        std::min(path_limit.reach_of_turns * length_ * here_.tangent.load, range_.to - here_.load_factor);
     if (judge_.loads().is_straight(here_.load_factor, here_.load_factor + reach)) return false;
     along_path_ = false;
     size_ = std::clamp(reach, rule_.minimum, rule_.maximum);
@@ -255,11 +260,12 @@ class AutomaticPath {
     if (moves_at_first() && goal_.is_controlled() && rate * (goal_.value() - goal_now()) < 0.0)
       here_.tangent = scaled(here_.tangent, -1.0);
     const double spin = here_.tangent.x.largest_vertex_spin();
-    length_ = spin > 0.0 ? kFirstSpin / spin : 1.0;
+    length_ = spin > 0.0 ? path_limit.first_spin / spin : 1.0;
     const double to_goal = std::abs((goal_.value() - goal_now()) / rate);
     if (std::isfinite(to_goal)) length_ = std::min(length_, to_goal);
     // one stage; where loads are not proportional not as far as the load step that has failed: it would be tried again
-    const double farthest = judge_.loads().is_straight(here_.load_factor, range_.to) ? 1.0 : size_ / kReach;
+    const double farthest =
+        judge_.loads().is_straight(here_.load_factor, range_.to) ? 1.0 : size_ / path_limit.reach_of_turns;
     length_ = std::min(length_, farthest / std::max(std::abs(here_.tangent.load), 1e-300));
     return true;
   }
@@ -270,28 +276,30 @@ class AutomaticPath {
     const double largest = rule_.maximum / std::max(std::abs(goal_.rate(here_.tangent)), 1e-300);
     const double step = length = std::min(length_, largest);
     const double to_goal = rest / goal_.rate(here_.tangent);
-    if (to_goal > 0.0 && to_goal <= step * (1.0 + kRoundedSteps)) {
+    if (to_goal > 0.0 && to_goal <= step * (1.0 + path_limit.rounded_steps)) {
       length = to_goal;
       const PathDirection guess = scaled(here_.tangent, to_goal);
-      result = goal_.correct(corrector_, here_, goal_.value(), &guess, kMostIterationsAlongPath);
+      result = goal_.correct(corrector_, here_, goal_.value(), &guess, path_limit.most_iterations_along_path);
       return result.converged;
     }
     const PathDirection guess = scaled(here_.tangent, step);
-    result = corrector_.on_row({here_.state, here_.load_factor + guess.load, &guess.x},
-                               measure_.row(here_.tangent, here_.load_factor, step), kMostIterationsAlongPath);
-    result = goal_.within(corrector_, here_, std::move(result), rule_.maximum, kMostIterationsAlongPath);
+    result =
+        corrector_.on_row({here_.state, here_.load_factor + guess.load, &guess.x},
+                          measure_.row(here_.tangent, here_.load_factor, step), path_limit.most_iterations_along_path);
+    result = goal_.within(corrector_, here_, std::move(result), rule_.maximum, path_limit.most_iterations_along_path);
     return result.converged;
   }
 
   bool shorten(double length) {
     length_ = 0.5 * length;
-    return length_ >= kShortestStep;
+    return length_ >= path_limit.shortest_step;
   }
 
   void adapt_length(const Correction& found, double length, const PathDirection& before) {
     const PathDirection moved = increments(found);
     const double cosine = std::abs(measure_.cosine(before.x, moved.x));
-    const bool is_still = measure_.motion(moved.x) < kNoMotion;  // the load alone measures the path: it has no angle
+    const bool is_still =
+        measure_.motion(moved.x) < path_limit.no_motion;  // the load alone measures the path: it has no angle
     const double angle = is_still ? 0.0 : 2.0 * std::acos(std::clamp(cosine, 0.0, 1.0));
     length_ = length * growth_along_path(found.iterations, angle, closeness());
   }
@@ -307,7 +315,7 @@ class AutomaticPath {
     adapt_length(found, length, here_.tangent);
     if (!take(found, closeness() > 0 ? kTracedStep : kPathStep)) return shorten(length);
     if (goal_.is_controlled()) return stays_in_reach() || set_out_backwards();
-    if (std::abs(here_.load_factor - range_.to) < kLargestDetour) return true;
+    if (std::abs(here_.load_factor - range_.to) < path_limit.largest_detour) return true;
     recorder_.rejected("the path leads away from the end of the stage", 0);
     return false;
   }
@@ -320,8 +328,8 @@ class AutomaticPath {
 
   /// Whether the first point of a branch is farther from a controlled goal than the start.
   bool leads_away() const {
-    return start_ &&
-           std::abs(goal_.value() - goal_now()) > std::abs(goal_.value() - goal_.at(start_->state, 0.0)) + kStill;
+    return start_ && std::abs(goal_.value() - goal_now()) >
+                         std::abs(goal_.value() - goal_.at(start_->state, 0.0)) + path_limit.still;
   }
 
   /// Under control the load factor has no end, but beyond some size nothing is to be expected.
@@ -329,7 +337,8 @@ class AutomaticPath {
     if (has_passed_goal(here_.state, here_.load_factor))
       throw GaveUp{"the controlled displacement has passed its target"};
     if (first_load_ == 0.0) first_load_ = std::max(1.0, std::abs(here_.load_factor));
-    return std::abs(here_.load_factor) <= kLargestLoad * (critical_load_ > 0.0 ? critical_load_ : first_load_);
+    return std::abs(here_.load_factor) <=
+           path_limit.largest_controlled_load * (critical_load_ > 0.0 ? critical_load_ : first_load_);
   }
 
   /// Where a displacement is controlled that does not move at first, nothing tells in which sense the load moves it:
@@ -396,15 +405,93 @@ class AutomaticPath {
     return true;
   }
 
+  bool is_stable(const Station& at) const {
+    return at.stability && (at.stability->verdict() == Verdict::stable || at.stability->verdict() == Verdict::neutral);
+  }
+
+  bool step_or_jump() {
+    const double rest = range_.to - here_.load_factor, size = std::min(size_, rest);
+    const double target = size == rest ? range_.to : here_.load_factor + size;
+    if (follows_to(target)) return true;
+    const bool own_steps = rule_.method == LoadPathMethod::fixed;
+    if (!own_steps && size > std::max(rule_.minimum, path_limit.bracket_of_jump)) {
+      size_ = 0.5 * size;
+      return true;
+    }
+    if (jump(target, true)) return true;
+    size_ = 0.5 * size;
+    return size_ >= rule_.minimum;
+  }
+
+  /// Along the stable path, if it goes as far.
+  bool follows_to(double target) {
+    const PathDirection way = scaled(here_.tangent, (target - here_.load_factor) / here_.tangent.load);
+    const bool predicts = here_.cap_ratio == 0.0 && std::isfinite(way.load) && std::isfinite(way.x.maximum_norm());
+    const Correction found =
+        corrector_.at_load(here_.state, target, path_limit.most_iterations_of_easy_solve, predicts ? &way.x : nullptr);
+    if (!found.converged) {
+      recorder_.not_converged();
+      return false;
+    }
+    Station next = judge_.station(found.state, target, nullptr);
+    const PathDirection moved{found.moved.clone(true), target - here_.load_factor};
+    std::string objection = is_stable(next) ? judge_.examine({here_, moved, next}, kLoadStep).objection
+                                            : "the equilibrium that was found is not stable";
+    if (!objection.empty()) {
+      recorder_.rejected(objection, found.iterations);
+      return false;
+    }
+    if (rule_.method != LoadPathMethod::fixed) size_ = std::min(rule_.maximum, path_limit.largest_growth * size_);
+    accept(std::move(next), found.residual, {});
+    return true;
+  }
+
+  /// `from_stable`: the path may go on from `here_` all the same, and Newton's method have missed it.
+  bool jump(double target, bool from_stable) {
+    if (descent_ == nullptr)
+      descent_ = std::make_unique<Descent>(problem_, parameters_, corrector_, *recorder_.counts(), measure_,
+                                           recorder_.descent_observer());
+    const DescentResult result = descent_->from(here_.state, target);
+    if (!result.found) {
+      recorder_.rejected(result.cause, result.factorizations);
+      return false;
+    }
+    const Correction& found = *result.found;
+    MixedVector none = problem_->model.create_vector();
+    none.fill(0.0);
+    const PathDirection moved{increment_between(problem_->model, here_.state, found.state, none),
+                              target - here_.load_factor};
+    Station next = judge_.station(found.state, target, nullptr);
+    const bool is_step = from_stable && judge_.examine({here_, moved, next}, kLoadStep).objection.empty();
+    std::optional<RecordedJump> jump;
+    if (!is_step) jump = description(found, moved, result.factorizations);
+    accept(std::move(next), found.residual, {}, jump);
+    return true;
+  }
+
+  RecordedJump description(const Correction& found, const PathDirection& way, int factorizations) const {
+    const Model& model = problem_->model;
+    RecordedJump jump{here_.load_factor, found.load_factor};
+    jump.released = released_energy(model, here_.state, jump.from, found.state, jump.to);
+    jump.motion = measure_.motion(way.x);
+    jump.factorizations = factorizations;
+    const StateDifference moved = difference(model, here_.state, found.state);
+    jump.largest = moved.largest_change;
+    jump.place = text_of(place_of_vertex(model, moved.farthest_vertex));
+    return jump;
+  }
+
   Teuchos::RCP<BeamProblem> problem_;
   const SolverParameters& parameters_;
   const StageRange& range_;
   PathRecorder& recorder_;
+  bool jumps_;  ///< from one stable state to the next
   PathGoal goal_;
   StepSizeRule rule_;
   Corrector corrector_;
   StepJudge judge_;
   const PathMeasure& measure_;
+  std::unique_ptr<Descent> descent_{};
   Station here_;              ///< where the path stands
   std::optional<Way> way_{};  ///< since the stage, a branch or a resumed path began, as start_of_goal_
   double start_of_goal_ = 0.0;

@@ -1,6 +1,7 @@
 #include "nonlinear/path/branch.hpp"
 
 #include "discretization/state/sampling.hpp"
+#include "nonlinear/path/thresholds.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
 
@@ -11,19 +12,6 @@
 namespace mixbeam {
 
 namespace {
-
-/// First amplitude of the mode with which a branch is entered (largest rotation [rad] or displacement / L), halved
-/// until the branch is met close to the critical point.
-constexpr double kBranchAmplitude = 0.1;
-constexpr int kBranchAttempts = 40, kMostIterationsOntoBranch = 20;
-/// On the way from a critical point to the first point of a branch the structure moves along the mode: its share of the
-/// motion is at least this cosine.
-constexpr double kBranchCosine = 0.9;
-/// A displacement over the length of the structure that a mode of motion one has at least where it counts; rounding
-/// leaves 1e-10, and what symmetry does not forbid is of the order of one.
-constexpr double kMoves = 1e-3;
-/// Components are nearly equal from here on: symmetric structures must not choose by their rounding errors.
-constexpr double kNearlyLargest = 0.9;
 
 /// Vertices with weights: a displacement that is asked for.
 using VertexWeights = std::vector<std::pair<int, double>>;
@@ -69,8 +57,8 @@ double norm(const std::vector<double>& v) {
 /// The first component that is nearly the largest, -1 where none moves.
 int leading(const std::array<std::vector<double>, 3>& sums) {
   const double largest = std::max({norm(sums[0]), norm(sums[1]), norm(sums[2])});
-  for (int c = 0; c < 3 && largest > kMoves; ++c)
-    if (norm(sums[c]) >= kNearlyLargest * largest) return c;
+  for (int c = 0; c < 3 && largest > path_limit.moves; ++c)
+    if (norm(sums[c]) >= path_limit.nearly_largest * largest) return c;
   return -1;
 }
 
@@ -90,24 +78,29 @@ std::vector<double> shares_by_rule(const Model& model, const std::vector<MixedVe
 
 }  // namespace
 
-std::optional<MixedVector> branch_direction(const BeamProblem& problem, const AnalysisParameters& analysis,
-                                            const PathMeasure& measure, const std::vector<MixedVector>& eigenspace) {
-  const Model& model = problem.model;
-  std::vector<MixedVector> modes;  // orthonormal
-  for (const MixedVector& given : eigenspace) {
+std::vector<MixedVector> orthonormal(const PathMeasure& measure, const std::vector<MixedVector>& space) {
+  std::vector<MixedVector> result;
+  for (const MixedVector& given : space) {
     MixedVector v = given.clone(true);
-    for (const MixedVector& other : modes) v.update(-measure.motion(v, other), other, 1.0);
+    for (const MixedVector& other : result) v.update(-measure.motion(v, other), other, 1.0);
     const double size = measure.motion(v);
     if (!(size > 0.0)) continue;
     v.scale(1.0 / size);
-    modes.push_back(std::move(v));
+    result.push_back(std::move(v));
   }
+  return result;
+}
+
+std::optional<MixedVector> branch_direction(const BeamProblem& problem, const AnalysisParameters& analysis,
+                                            const PathMeasure& measure, const std::vector<MixedVector>& eigenspace) {
+  const Model& model = problem.model;
+  const std::vector<MixedVector> modes = orthonormal(measure, eigenspace);
   if (modes.empty()) return std::nullopt;
   std::vector<double> shares;
   if (analysis.branch_point) {
     const int vertex = vertex_of(model.mesh(), analysis.branch_point->point);
     shares = displacements(model, {{vertex, 1.0}}, modes)[analysis.branch_point->component];
-    if (!(norm(shares) > kMoves)) return std::nullopt;
+    if (!(norm(shares) > path_limit.moves)) return std::nullopt;
   } else {
     shares = shares_by_rule(model, modes);
     if (shares.empty()) {
@@ -129,12 +122,13 @@ std::optional<BranchPoint> first_point_of_branch(const BeamProblem& problem, Cor
   const LargestParts parts = largest_parts(*problem.model.map()->getComm(), direction.vertex());
   const double size = 1.0 / std::max(parts.moved / problem.model.structure().length, parts.turned);
   const PathDirection unit{direction.clone(true), 0.0};
-  double amplitude = kBranchAmplitude * size;
-  for (int i = 0; i < kBranchAttempts; ++i, amplitude *= 0.5) {
+  double amplitude = path_limit.branch_amplitude * size;
+  for (int i = 0; i < path_limit.branch_attempts; ++i, amplitude *= 0.5) {
     const PathDirection guess = scaled(unit, amplitude);
-    Correction found = corrector.on_row({from.state, from.load_factor, &guess.x},
-                                        measure.row(unit, from.load_factor, amplitude), kMostIterationsOntoBranch);
-    if (is_taken(found) && measure.cosine(direction, found.moved) >= kBranchCosine)
+    Correction found =
+        corrector.on_row({from.state, from.load_factor, &guess.x}, measure.row(unit, from.load_factor, amplitude),
+                         path_limit.most_iterations_onto_branch);
+    if (is_taken(found) && measure.cosine(direction, found.moved) >= path_limit.same_direction)
       return BranchPoint{std::move(found), amplitude};
   }
   return std::nullopt;

@@ -10,6 +10,9 @@
 
 namespace mixbeam {
 
+/// Vectors of motion one, at right angles, that span a space.
+std::vector<MixedVector> orthonormal(const PathMeasure& measure, const std::vector<MixedVector>& space);
+
 /// Of motion one, in the space of the modes; Branch::negative gives the opposite of Branch::positive.
 ///
 /// Along the projection of a displacement on the eigenspace, which for a single mode is a choice of its sign: of the

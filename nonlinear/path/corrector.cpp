@@ -1,6 +1,7 @@
 #include "nonlinear/path/corrector.hpp"
 
 #include "nonlinear/newton/beam_group.hpp"
+#include "nonlinear/newton/thresholds.hpp"
 
 #include <LOCA_MultiContinuation_ConstrainedGroup.H>
 #include <LOCA_MultiContinuation_ConstraintInterfaceMVDX.H>
@@ -110,31 +111,34 @@ Teuchos::RCP<BeamGroup> group_at(const Teuchos::RCP<LOCA::GlobalData>& global, c
   return Teuchos::rcp(new BeamGroup(global, problem, guess.state, guess.load_factor, {}, choice));
 }
 
+/// A prediction is that of a capped tangent: only an iteration of its own tells what the cap has left out.
+class AfterOneIteration : public NOX::StatusTest::Generic {
+ public:
+  explicit AfterOneIteration(const Teuchos::RCP<NOX::StatusTest::Generic>& later) : later_(later) {}
+  NOX::StatusTest::StatusType checkStatus(const NOX::Solver::Generic& solver,
+                                          NOX::StatusTest::CheckType type) override {
+    status_ = later_->checkStatus(solver, type);
+    if (solver.getNumIterations() == 0 && status_ == NOX::StatusTest::Converged) status_ = NOX::StatusTest::Unconverged;
+    return status_;
+  }
+  NOX::StatusTest::StatusType getStatus() const override { return status_; }
+  std::ostream& print(std::ostream& stream, int indent = 0) const override { return later_->print(stream, indent); }
+
+ private:
+  Teuchos::RCP<NOX::StatusTest::Generic> later_;
+  NOX::StatusTest::StatusType status_ = NOX::StatusTest::Unevaluated;
+};
+
 }  // namespace
 
-namespace {
-
-/// What the next iteration removes need not be solved for.
-TangentChoice of_iteration() {
+Correction Corrector::at_load(const State& from, double load_factor, int most_iterations, const MixedVector* way) {
   TangentChoice choice;
-  choice.enough = kEnoughForIncrements;
-  return choice;
-}
-
-}  // namespace
-
-Correction Corrector::at_load(const Guess& guess, int most_iterations) {
-  const auto group = group_at(global_, problem_, guess, of_iteration());
-  if (guess.moved != nullptr) group->setX(BeamVector(*guess.moved));
-  return solve(group, most_iterations);
-}
-
-Correction Corrector::at_load_along(const Guess& guess, const MixedVector* prediction, int most_iterations) {
-  const auto start = group_at(global_, problem_, guess, of_iteration());
-  if (prediction == nullptr) return solve(start, most_iterations);
+  choice.enough = newton_limit.enough_for_increments;  // what the next iteration removes need not be solved for
+  const auto start = group_at(global_, problem_, {from, load_factor}, choice);
+  if (way == nullptr) return solve(start, most_iterations);
   start->computeF();
   const auto group = Teuchos::rcp(new BeamGroup(*start, NOX::DeepCopy));
-  step_within_rotation(*group, *start, BeamVector(*prediction), parameters_.newton.maximum_rotation);
+  step_within_rotation(*group, *start, BeamVector(*way), parameters_.newton.maximum_rotation);
   // Where the rate at the start says nothing of the whole way (loads by formula), Newton's method starts without it.
   const bool helps = group->getNormF() < start->getNormF() || group->equilibrium_norm() < start->equilibrium_norm();
   return helps ? solve(group, most_iterations, true) : solve(start, most_iterations);
@@ -159,28 +163,6 @@ Correction Corrector::on_row(const Guess& guess, const ControlRow& row, int most
   }
   return solve(constrained, most_iterations);
 }
-
-namespace {
-
-/// A prediction is that of a capped tangent: only an iteration of its own tells what the cap has left out.
-class AfterOneIteration : public NOX::StatusTest::Generic {
- public:
-  explicit AfterOneIteration(const Teuchos::RCP<NOX::StatusTest::Generic>& later) : later_(later) {}
-  NOX::StatusTest::StatusType checkStatus(const NOX::Solver::Generic& solver,
-                                          NOX::StatusTest::CheckType type) override {
-    status_ = later_->checkStatus(solver, type);
-    if (solver.getNumIterations() == 0 && status_ == NOX::StatusTest::Converged) status_ = NOX::StatusTest::Unconverged;
-    return status_;
-  }
-  NOX::StatusTest::StatusType getStatus() const override { return status_; }
-  std::ostream& print(std::ostream& stream, int indent = 0) const override { return later_->print(stream, indent); }
-
- private:
-  Teuchos::RCP<NOX::StatusTest::Generic> later_;
-  NOX::StatusTest::StatusType status_ = NOX::StatusTest::Unevaluated;
-};
-
-}  // namespace
 
 Correction Corrector::solve(const Teuchos::RCP<NOX::Abstract::Group>& group, int most_iterations,
                             bool from_prediction) {

@@ -39,11 +39,9 @@ class Corrector {
   Corrector(const Corrector&) = delete;
   Corrector& operator=(const Corrector&) = delete;
 
-  /// Equilibrium at the load factor of the guess.
-  Correction at_load(const Guess& guess, int most_iterations);
-  /// The same from the prediction: what the tangent says of the way there (increments for the whole step, null where it
+  /// Equilibrium at a load factor. What the tangent says of the way there (increments for the whole step, null where it
   /// is not known) takes the place of the first iteration, limited as that is.
-  Correction at_load_along(const Guess& guess, const MixedVector* prediction, int most_iterations);
+  Correction at_load(const State& from, double load_factor, int most_iterations, const MixedVector* way = nullptr);
   /// Equilibrium at which the row holds.
   Correction on_row(const Guess& guess, const ControlRow& row, int most_iterations);
 

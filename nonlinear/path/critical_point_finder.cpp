@@ -1,7 +1,11 @@
 #include "nonlinear/path/critical_point_finder.hpp"
 
+#include "nonlinear/path/branch.hpp"
+#include "nonlinear/path/thresholds.hpp"
+
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace mixbeam {
 
@@ -9,31 +13,83 @@ const char* name_of(CriticalKind kind) { return kind == CriticalKind::limit_poin
 
 namespace {
 
-/// Next to known points Newton's method takes three or four iterations.
-constexpr int kMostIterations = 15;
-/// Samples of one step, far more than a few critical points need.
-constexpr int kMostSamples = 120;
-/// More eigenvalues than kMostSeparated are located where they vanish at one place, up to these, as those of symmetric
-/// structures with as many equal parts.
-constexpr int kMostMultiple = 24;
-/// More of them are told by their number only in steps as short as this (the structure moves by so much of its size);
-/// longer ones are halved.
-constexpr double kShortStep = 1e-3;
-/// Points closer together than this share of the step are one multiple point.
-constexpr double kTogether = 1e-6;
-/// Eigenvalues vanish together when their secants cross zero within this share of a bracket, and again of one that
-/// reaches from there by kCloser of it to both sides, nearly to rounding. Else the bracket is divided, at this share of
-/// it at least.
-constexpr double kNearlyTogether = 1e-2, kCloser = 0.02, kLeastPart = 0.1;
-/// The latter secants of eigenvalues that do vanish together, those of equal parts, agree to rounding.
-constexpr double kTogetherCloser = 1e-4;
 /// A prediction by the cubic through known points has the error of the one along the tangents at both ends times the
 /// ratio of the products of the distances to the four points of support. The latter are not quite those of the path
 /// where rotations do not commute.
 constexpr size_t kSupports = 4;
-/// Samples belong to one path when their tangents point along the chord of the step, angles up to 60 degrees; and next
-/// to a critical point those of neighbours differ by no more than 0.05 rad.
-constexpr double kSmallestCosine = 0.5, kSmoothCosine = 0.999;
+constexpr size_t kFarSamples = 3;
+/// On the way to a root the next sample is taken where the polynomial through so many passes zero, but every so many
+/// times half-way, since polynomials may mislead. Three samples as a rule.
+constexpr size_t kPolynomialSamples = 5;
+constexpr int kHalfway = 5;
+
+using Samples = std::vector<PassingSample>;
+
+/// Value at x of the polynomial through the first `count` samples (Neville's scheme).
+double interpolate(const Samples& samples, size_t count, double x, double PassingSample::*value) {
+  std::vector<double> p;
+  for (size_t i = 0; i < count; ++i) p.push_back(samples[i].*value);
+  for (size_t k = 1; k < count; ++k)
+    for (size_t i = 0; i + k < count; ++i)
+      p[i] = ((x - samples[i + k].at) * p[i] + (samples[i].at - x) * p[i + 1]) / (samples[i].at - samples[i + k].at);
+  return p[0];
+}
+
+/// Slope of that polynomial at x.
+double slope_of(const Samples& samples, size_t count, double x, double PassingSample::*value) {
+  double slope = 0.0;
+  for (size_t i = 0; i < count; ++i) {
+    double basis = 1.0, basis_slope = 0.0;
+    for (size_t j = 0; j < count; ++j) {
+      if (j == i) continue;
+      const double width = samples[i].at - samples[j].at;
+      basis_slope = basis_slope * (x - samples[j].at) / width + basis / width;
+      basis *= (x - samples[j].at) / width;
+    }
+    slope += samples[i].*value * basis_slope;
+  }
+  return slope;
+}
+
+/// Zero of a function in [a, b], by secants that keep the bracket (rule of false position, Illinois); not a number
+/// where it does not change its sign.
+template <class Function>
+double root_of(const Function& function, double a, double b) {
+  double fa = function(a), fb = function(b);
+  if ((fa < 0.0) == (fb < 0.0)) return std::numeric_limits<double>::quiet_NaN();
+  for (int i = 0; i < path_limit.most_root_steps && std::abs(b - a) > path_limit.root_rounding; ++i) {
+    const double next = b - fb * (b - a) / (fb - fa), f = function(next);
+    if (f == 0.0 || next == b) return next;
+    if ((f < 0.0) != (fb < 0.0)) {
+      a = b;
+      fa = fb;
+    } else {
+      fa *= 0.5;
+    }
+    b = next;
+    fb = f;
+  }
+  return b;
+}
+
+void sort_by_distance(Samples& samples, double at) {
+  std::stable_sort(samples.begin(), samples.end(), [&](const PassingSample& a, const PassingSample& b) {
+    return std::abs(a.at - at) < std::abs(b.at - at);
+  });
+}
+
+/// Where the polynomial through the first `count` samples passes zero; at a limit point where that of the load factor,
+/// which is known to more digits than its rate, is stationary.
+double root_of_samples(const Samples& samples, size_t count, bool is_limit, double low, double high) {
+  const bool by_load = is_limit && count >= 4;
+  return root_of(
+      [&](double x) {
+        return by_load ? slope_of(samples, count, x, &PassingSample::load_factor)
+                       : interpolate(samples, count, x, &PassingSample::passing);
+      },
+      low, high);
+}
+
 }  // namespace
 
 /// Through the nearest points known, where they are nearer than the ends of the step.
@@ -58,19 +114,19 @@ PathDirection CriticalPointFinder::predicted(double at) const {
 }
 
 CriticalPointFinder::Sample CriticalPointFinder::sample(double at, Asked asked) {
-  if (++samples_ > kMostSamples) throw NotLocated("critical points could not be separated");
+  if (++samples_ > path_limit.most_samples) throw NotLocated("critical points could not be separated");
   const PathDirection guess = predicted(at);
   const ControlRow row = measure_.row(scaled(piece_.moved, 1.0 / chord_), piece_.start.load_factor, at * chord_);
   const Correction found = judge_.corrector().on_row(
-      {piece_.start.state, piece_.start.load_factor + guess.load, &guess.x}, row, kMostIterations);
+      {piece_.start.state, piece_.start.load_factor + guess.load, &guess.x}, row, path_limit.most_iterations_nearby);
   if (!found.converged)
     throw NotLocated("a critical point could not be located: near load factor " +
                      std::to_string(piece_.start.load_factor + guess.load) + ", " + found.cause);
   Sample result{at, {found.state, found.load_factor, {scaled(guess, 0.0).x, std::nan("")}}};
   if (asked != Asked::state)
     result.station = judge_.station(found.state, found.load_factor, &piece_.moved, asked == Asked::count);
-  if (measure_.motion(piece_.moved.x) > kNoMotion && result.station.has_tangent() &&
-      measure_.cosine(result.station.tangent.x, piece_.moved.x) < kSmallestCosine)
+  if (measure_.motion(piece_.moved.x) > path_limit.no_motion && result.station.has_tangent() &&
+      measure_.cosine(result.station.tangent.x, piece_.moved.x) < path_limit.least_cosine)
     throw NotLocated("the path leaves the direction of the step: another one may have been met");
   if (asked == Asked::count && !result.station.stability) throw NotLocated("the eigenvalues could not be counted");
   if (std::none_of(known_.begin(), known_.end(), [&](const Known& known) { return known.at == at; }))
@@ -81,8 +137,8 @@ CriticalPointFinder::Sample CriticalPointFinder::sample(double at, Asked asked) 
 /// Whether the tangents of samples beside a critical point are those of one smooth path: an imperfect structure turns
 /// aside there, and the other side of its corner belongs to another path.
 void CriticalPointFinder::require_smoothness(const Station& a, const Station& b) const {
-  if (measure_.motion(piece_.moved.x) <= kNoMotion || !a.has_tangent() || !b.has_tangent()) return;
-  if (measure_.cosine(a.tangent.x, b.tangent.x) < kSmoothCosine)
+  if (measure_.motion(piece_.moved.x) <= path_limit.no_motion || !a.has_tangent() || !b.has_tangent()) return;
+  if (measure_.cosine(a.tangent.x, b.tangent.x) < path_limit.smooth_cosine)
     throw NotLocated("the path turns aside close to a critical point: it is that of another path");
 }
 
@@ -131,12 +187,12 @@ void CriticalPointFinder::choose_space(Bracket& bracket) {
 bool CriticalPointFinder::needs_counting(const Bracket& bracket) {
   if (turns(bracket) || bracket.space) return false;
   if (!bracket.low.station.stability->symmetric || !bracket.high.station.stability->symmetric)
-    return bracket.changes() == 1 || bracket.width() < kTogether;
+    return bracket.changes() == 1 || bracket.width() < path_limit.together;
   const auto interior = [&](const Sample& sample) {
-    return stability_.count(sample.station.state, sample.station.load_factor).inside;
+    return stability_.ask({sample.station.state, sample.station.load_factor}, How::inertia)->inside;
   };
   const int changes = std::abs(interior(bracket.high) - interior(bracket.low));
-  return changes == bracket.changes() || (changes > 0 && bracket.width() < kTogether);
+  return changes == bracket.changes() || (changes > 0 && bracket.width() < path_limit.together);
 }
 
 /// Samples that divide the bracket; none where its eigenvalues vanish at one place: their secants say so, and once more
@@ -151,29 +207,31 @@ std::vector<CriticalPointFinder::Sample> CriticalPointFinder::between(const Brac
     return places;
   };
   const std::vector<double> places = secant_places(bracket.low.seen.modes, bracket.high.seen.modes);
-  if (places.back() - places.front() >= kNearlyTogether) {  // at the widest gap
+  if (places.back() - places.front() >= path_limit.nearly_together) {  // at the widest gap
     size_t gap = 1;
     for (size_t i = 2; i < places.size(); ++i)
       if (places[i] - places[i - 1] > places[gap] - places[gap - 1]) gap = i;
-    const double share = std::clamp(0.5 * (places[gap - 1] + places[gap]), kLeastPart, 1.0 - kLeastPart);
+    const double share =
+        std::clamp(0.5 * (places[gap - 1] + places[gap]), path_limit.least_part, 1.0 - path_limit.least_part);
     return {sample(bracket.low.at + share * bracket.width(), Asked::count)};
   }
-  const double share = std::clamp(0.5 * (places.front() + places.back()), 2.0 * kCloser, 1.0 - 2.0 * kCloser);
+  const double share =
+      std::clamp(0.5 * (places.front() + places.back()), 2.0 * path_limit.closer, 1.0 - 2.0 * path_limit.closer);
   const double place = bracket.low.at + share * bracket.width();
-  std::vector<Sample> closer{sample(place - kCloser * bracket.width(), Asked::count),
-                             sample(place + kCloser * bracket.width(), Asked::count)};
+  std::vector<Sample> closer{sample(place - path_limit.closer * bracket.width(), Asked::count),
+                             sample(place + path_limit.closer * bracket.width(), Asked::count)};
   if (closer.front().negative() != bracket.low.negative() || closer.back().negative() != bracket.high.negative())
     return closer;
   const std::vector<double> again =
       secant_places(modes_of(closer.front(), bracket.space), modes_of(closer.back(), bracket.space));
-  if (again.back() - again.front() < kTogetherCloser) closer.clear();
+  if (again.back() - again.front() < path_limit.together_closer) closer.clear();
   return closer;
 }
 
 /// Divides brackets until one critical point is left in each.
 void CriticalPointFinder::isolate(Bracket bracket, std::vector<Bracket>& found) {
   const int changes = bracket.changes();
-  const bool first_only = !found.empty() && !separates_, is_short = bracket.width() < kTogether;
+  const bool first_only = !found.empty() && !separates_, is_short = bracket.width() < path_limit.together;
   if (changes == 0 && !turns(bracket)) return;
   if (changes == 0 && is_short)  // else a limit point and another one are two
     return require_smoothness(bracket.low.station, bracket.high.station);
@@ -182,7 +240,7 @@ void CriticalPointFinder::isolate(Bracket bracket, std::vector<Bracket>& found) 
     return;
   }
   std::vector<Sample> middle;
-  if (changes > 0 && changes <= kMostMultiple && !turns(bracket)) {
+  if (changes > 0 && changes <= path_limit.most_multiple && !turns(bracket)) {
     choose_space(bracket);
     if (bracket.space && changes > 1 && !is_short) middle = between(bracket);
     if (middle.empty() && (bracket.space || needs_counting(bracket))) {
@@ -200,16 +258,204 @@ void CriticalPointFinder::isolate(Bracket bracket, std::vector<Bracket>& found) 
   }
 }
 
+// Where in a bracket a critical point lies, and the state there: theory (60), (61).
+
+/// On one path the load factor turns only where the count changes: a sample in the bracket of a bifurcation with a rate
+/// of the other sign lies behind other critical points, or on another path.
+void CriticalPointFinder::require_order(const Bracket& bracket, const Sample& here) {
+  const double rate = here.station.tangent.load, low = bracket.low.station.tangent.load,
+               high = bracket.high.station.tangent.load;
+  if (turns(bracket) || (rate > 0.0) == (low > 0.0)) return;
+  if (std::abs(rate) < path_limit.significant_rate * std::max(std::abs(low), std::abs(high))) return;
+  throw MorePoints{sample(here.at, Asked::count)};
+}
+
+/// Theory (60): at a limit point the load's rate along the path passes zero, else the mean of the eigenvalues that
+/// vanish together, which is smooth even where they cross.
+PassingSample CriticalPointFinder::passing(const Bracket& bracket, Sample& sample) {
+  PassingSample result{sample.at, sample.station.tangent.load, sample.station.load_factor};
+  if (turns(bracket)) return result;
+  const std::vector<EigenMode>& modes = modes_of(sample, bracket.space);
+  result.passing = 0.0;
+  for (int i = 0; i < bracket.changes(); ++i)
+    result.passing += modes[bracket.first_crossing() + i].eigenvalue / bracket.changes();
+  return result;
+}
+
+/// Of the eigenvalues that vanish together.
+std::vector<MixedVector> CriticalPointFinder::critical_modes(const Bracket& bracket, Sample& sample) {
+  const std::vector<EigenMode>& seen = modes_of(sample, bracket.space);
+  std::vector<MixedVector> modes;
+  for (int i = 0; i < bracket.changes(); ++i) modes.push_back(seen[bracket.first_crossing() + i].mode.clone(true));
+  return modes;
+}
+
+/// Theory (61), the critical modes taken out of every increment of Newton's method at the root's load: regular where
+/// the path crosses other ones.
+State CriticalPointFinder::state_at_bifurcation(double at, double load_factor,
+                                                const std::vector<MixedVector>& critical) {
+  const PathDirection guess = predicted(at);
+  BeamGroup group(judge_.corrector().global(), judge_.problem(), piece_.start.state, load_factor, {});
+  group.setX(BeamVector(guess.x));
+  const std::vector<MixedVector> orthogonal = orthonormal(measure_, critical);
+  Teuchos::ParameterList none;
+  for (int i = 0; i < path_limit.deflated_iterations; ++i) {
+    group.computeNewton(none);
+    MixedVector increment = BeamVector::of(group.getNewton()).clone(true);
+    for (const MixedVector& o : orthogonal) increment.update(-measure_.motion(increment, o), o, 1.0);
+    if (!std::isfinite(increment.maximum_norm()) || measure_.motion(increment) < path_limit.no_motion) break;
+    BeamVector x(BeamVector::of(group.getX()).clone(true));
+    x.values().update(1.0, increment, 1.0);
+    group.setX(x);
+  }
+  return group.state();
+}
+
+/// Where samples beside a critical point lie: multiples of this.
+double CriticalPointFinder::distance_at(const Bracket& bracket, double at) const {
+  const double to_end = std::min(at - bracket.low.at, bracket.high.at - at), width = bracket.width();
+  return std::clamp(0.25 * to_end, path_limit.least_distance * width,
+                    (turns(bracket) ? path_limit.distance_of_limit : path_limit.distance_of_samples) * width);
+}
+
+/// The place as well as the distance of samples asks for; adds what was sampled on the way, the ends first.
+double CriticalPointFinder::coarse_root(Bracket& bracket, std::vector<PassingSample>& samples) {
+  const Asked asked = turns(bracket) ? Asked::tangent : Asked::state;
+  samples = {passing(bracket, bracket.low), passing(bracket, bracket.high)};
+  PassingSample low = samples.front(), high = samples.back();
+  if ((low.passing < 0.0) == (high.passing < 0.0))
+    throw NotLocated("a critical point could not be located: no eigenvalue passes zero");
+  double at = low.at;
+  for (int i = 1; i < path_limit.most_root_samples; ++i) {
+    const bool is_halfway = i % kHalfway == 0;
+    const double middle = 0.5 * (low.at + high.at);
+    sort_by_distance(samples, middle);
+    const size_t count = std::min(samples.size(), kPolynomialSamples);
+    const double next = is_halfway ? middle : root_of_samples(samples, count, false, low.at, high.at);
+    if (i > 1 && !is_halfway && std::abs(next - at) < distance_at(bracket, next)) return next;
+    at = next;
+    Sample here = sample(at, asked);
+    samples.push_back(passing(bracket, here));
+    if (samples.back().passing == 0.0) return at;
+    ((samples.back().passing < 0.0) == (low.passing < 0.0) ? low : high) = samples.back();
+  }
+  return at;
+}
+
+/// Of no modes where the count changes and nothing passes zero.
+CriticalPoint CriticalPointFinder::locate_by_count(const Bracket& bracket) {
+  Sample low = bracket.low, high = bracket.high;
+  while (high.at - low.at > path_limit.counted_place) {
+    Sample middle = sample(0.5 * (low.at + high.at), Asked::count);
+    if (middle.negative() != low.negative() && middle.negative() != high.negative())
+      throw NotLocated("a critical point could not be located: the count of negative eigenvalues alternates");
+    (middle.negative() == low.negative() ? low : high) = std::move(middle);
+  }
+  require_smoothness(low.station, high.station);
+  CriticalPoint point{CriticalKind::bifurcation, high.station.load_factor, low.negative(),
+                      high.negative(),           high.station.state,       model_.create_vector()};
+  point.mode.fill(0.0);
+  point.modes = std::abs(high.negative() - low.negative());
+  point.error = std::abs(high.station.load_factor - low.station.load_factor);
+  if (high.station.stability->symmetric) return point;
+  // counted as negative from the error of an eigenvalue on
+  const double noise = find_modes(point);
+  const Station& start = bracket.low.station;
+  const std::vector<EigenMode> far = stability_.modes_near_zero(start.state, start.load_factor, 1);
+  if (far.empty()) return point;
+  const double left = noise / std::abs(far.front().eigenvalue);  // of what the eigenvalue was
+  point.error += left * std::abs(point.load_factor - start.load_factor);
+  // Two complex eigenvalues that meet below zero and become real change the count, too.
+  if (point.modes % 2 == 0 && left > path_limit.passed_zero) point.modes = 0;
+  return point;
+}
+
+/// Samples at multiples of the distance to both sides of `near`, which are those of one smooth path; the first of them
+/// in `beside`.
+std::vector<PassingSample> CriticalPointFinder::samples_beside(const Bracket& bracket, double near, double distance,
+                                                               Sample& beside) {
+  std::vector<Sample> nearest;
+  Samples samples;
+  for (int place = 1; place <= (turns(bracket) ? 3 : 2); ++place)
+    for (const int side : {0, 1}) {
+      Sample here = sample(near + (side == 0 ? place : -place) * distance, Asked::tangent);
+      require_order(bracket, here);
+      samples.push_back(passing(bracket, here));
+      if (place > 1)
+        require_smoothness(nearest[side].station, here.station);
+      else
+        nearest.push_back(std::move(here));
+    }
+  const Sample after = sample(near + path_limit.close_look * distance, Asked::tangent),
+               before = sample(near - path_limit.close_look * distance, Asked::tangent);
+  require_smoothness(nearest[0].station, after.station);
+  require_smoothness(after.station, before.station);
+  require_smoothness(before.station, nearest[1].station);
+  beside = std::move(nearest[0]);
+  return samples;
+}
+
+CriticalPoint CriticalPointFinder::locate(Bracket& bracket) {
+  const bool is_limit = turns(bracket);
+  if (!is_limit && !bracket.space) return locate_by_count(bracket);
+  Samples on_the_way;
+  const double near = coarse_root(bracket, on_the_way), distance = distance_at(bracket, near);
+  Sample beside = bracket.low;
+  Samples samples = samples_beside(bracket, near, distance, beside);
+  const double low = near - 4.0 * distance, high = near + 4.0 * distance;
+  sort_by_distance(on_the_way, near);
+  const size_t most = samples.size() + kFarSamples;
+  for (const PassingSample& far : on_the_way)
+    if (samples.size() < most && (far.at < low || far.at > high)) samples.push_back(far);
+  const size_t all = samples.size();
+  const double root = root_of_samples(samples, all, is_limit, low, high);
+  const double error = std::abs(root - root_of_samples(samples, all - 2, is_limit, low, high));
+  if (!(error < path_limit.worst_root * distance))
+    throw NotLocated("a critical point could not be located: its location is not certain");
+  CriticalPoint point{is_limit ? CriticalKind::limit_point : CriticalKind::bifurcation,
+                      interpolate(samples, all, root, &PassingSample::load_factor),
+                      bracket.low.negative(),
+                      bracket.high.negative(),
+                      beside.station.state,
+                      model_.create_vector()};
+  point.modes = bracket.changes();
+  if (is_limit) {
+    const Sample there = sample(root, Asked::tangent);
+    point.error = std::abs(point.load_factor - interpolate(samples, all - 2, root, &PassingSample::load_factor));
+    point.state = there.station.state;
+    point.load_factor = there.station.load_factor;
+    find_modes(point);
+    return point;
+  }
+  point.state = state_at_bifurcation(root, point.load_factor, critical_modes(bracket, beside));
+  const double noise = find_modes(point);
+  point.error = (error + noise / std::abs(slope_of(samples, all, root, &PassingSample::passing))) *
+                std::abs(slope_of(samples, all, root, &PassingSample::load_factor));
+  return point;
+}
+
+/// Returns the error of the eigenvalue nearest to zero; of several at one place how far they are from it.
+double CriticalPointFinder::find_modes(CriticalPoint& point) {
+  std::vector<EigenMode> modes = stability_.modes_near_zero(point.state, point.load_factor, point.modes);
+  if (modes.empty()) return 0.0;
+  for (EigenMode& mode : modes) point.eigenspace.push_back(std::move(mode.mode));
+  point.mode = point.eigenspace.front().clone(true);
+  double error = modes.front().error;
+  for (const EigenMode& mode : modes)
+    if (point.modes > 1) error = std::max(error, std::abs(mode.eigenvalue));
+  return error;
+}
+
 /// Whether all that passes zero in the step does so at one place.
 bool CriticalPointFinder::is_one_point() {
   Bracket whole{{0.0, piece_.start}, {1.0, piece_.end}};
-  if (turns(whole) || whole.changes() > kMostMultiple) return false;
+  if (turns(whole) || whole.changes() > path_limit.most_multiple) return false;
   choose_space(whole);
   return whole.space && between(whole).empty();
 }
 
 std::vector<CriticalPoint> CriticalPointFinder::find() {
-  if (!separates_ && chord_ > kShortStep && !is_one_point())
+  if (!separates_ && chord_ > path_limit.short_step && !is_one_point())
     throw NotLocated("more than " + std::to_string(kMostSeparated) + " critical points in one step");
   std::vector<Bracket> brackets;
   isolate({{0.0, piece_.start}, {1.0, piece_.end}}, brackets);

@@ -4,7 +4,9 @@
 #include "discretization/state/sampling.hpp"
 #include "nonlinear/linear/chain_solver.hpp"
 #include "nonlinear/path/branch.hpp"
+#include "nonlinear/path/thresholds.hpp"
 #include "nonlinear/stability/independent_unknowns.hpp"
+#include "nonlinear/stability/thresholds.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,26 +16,8 @@ namespace mixbeam {
 
 namespace {
 
-/// Of the usual cap: as where eigenvalues are counted.
-constexpr double kCapRaise = 100.0;
-/// Scaled residual at which a state with springs counts as their equilibrium: the potential is known to its square.
-constexpr double kLoose = 1e-4;
-/// Of the potential that has been moved: differences below are those of kLoose and rounding.
-constexpr double kPotentialDigits = 1e-7;
-/// Newton iterations of a step with springs: more of them tell that stiffer springs cost less.
-constexpr int kMostIterationsWithSprings = 12, kMostIterationsWithout = 15;
-/// Springs over the stresses at work, which bound negative eigenvalues: at first, at most, and where they are left out.
-constexpr double kFirstShift = 0.1, kMostShift = 1e4, kNoShift = 1e-4;
-constexpr double kStiffer = 4.0, kSofter = 0.25;
-/// Iterations from which on springs are not made softer, and stay as they are.
-constexpr int kEasyIterations = 4;
-/// Largest rotation [rad] or displacement / L of a push: at first, at most, at least.
-constexpr double kFirstPush = 0.05, kMostPush = 0.2, kLeastPush = 1e-6;
 /// Inverse iterations towards the lowest mode: any direction of negative curvature serves.
 constexpr int kInverseIterations = 8;
-/// A slope of the potential along a mode below this share of forces times motion is rounding: then signs are those of
-/// branches.
-constexpr double kLevel = 1e-8;
 /// In place of a number of negative eigenvalues: the tangent has no factors, and stiffer springs may give it some.
 constexpr long kSingular = 1;
 
@@ -66,7 +50,7 @@ class Descent::ShiftedTangent {
     const KernelView<const double*> unit = unit_.vertex();
     for (size_t i = 0; i < unit.extent(0); ++i) springs_(i) = shift * unit(i);
     tangent_.reset();  // its arrays are used again
-    tangent_.emplace(problem_.model, point, cap_for(problem_.model, point.scales, kCapRaise),
+    tangent_.emplace(problem_.model, point, cap_for(problem_.model, point.scales, stability_limit.cap_of_count),
                      TangentKind{true, true, springs_});
     solver_->factorize(*tangent_);
     const std::optional<long> negative = solver_->negative_eigenvalues();
@@ -157,8 +141,8 @@ Descent::Relaxed Descent::relax(const State& centre, double shift) {
     scale_vertex_rows(model, point.scales, scaled_springs.vertex());
     rows.update(1.0, scaled_springs, 1.0);
     const double residual = rows.maximum_norm();
-    if (result.iterations > 0 && residual <= kLoose) break;
-    if (!std::isfinite(residual) || result.iterations == kMostIterationsWithSprings) return result;
+    if (result.iterations > 0 && residual <= path_limit.loose_residual) break;
+    if (!std::isfinite(residual) || result.iterations == path_limit.most_iterations_of_easy_solve) return result;
     if (factorize(point, shift) > 0 && result.iterations == 0) return {Outcome::indefinite, centre};
     tangent_->tangent().condensed_rows().update(1.0, springs.vertex_dofs(), 1.0);
     tangent_->solve_and_recover(increment);
@@ -186,7 +170,8 @@ State Descent::moved_by_supports(const State& start) {
     if (model.fixed_rows()(i) != 0) largest = std::max(largest, std::abs(row(i)));
   if (maximum_over_ranks(*model.map()->getComm(), largest) <= parameters_.newton.residual_tolerance) return start;
   double shift = 0.0;
-  while (factorize(point, shift) > 0 && shift < kMostShift) shift = std::max(kFirstShift, kStiffer * shift);
+  while (factorize(point, shift) > 0 && shift < path_limit.most_shift)
+    shift = std::max(path_limit.first_shift, path_limit.springs_stiffen * shift);
   tangent_->solve_and_recover(increment);
   return std::isfinite(increment.maximum_norm()) ? model.apply(start, increment, 1.0) : start;
 }
@@ -235,12 +220,13 @@ State Descent::pushed(const State& state, const MixedVector& motion, double ampl
   const Model& model = problem_->model;
   const State along = model.apply(state, motion, amplitude), against = model.apply(state, motion, -amplitude);
   const double here = potential(state), one = potential(along), other = potential(against);
-  const bool is_level = std::abs(one - other) <= kLevel * std::max(std::abs(one - here), std::abs(other - here));
+  const bool is_level =
+      std::abs(one - other) <= path_limit.level_slope * std::max(std::abs(one - here), std::abs(other - here));
   return is_level || one < other ? along : against;
 }
 
 std::optional<Correction> Descent::equilibrium(const State& near) {
-  Correction found = corrector_.at_load({near, load_factor_}, kMostIterationsWithout);
+  Correction found = corrector_.at_load(near, load_factor_, path_limit.most_iterations_nearby);
   factorizations_ += found.iterations;
   if (!found.converged) return std::nullopt;
   return found;
@@ -248,12 +234,12 @@ std::optional<Correction> Descent::equilibrium(const State& near) {
 
 double Descent::precision(const State& state) const {
   const StrainEnergy strain = strain_energy(problem_->model, state);
-  return kPotentialDigits * (strain.force + strain.moment);
+  return path_limit.potential_digits * (strain.force + strain.moment);
 }
 
 Verdict Descent::verdict_on(const State& state) {
   try {
-    return stability_.count(state, load_factor_).verdict();
+    return stability_.ask({state, load_factor_}, How::inertia)->verdict();
   } catch (const LinearSolverError&) {
     return Verdict::unknown;
   }
@@ -266,11 +252,12 @@ DescentResult Descent::from(const State& start, double load_factor) {
   State here = moved_by_supports(start);
   const double stress = std::max(1.0, stress_of(model, magnitude_of(model, here, load_factor)));
   double lowest = HUGE_VAL;  // no potential before the loads are on
-  double shift = kFirstShift * stress, softest = kFirstShift * stress, amplitude = kFirstPush;
+  double shift = path_limit.first_shift * stress, softest = path_limit.first_shift * stress,
+         amplitude = path_limit.first_push;
   bool falls_aside = false;  // the tangent is known to have a negative eigenvalue here
-  while (factorizations_ < kMostFactorizationsOfDescent && shift <= kMostShift * stress) {
+  while (factorizations_ < kMostFactorizationsOfDescent && shift <= path_limit.most_shift * stress) {
     if (!falls_aside && shift < softest) {
-      softest = kSofter * shift;
+      softest = path_limit.springs_soften * shift;
       const std::optional<Correction> found = equilibrium(here);
       if (found && potential(found->state) <= lowest + precision(here)) {
         const Verdict verdict = verdict_on(found->state);
@@ -287,16 +274,16 @@ DescentResult Descent::from(const State& start, double load_factor) {
       here = next.state;
       lowest = next.potential;
       falls_aside = false;
-      if (next.iterations <= kEasyIterations) {
-        shift *= kSofter;
-        amplitude = std::min(2.0 * amplitude, kMostPush);
+      if (next.iterations <= path_limit.easy_iterations_of_descent) {
+        shift *= path_limit.springs_soften;
+        amplitude = std::min(2.0 * amplitude, path_limit.most_push);
       }
       if (observer_) observer_({load_factor, lowest, factorizations_});
       continue;
     }
     if (next.outcome == Outcome::indefinite) falls_aside = true;
-    if (motion && amplitude > kLeastPush) amplitude *= 0.5;
-    shift *= kStiffer;
+    if (motion && amplitude > path_limit.least_push) amplitude *= 0.5;
+    shift *= path_limit.springs_stiffen;
   }
   const bool buckles_inside = tangent_->tangent().interior_count().negative > 0;
   return {

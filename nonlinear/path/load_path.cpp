@@ -4,6 +4,7 @@
 #include "kernels/math/constants.hpp"
 #include "nonlinear/path/corrector.hpp"
 #include "nonlinear/path/path_recorder.hpp"
+#include "nonlinear/path/thresholds.hpp"
 #include "nonlinear/stability/stability.hpp"
 
 #include <cmath>
@@ -15,10 +16,9 @@ namespace {
 /// A relative rotation of pi cannot be told from one of -pi; what converged next to it is not to be trusted. Tells
 /// which element turns by as much at the end of a stage, if any.
 std::string problem_of_end_angles(const BeamProblem& problem, const State& state, double load_factor) {
-  constexpr double kMargin = 1e-9;
   MixedVector residual = problem.model.create_vector();
   const EndAngle angle = largest_end_angle(problem.model, mixed_residual(problem.model, state, load_factor, residual));
-  if (angle.angle < kPi * (1.0 - kMargin)) return "";
+  if (angle.angle < kPi * (1.0 - path_limit.margin_of_half_turn)) return "";
   return "element " + std::to_string(angle.element) + " of member \"" + excerpt(angle.member) +
          "\" turns by pi against its vertices, where rotations are no longer unique";
 }
@@ -93,11 +93,10 @@ bool follow_stage(const Teuchos::RCP<BeamProblem>& problem, const SolverParamete
   } running{clock};
   clock.run(range.piece);
   problem->forget_tangents();  // as where a path is resumed
-  const bool jumps = parameters.analysis.snap == Snap::jump;
-  const bool automatic = parameters.load_path.method == LoadPathMethod::automatic;
-  const bool arrived = jumps       ? follow_stage_with_jumps(problem, parameters, start, range, recorder)
-                       : automatic ? follow_stage_automatically(problem, parameters, start, range, recorder)
-                                   : follow_stage_with_loca(problem, parameters, start, range, recorder);
+  const bool is_own =
+      parameters.analysis.snap == Snap::jump || parameters.load_path.method == LoadPathMethod::automatic;
+  const bool arrived = is_own ? follow_stage_automatically(problem, parameters, start, range, recorder)
+                              : follow_stage_with_loca(problem, parameters, start, range, recorder);
   recorder.leave_stage();
   return arrived;
 }
@@ -119,8 +118,25 @@ bool is_trustworthy(const Teuchos::RCP<BeamProblem>& problem, const State& state
   return cause.empty();
 }
 
-/// From a state that is nearly right, Newton's method needs three or four.
-constexpr int kMostIterationsToSettle = 12;
+/// The first value of a text parameter with this name anywhere below `list` that is among `values`; empty if none is.
+std::string find_value(const Teuchos::ParameterList& list, const std::string& name,
+                       const std::vector<std::string>& values) {
+  for (auto it = list.begin(); it != list.end(); ++it) {
+    const Teuchos::ParameterEntry& entry = list.entry(it);
+    if (entry.isList()) {
+      const std::string found = find_value(list.sublist(list.name(it)), name, values);
+      if (!found.empty()) return found;
+    } else if (list.name(it) == name && entry.isType<std::string>()) {
+      for (const std::string& value : values)
+        if (Teuchos::getValue<std::string>(entry) == value) return value;
+    }
+  }
+  return "";
+}
+
+bool is_switched_on(const Teuchos::ParameterList& list, const std::string& name) {
+  return list.isType<bool>(name) && list.get<bool>(name);
+}
 
 }  // namespace
 
@@ -134,14 +150,15 @@ LoadPathResult settle_at_end(const Teuchos::RCP<BeamProblem>& problem, const Sol
   problem->attempts.start_path(0, {});
   recorder.enter_stage(end, 1);
   Corrector corrector(problem, parameters, recorder.record());
-  const Correction found = corrector.at_load({state, static_cast<double>(end)}, kMostIterationsToSettle);
+  const Correction found = corrector.at_load(state, static_cast<double>(end), path_limit.most_iterations_of_easy_solve);
   result.newton_iterations = problem->work.newton_iterations - before;
   if (!found.converged || !problem_of_end_angles(*problem, found.state, end).empty()) {
     result.failure = found.converged ? "an element turns too far" : found.cause;
     return result;
   }
   ConvergedStep step{found.state, found.load_factor, found.residual};
-  if (recorder.reports_stability()) step.stability = recorder.counts()->count(found.state, found.load_factor);
+  if (recorder.reports_stability())
+    step.stability = recorder.counts()->ask({found.state, found.load_factor}, How::inertia);
   recorder.converged(step);
   result.finished = true;
   return result;
@@ -178,30 +195,6 @@ LoadPathResult follow_load_path(const Teuchos::RCP<BeamProblem>& problem, const 
   if (!goes_on) give_up(problem, parameters, state, result);
   return result;
 }
-
-namespace {
-
-/// The first value of a text parameter with this name anywhere below `list` that is among `values`; empty if none is.
-std::string find_value(const Teuchos::ParameterList& list, const std::string& name,
-                       const std::vector<std::string>& values) {
-  for (auto it = list.begin(); it != list.end(); ++it) {
-    const Teuchos::ParameterEntry& entry = list.entry(it);
-    if (entry.isList()) {
-      const std::string found = find_value(list.sublist(list.name(it)), name, values);
-      if (!found.empty()) return found;
-    } else if (list.name(it) == name && entry.isType<std::string>()) {
-      for (const std::string& value : values)
-        if (Teuchos::getValue<std::string>(entry) == value) return value;
-    }
-  }
-  return "";
-}
-
-bool is_switched_on(const Teuchos::ParameterList& list, const std::string& name) {
-  return list.isType<bool>(name) && list.get<bool>(name);
-}
-
-}  // namespace
 
 std::string obstacle_to_resuming(const SolverParameters& parameters) {
   if (!parameters.loca.is_null()) {

@@ -37,12 +37,25 @@ Teuchos::ParameterList loca_list(const Model& model, const SolverParameters& par
   return loca;
 }
 
-/// The rule as LOCA's stepper wants it, for continuation in the load factor itself.
-class StepSizeStrategy : public LOCA::StepSize::AbstractStrategy {
+/// The rule as LOCA's stepper wants it, for continuation in the load factor itself; arc length keeps LOCA's own.
+class StepSizes : public LOCA::Abstract::Factory, public LOCA::StepSize::AbstractStrategy {
  public:
-  /// `before`: the last step of a path that goes on; none: the path, or a stage of it, starts.
-  StepSizeStrategy(const StepSizeRule& rule, const std::optional<LastStep>& before) : rule_(rule), before_(before) {}
+  /// `before`: the last step of a path that goes on; none: the path, or a stage of it, starts. Must outlive the
+  /// stepper.
+  StepSizes(const StepSizeRule& rule, const std::optional<LastStep>& before) : rule_(rule), before_(before) {}
 
+  void init(const Teuchos::RCP<LOCA::GlobalData>&) override {}
+  bool createStepSizeStrategy(const std::string& name, const Teuchos::RCP<LOCA::Parameter::SublistParser>& lists,
+                              const Teuchos::RCP<Teuchos::ParameterList>& parameters,
+                              Teuchos::RCP<LOCA::StepSize::AbstractStrategy>& strategy) override {
+    if (name != "Constant" && name != "Adaptive") return false;
+    if (lists->getSublist("Stepper")->get<std::string>("Continuation Method") != "Natural") return false;
+    rule_.method = name == "Constant" ? LoadPathMethod::fixed : LoadPathMethod::adaptive;
+    rule_.failed_factor = parameters->get("Failed Step Reduction Factor", rule_.failed_factor);
+    rule_.success_factor = parameters->get("Successful Step Increase Factor", rule_.success_factor);
+    strategy = Teuchos::rcp(this, false);
+    return decides_ = true;
+  }
   NOX::Abstract::Group::ReturnType computeStepSize(LOCA::MultiContinuation::AbstractStrategy&,
                                                    const LOCA::MultiContinuation::ExtendedVector& predictor,
                                                    const NOX::Solver::Generic& solver,
@@ -68,6 +81,7 @@ class StepSizeStrategy : public LOCA::StepSize::AbstractStrategy {
   double getPrevStepSize() const override { return previous_; }
   double getStartStepSize() const override { return rule_.initial; }
 
+  bool decides() const { return decides_; }   ///< in place of a strategy of LOCA's
   double size() const { return size_; }       ///< of the present attempt
   int attempts() const { return attempts_; }  ///< sizes given so far
 
@@ -76,34 +90,7 @@ class StepSizeStrategy : public LOCA::StepSize::AbstractStrategy {
   std::optional<LastStep> before_;
   double size_ = 0.0, previous_ = 0.0;
   int attempts_ = 0;
-};
-
-/// Hands the strategy above to LOCA for natural continuation; arc length keeps LOCA's own.
-class StepSizeFactory : public LOCA::Abstract::Factory {
- public:
-  StepSizeFactory(const StepSizeRule& rule, const std::optional<LastStep>& before) : rule_(rule), before_(before) {}
-  void init(const Teuchos::RCP<LOCA::GlobalData>&) override {}
-  bool createStepSizeStrategy(const std::string& name, const Teuchos::RCP<LOCA::Parameter::SublistParser>& lists,
-                              const Teuchos::RCP<Teuchos::ParameterList>& parameters,
-                              Teuchos::RCP<LOCA::StepSize::AbstractStrategy>& strategy) override {
-    if (name != "Constant" && name != "Adaptive") return false;
-    if (lists->getSublist("Stepper")->get<std::string>("Continuation Method") != "Natural") return false;
-    StepSizeRule rule = rule_;
-    rule.method = name == "Constant" ? LoadPathMethod::fixed : LoadPathMethod::adaptive;
-    rule.failed_factor = parameters->get("Failed Step Reduction Factor", rule.failed_factor);
-    rule.success_factor = parameters->get("Successful Step Increase Factor", rule.success_factor);
-    strategy_ = Teuchos::rcp(new StepSizeStrategy(rule, before_));
-    strategy = strategy_;
-    return true;
-  }
-
-  /// Null when LOCA uses one of its own.
-  const StepSizeStrategy* strategy() const { return strategy_.get(); }
-
- private:
-  StepSizeRule rule_;
-  std::optional<LastStep> before_;
-  Teuchos::RCP<StepSizeStrategy> strategy_;
+  bool decides_ = false;
 };
 
 /// What Newton's method finds is a step only if it follows the path. LOCA takes any other for one that has failed and
@@ -181,7 +168,7 @@ bool follow_stage_with_loca(const Teuchos::RCP<BeamProblem>& problem, const Solv
   const auto top = Teuchos::rcp(new Teuchos::ParameterList("mixbeam"));
   top->sublist("LOCA") = loca_list(model, parameters, range.from, range.to, range.attempts);
   top->sublist("NOX") = nox_list(problem, parameters, recorder.record());
-  const auto sizes = Teuchos::rcp(new StepSizeFactory(step_size_rule(model, parameters), range.last_step()));
+  const auto sizes = Teuchos::rcp(new StepSizes(step_size_rule(model, parameters), range.last_step()));
   recorder.enter_stage(range.stage, range.attempts);
   const Teuchos::RCP<LOCA::GlobalData> global = LOCA::createGlobalData(top, sizes);
   bool arrived = false;
@@ -192,13 +179,12 @@ bool follow_stage_with_loca(const Teuchos::RCP<BeamProblem>& problem, const Solv
     const auto status = Teuchos::rcp(new StepsAreExamined(problem, guarded_status_tests(parameters, *global->locaUtils),
                                                           judge, range.before.has_value(), load_grows));
     const auto observer = [&recorder, &sizes, status](const BeamGroup& group, double load_factor) {
-      const StepSizeStrategy* strategy = sizes->strategy();
-      if (strategy != nullptr) {
-        recorder.set_attempts(strategy->attempts());
-        recorder.set_failed_attempts(std::max(0, strategy->attempts() - recorder.successes() - 1));
+      if (sizes->decides()) {
+        recorder.set_attempts(sizes->attempts());
+        recorder.set_failed_attempts(std::max(0, sizes->attempts() - recorder.successes() - 1));
       }
       ConvergedStep step{group.state(), load_factor, group.isF() ? group.getNormF() : 0.0};
-      step.step_size = strategy == nullptr ? 0.0 : strategy->size();
+      step.step_size = sizes->decides() ? sizes->size() : 0.0;
       step.critical_points = status->accept().passed;
       step.stability = status->here().stability;
       recorder.converged(step);

@@ -4,18 +4,12 @@
 #include "discretization/state/sampling.hpp"
 #include "nonlinear/linear/linear_solver.hpp"
 #include "nonlinear/path/step_judge.hpp"
+#include "nonlinear/path/thresholds.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 namespace mixbeam {
-
-namespace {
-
-/// A controlled displacement has arrived when it differs from the target by this share of the scene's length: rounding.
-constexpr double kControlPrecision = 1e-13;
-
-}  // namespace
 
 double PathGoal::at(const State& state, double load_factor) const {
   if (!is_controlled()) return load_factor;
@@ -28,12 +22,13 @@ double PathGoal::rate(const PathDirection& direction) const {
 }
 
 bool PathGoal::is_reached(const State& state, double load_factor) const {
-  return is_controlled() ? std::abs(at(state, load_factor) - value()) <= kControlPrecision
+  return is_controlled() ? std::abs(at(state, load_factor) - value()) <= path_limit.control_precision
                          : is_end_of_stage(load_factor, end_);
 }
 
 bool PathGoal::is_moved_by(const PathMeasure& measure, const PathDirection& direction) const {
-  const double rounding = std::max(kStill * measure.motion(direction.x), kNoMotion * std::abs(direction.load));
+  const double rounding =
+      std::max(path_limit.still * measure.motion(direction.x), path_limit.no_motion * std::abs(direction.load));
   return std::abs(rate(direction)) > rounding;
 }
 
@@ -41,7 +36,7 @@ Correction PathGoal::correct(Corrector& corrector, const Station& from, double v
                              int most_iterations) const {
   if (!is_controlled()) {
     const bool predicts = way != nullptr && from.cap_ratio == 0.0;
-    return corrector.at_load_along({from.state, value}, predicts ? &way->x : nullptr, most_iterations);
+    return corrector.at_load(from.state, value, most_iterations, predicts ? &way->x : nullptr);
   }
   Guess guess{from.state, from.load_factor};
   if (way != nullptr) {
@@ -66,7 +61,7 @@ Correction PathGoal::within(Corrector& corrector, const Station& from, Correctio
 }
 
 void PathGoal::require_motion(double start, const Station& here, const std::string& until) const {
-  if (!is_controlled() || std::abs(at(here.state, here.load_factor) - start) > kStill) return;
+  if (!is_controlled() || std::abs(at(here.state, here.load_factor) - start) > path_limit.still) return;
   throw GaveUp{"the load does not move point \"" + control_->point + "\" along " +
                std::string(1, "xyz"[control_->component]) + " before " + until +
                ": follow a branch (\"Branch\" in \"Analysis\") or add a small lateral load"};

@@ -5,9 +5,6 @@
 
 namespace mixbeam {
 
-/// A displacement over the length of the scene that has not moved.
-inline constexpr double kStill = 1e-9;
-
 /// Nothing that could be tried further on leads to the end.
 struct GaveUp {
   std::string cause;

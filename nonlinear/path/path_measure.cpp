@@ -1,19 +1,12 @@
 #include "nonlinear/path/path_measure.hpp"
 
 #include "discretization/state/difference.hpp"
+#include "nonlinear/path/thresholds.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 namespace mixbeam {
-
-namespace {
-
-/// Weight of the load factor in lengths: a path whose stage moves the structure by less than this share of its size is
-/// measured by its load, all others by their motion.
-constexpr double kLoadWeight = 1e-6;
-
-}  // namespace
 
 PathMeasure::PathMeasure(const Model& model) : weights_(model.create_vector()) {
   weights_.fill(0.0);
@@ -49,7 +42,7 @@ double PathMeasure::cosine(const MixedVector& a, const MixedVector& b) const {
 }
 
 double PathMeasure::inner(const PathDirection& a, const PathDirection& b) const {
-  return motion(a.x, b.x) + kLoadWeight * kLoadWeight * a.load * b.load;
+  return motion(a.x, b.x) + path_limit.load_weight * path_limit.load_weight * a.load * b.load;
 }
 
 double PathMeasure::length(const PathDirection& a) const { return std::sqrt(inner(a, a)); }
@@ -57,7 +50,7 @@ double PathMeasure::length(const PathDirection& a) const { return std::sqrt(inne
 ControlRow PathMeasure::row(const PathDirection& direction, double load_start, double length) const {
   MixedVector weights = direction.x.clone(true);
   weights.multiply_by(weights_);
-  return {weights, kLoadWeight * kLoadWeight * direction.load, load_start, length};
+  return {weights, path_limit.load_weight * path_limit.load_weight * direction.load, load_start, length};
 }
 
 PathDirection scaled(const PathDirection& a, double factor) {
@@ -72,35 +65,32 @@ namespace {
 /// an error of 1e-7 of it is one of 3e-4 of them. Of the displacement, not of the structure: cells of a long row snap
 /// one by one at one load.
 bool are_one(const Model& model, const State& a, const State& b) {
-  constexpr double kSamePlace = 1e-3;
   const StateDifference apart = difference(model, a, b);
-  return apart.largest_change <= kSamePlace * apart.largest_displacement;
+  return apart.largest_change <= path_limit.same_place * apart.largest_displacement;
 }
 
 }  // namespace
 
 void Way::add(const PathMeasure& measure, const PathDirection& moved, const Model& model,
               const std::vector<CriticalPoint>& passed) {
-  constexpr double kSameLoad = 1e-7;
   travelled_ += measure.motion(moved.x);
   sum_ = sum_.clone(true);  // copies of this share it
   sum_.update(1.0, moved.x, 1.0);
   for (const CriticalPoint& point : passed) {
     if (point.kind != CriticalKind::limit_point) continue;
     for (const LimitPoint& limit : limits_)
-      if (std::abs(limit.load_factor - point.load_factor) <= kSameLoad * std::abs(point.load_factor))
+      if (std::abs(limit.load_factor - point.load_factor) <= path_limit.same_load * std::abs(point.load_factor))
         meets_again_ = meets_again_ || are_one(model, limit.state, point.state);
     limits_.push_back({point.state, point.load_factor});
   }
 }
 
 bool Way::returns(const PathMeasure& measure, const Station& here, const PathDirection& last) const {
-  constexpr double kRound = 10.0, kSameDirection = 0.9;
   const double chord = measure.motion(last.x);
   if (meets_again_) return true;
-  return begin_.has_tangent() && travelled_ > kRound * chord && measure.motion(sum_) <= chord &&
+  return begin_.has_tangent() && travelled_ > path_limit.round_trip * chord && measure.motion(sum_) <= chord &&
          std::abs(here.load_factor - begin_.load_factor) <= std::abs(last.load) &&
-         measure.cosine(here.tangent.x, begin_.tangent.x) >= kSameDirection &&
+         measure.cosine(here.tangent.x, begin_.tangent.x) >= path_limit.same_direction &&
          here.tangent.load * begin_.tangent.load > 0.0;
 }
 

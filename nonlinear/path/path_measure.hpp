@@ -53,9 +53,6 @@ class PathMeasure {
   std::vector<int> part_of_vertex_;  ///< (owned vertex); empty: there is one part
 };
 
-/// A motion smaller than this is rounding: the displacements of a structure are known to about 1e-13 of its length.
-inline constexpr double kNoMotion = 1e-12;
-
 /// A converged point of a path and its direction from there.
 struct Station {
   State state;

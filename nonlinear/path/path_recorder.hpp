@@ -102,12 +102,10 @@ class PathRecorder {
 };
 
 /// All return whether the path arrived at the end of the range; `start` is the state at its beginning. By
-/// automatic_path.cpp, without tuning; by LOCA's stepper; from one stable state to the next, by jump_path.cpp.
+/// automatic_path.cpp, without tuning or from one stable state to the next; by LOCA's stepper.
 bool follow_stage_automatically(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,
                                 const State& start, const StageRange& range, PathRecorder& recorder);
 bool follow_stage_with_loca(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,
                             const State& start, const StageRange& range, PathRecorder& recorder);
-bool follow_stage_with_jumps(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,
-                             const State& start, const StageRange& range, PathRecorder& recorder);
 
 }  // namespace mixbeam

@@ -8,6 +8,7 @@
 #include "nonlinear/linear/linear_solver.hpp"
 #include "nonlinear/path/descent.hpp"
 #include "nonlinear/path/path_recorder.hpp"
+#include "nonlinear/path/thresholds.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
 
@@ -23,29 +24,6 @@ namespace {
 /// Stiffness of tension and shear where members yield, over EI / l^2 of the shortest one: a clamped member buckles
 /// under 4 pi^2 EI / l^2, at a strain of 0.4 %. Where its ends approach by little more than that, the next one.
 constexpr double kYielding[] = {1e4, 1e6, 1e8};
-constexpr double kDecadesToRigid = 8.0;  ///< from there, before members are rigid again
-/// Hardening may move the structure by this share of its way from the start. The way grows like the root of the load
-/// factor, and is long enough when members have approached by ten times what they yield.
-constexpr double kHardenedMotion = 0.05;
-/// The way back is tried where the load factor has grown by this factor since the last try, on so many steps.
-constexpr double kNextTry = 2.0;
-constexpr int kMostSteps = 60;
-
-/// With this bending stiffness over load times L^2, and this tension stiffness over the load, limp members sag by some
-/// tenths of their length, and buckle to no other side than that of the load.
-constexpr double kStiff = 0.005, kSoft = 10.0;
-/// Share of the way from where a structure of cables goes back whose way from zero does not arrive: there it is stiffer
-/// in bending by a factor of 10 to 100.
-constexpr double kStiffer = -0.2;
-/// Of a structure of cables: what bending carries, largest moment over largest force and length.
-constexpr double kLittleBending = 0.01;
-
-/// Share of the way on which stiffnesses go back at first, at least, and up to which a descent is worth its price.
-constexpr double kFirstShareBack = 1.0 / 3.0, kLeastShareBack = 0.01, kShareOfDescent = 0.1;
-/// Scaled residual up to which the solutions on the way are worth their iterations.
-constexpr double kToleranceBack = 1e-7;
-constexpr int kMostSolutionsBack = 60, kMostDescents = 24;
-constexpr int kMostIterationsBack = 12, kEasyIterationsBack = 6;
 
 /// What a structure is followed with.
 struct Easing {
@@ -59,7 +37,7 @@ struct Easing {
 
 /// A stiffness between that of the easing and its own; one that is infinite is reached at the end alone.
 double between(double eased, double own, double share) {
-  if (std::isinf(own)) return share < 1.0 ? eased * std::pow(10.0, share * kDecadesToRigid) : own;
+  if (std::isinf(own)) return share < 1.0 ? eased * std::pow(10.0, share * path_limit.decades_to_rigid) : own;
   return eased * std::pow(own / eased, share);
 }
 
@@ -72,9 +50,10 @@ Scene Easing::scene(const Scene& own, double share) const {
     const double bending = bending_of(section);
     if (!std::isfinite(bending)) continue;  // rigid bodies do not buckle; what is coupled stays so
     if (is_limp(section)) {
-      const double raise = std::pow(kStiff * load * length * length / bending, 1.0 - share);
+      const double raise = std::pow(path_limit.stiffness_of_limp * load * length * length / bending, 1.0 - share);
       for (int i = 3; i < 6; ++i) stiffness[i] *= raise;
-      stiffness[0] = between(std::min(stiffness[0], kSoft * load), stiffness[0], std::max(share, 0.0));
+      stiffness[0] =
+          between(std::min(stiffness[0], path_limit.tension_of_limp * load), stiffness[0], std::max(share, 0.0));
     } else if (load == 0.0) {
       for (int i = 0; i < 3; ++i)
         if (std::isinf(stiffness[i]))
@@ -126,7 +105,7 @@ double motion(const Model& model, const State& a, const State& b) { return diffe
 
 bool is_stable(Stability& stability, const Correction& at) {
   try {
-    const Verdict verdict = stability.count(at.state, at.load_factor).verdict();
+    const Verdict verdict = stability.ask({at.state, at.load_factor}, How::inertia)->verdict();
     return verdict == Verdict::stable || verdict == Verdict::neutral;
   } catch (const LinearSolverError&) {
     return false;
@@ -147,7 +126,8 @@ class SteepStart {
         stability_(stability),
         easing_(easing_of(own->model, start, range.to)) {
     if (easing_.load > 0.0)
-      eased_parameters_.newton.residual_tolerance = std::max(kToleranceBack, parameters.newton.residual_tolerance);
+      eased_parameters_.newton.residual_tolerance =
+          std::max(path_limit.tolerance_back, parameters.newton.residual_tolerance);
   }
 
   std::optional<Correction> first_point() {
@@ -170,7 +150,7 @@ class SteepStart {
  private:
   /// Cables hang in one state alone, whatever the way to it.
   void hang() {
-    for (const double share : {0.0, kStiffer}) {
+    for (const double share : {0.0, path_limit.share_stiffer}) {
       const auto found = solved(problem_at(share), start_, range_.to, true);
       if (found) first_ = back_from(found->state, range_.to, share);
       if (first_) break;
@@ -191,11 +171,11 @@ class SteepStart {
       const bool branches = report.point.branched && !branched;
       branched = report.point.branched;
       is_lost_ = !report.critical_points.empty() && !branches;
-      gives_up = report.step > kMostSteps;
+      gives_up = report.step > path_limit.most_eased_steps;
       const double loaded = report.load_factor - range_.from;
       if (gives_up || is_lost_ || (loaded < next_try && report.load_factor < range_.to)) return;
       first_ = back_from(state, report.load_factor, 0.0);
-      next_try = kNextTry * loaded;
+      next_try = path_limit.next_try * loaded;
     };
     SolverParameters parameters = eased_parameters_;
     parameters.analysis.stability = true;  // without critical points nothing is known
@@ -228,16 +208,16 @@ class SteepStart {
     SolveRecord record;
     const SolverParameters& parameters = problem == own_ ? parameters_ : eased_parameters_;
     Corrector corrector(problem, parameters, record, NewtonPurpose::check);
-    std::optional<Correction> found = corrector.at_load({near, load_factor}, kMostIterationsBack);
+    std::optional<Correction> found = corrector.at_load(near, load_factor, path_limit.most_iterations_of_easy_solve);
     if (are_cables_) {
       Stability stability(*problem);
       const bool is_equilibrium = found->converged;
       found->converged = is_equilibrium && is_stable(stability, *found);
-      if (!found->converged && is_near && ++descents_ <= kMostDescents) {
+      if (!found->converged && is_near && ++descents_ <= path_limit.most_descents) {
         const PathMeasure measure(problem->model);
         Descent descent(problem, parameters, corrector, stability, measure, {});
         found = descent.from(is_equilibrium ? found->state : near, load_factor).found;
-        if (found) found->iterations = kMostIterationsBack;  // not easy
+        if (found) found->iterations = path_limit.most_iterations_of_easy_solve;  // not easy
       }
     }
     count_work(*problem);
@@ -250,19 +230,19 @@ class SteepStart {
   std::optional<Correction> back_from(const State& eased, double load_factor, double done) {
     std::optional<Correction> found;
     State before = eased;
-    double share = kFirstShareBack, last = 0.0;
-    for (int i = 0; i < kMostSolutionsBack && done < 1.0 && share >= kLeastShareBack; ++i) {
-      const double next = done + share < 1.0 - kLeastShareBack ? done + share : 1.0;
+    double share = path_limit.first_share_back, last = 0.0;
+    for (int i = 0; i < path_limit.most_solutions_back && done < 1.0 && share >= path_limit.least_share_back; ++i) {
+      const double next = done + share < 1.0 - path_limit.least_share_back ? done + share : 1.0;
       std::optional<Correction> tried =
           solved(problem_at(next), found ? beyond(before, found->state, (next - done) / last) : eased, load_factor,
-                 share <= kShareOfDescent);
+                 share <= path_limit.share_of_descent);
       if (!tried || !is_near(tried->state, eased)) {
         share *= 0.5;
         continue;
       }
       last = next - std::exchange(done, next);
       before = found ? found->state : eased;
-      if (tried->iterations <= kEasyIterationsBack) share *= 2.0;
+      if (tried->iterations <= path_limit.easy_iterations_back) share *= 2.0;
       found = std::move(tried);
     }
     if (done < 1.0 || !is_of_small_loads(*found)) return std::nullopt;
@@ -282,7 +262,7 @@ class SteepStart {
 
   bool is_near(const State& hard, const State& yielded) const {
     return easing_.load > 0.0 ||
-           motion(own_->model, yielded, hard) <= kHardenedMotion * motion(own_->model, start_, hard);
+           motion(own_->model, yielded, hard) <= path_limit.hardened_motion * motion(own_->model, start_, hard);
   }
 
   bool is_of_small_loads(const Correction& found) const {
@@ -316,7 +296,7 @@ std::optional<Correction> first_point_of_steep_path(const Teuchos::RCP<BeamProbl
 
 bool hangs_in_tension(const Model& model, const State& state, double load_factor) {
   const StateMagnitude size = magnitude_of(model, state, load_factor);
-  return is_dead(model.scene()) && size.moment <= kLittleBending * size.force * model.structure().length &&
+  return is_dead(model.scene()) && size.moment <= path_limit.little_bending * size.force * model.structure().length &&
          least_tension(model, state, [](const Section&) { return true; }) > 0.0;
 }
 

@@ -2,48 +2,26 @@
 
 #include "discretization/text/number_text.hpp"
 #include "nonlinear/linear/linear_solver.hpp"
+#include "nonlinear/newton/thresholds.hpp"
 #include "nonlinear/path/critical_point_finder.hpp"
+#include "nonlinear/path/thresholds.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace mixbeam {
 
 namespace {
 
-/// The chord and the tangents at its ends are taken for one line when their cosines are at least this: a path that
-/// turns aside by less has no room for another one.
-constexpr double kStraight = 0.97;
-/// Newton's correction half-way, over the chord, up to which the cubic counts as the path.
-constexpr double kLargestCorrection = 0.2;
-/// A correction this small leaves no doubt that the cubic is the path.
-constexpr double kSure = 1e-2;
-/// A step is halved for a closer look so many times at most.
-constexpr int kMostHalvings = 3;
-/// Between points in which the load factor changes at rates of one sign the rate stays above this share of the smaller
-/// one, or the load may have gone back and forth between them.
-constexpr double kLeastGain = 0.5;
-/// Of the load factor's last rate over its mean: it grows with this power of the motion. Bars in tension make it grow
-/// with the third, what is bent until it is straight with any power, and a cubic says nothing of that.
-constexpr double kFastestGrowth = 6.0;
-/// What the cubic leaves out of the load factor half-way, e, is at least a multiple of the parabola of fourth degree
-/// 16 e s^2 (1 - s)^2, whose slope reaches this times e.
-constexpr double kErrorOfRate = 3.1;
-/// A change of the load factor along a step, over the load factor: the cap alone shifts critical loads by 1e-7.
-constexpr double kFlat = 1e-5;
-/// A structure has stiffened when its rate at the end would move it by less than this share of the step's chord, and
-/// the direction of that rate is of no importance from angles of 60 degrees on.
-constexpr double kStiffened = 0.1, kEndCosine = 0.5;
-/// Parts that move by a smaller share of what the part that moves farthest does stand still.
-constexpr double kLeastShare = 1e-8;
 /// In which loads are looked at.
 constexpr int kPartsOfStep = 8;
-/// Newton's method half-way starts near the path.
-constexpr int kMostIterationsHalfway = 15;
+/// Looks inside: half-way, once more with its correction, and aside.
+constexpr int kLooksHalfway = 2, kLooks = 4;
+/// Points of the middle rule for the change of loads.
+constexpr int kHistoryParts = 64;
 
 const char* const kBends = "the path bends too much: another one may have been met";
-const char* const kTurnBack = "the loads turn back within the step";
-const char* const kGoesBack = "the load factor goes back within the step";
 
 /// Whether counts exist at both ends and inside, and agree.
 bool has_counts(const PathPiece& piece, int inside) {
@@ -51,19 +29,121 @@ bool has_counts(const PathPiece& piece, int inside) {
   return a && b && a->negative == b->negative && inside == a->negative;
 }
 
+bool counts_differ(const PathPiece& piece) {
+  const std::optional<StabilityResult>&a = piece.start.stability, &b = piece.end.stability;
+  return a && b && a->negative != b->negative;
+}
+
+/// A count inside a step must lie between those of its ends, theory (57). Without symmetry it is the parity that the
+/// sign of the determinant tells, which changes where an eigenvalue passes zero all the same.
+bool is_outside(const PathPiece& piece, int negative) {
+  const std::optional<StabilityResult>&a = piece.start.stability, &b = piece.end.stability;
+  if (!a || !b || negative < 0) return false;
+  const auto [least, most] = std::minmax(a->negative, b->negative);
+  return negative < least || most < negative;
+}
+
 /// The load factor turns at limit points alone, and each of them changes the count by one.
 bool may_turn(const PathPiece& piece, const StepTest& test) {
   const std::optional<StabilityResult>&a = piece.start.stability, &b = piece.end.stability;
-  return test.counts_may_change && (!a || !b || a->negative != b->negative);
+  return test.counts_may_change && (!a || !b || counts_differ(piece));
 }
 
 /// Whether the load factor hardly changes along the step, so that the signs of its rates may be those of rounding.
 bool load_is_flat(const PathMeasure& measure, const PathPiece& piece) {
   const double rate = std::max(std::abs(piece.start.tangent.load), std::abs(piece.end.tangent.load));
-  return rate * measure.motion(piece.moved.x) <= kFlat * std::max(1.0, std::abs(piece.end.load_factor));
+  return rate * measure.motion(piece.moved.x) <= path_limit.flat_load * std::max(1.0, std::abs(piece.end.load_factor));
+}
+
+/// The lower one, and NaN where one of them is.
+double lower(double a, double b) { return b >= a || std::isnan(a) ? a : b; }
+
+/// Whether the load factor turns at each limit point: it lies beyond those before and after it, or what was sampled
+/// beside it belongs to two paths.
+bool turns_at_limits(const PathPiece& piece, const std::vector<CriticalPoint>& passed) {
+  const auto load_at = [&](size_t i) { return i < passed.size() ? passed[i].load_factor : piece.end.load_factor; };
+  double before = piece.start.load_factor;
+  for (size_t i = 0; i < passed.size(); before = passed[i++].load_factor) {
+    const double here = passed[i].load_factor, gain = here - before, rest = load_at(i + 1) - here;
+    const double known = passed[i].error + path_limit.flat_load * std::max(1.0, std::abs(here));
+    const bool passes = gain * rest > 0.0 && std::min(std::abs(gain), std::abs(rest)) > known;
+    if (passes && passed[i].kind == CriticalKind::limit_point) return false;
+  }
+  return true;
+}
+
+/// A last station of a stage belongs to that stage: its tangent must not be that of the loads to come.
+double within_stage(double load_factor, double stage_end) {
+  return std::min(load_factor, std::nextafter(stage_end, stage_end - 1.0));
 }
 
 }  // namespace
+
+const std::vector<JudgeLine>& judge_table() {
+  using S = const StepSigns&;
+  using T = const StepTest&;
+  using Signs = StepSigns;
+  using Side = JudgeLine::Side;
+  using Then = Consequence;
+  const auto always = [](S, T) { return true; };
+  const auto turn = [](S s, T) { return s.loads_turn; };
+  const auto straight = [](S, T) { return path_limit.straight; };
+  const auto sure = [](S, T) { return path_limit.sure_correction; };
+  const auto no_motion = [](S, T) { return path_limit.no_motion; };
+  const auto smallest = [](S, T t) { return t.smallest_cosine; };
+  const char* const turn_back = "the loads turn back within the step";
+  const char* const goes_back = "the load factor goes back within the step";
+  static const std::vector<JudgeLine> table = {
+      // from both ends
+      {[](S s, T) { return s.counts_change; }, Then::refuse,
+       "stability changes within the step: the path is followed by its length"},
+      {[](S s, T) { return !s.has_tangents; }, Then::accept},
+      {[](S s, T) { return !s.loads_move; }, Then::accept, "", &Signs::motion, Side::at_most, no_motion},
+      {always, Then::refuse, turn_back, &Signs::motion, Side::at_most, no_motion},
+      {[](S s, T) { return s.loads_turn && std::isnan(s.turn_cosine); }, Then::refuse, kBends},
+      {turn, Then::refuse, turn_back, &Signs::turn_cosine, Side::below, straight},
+      {turn, Then::accept},
+      {always, Then::refuse, kBends, &Signs::first, Side::below, smallest},
+      {always, Then::refuse, kBends, &Signs::last, Side::below, [](S, T t) { return t.least_cosine_at_end; }},
+      {always, Then::halve, "", &Signs::last, Side::below, smallest},
+      {[](S s, T t) { return s.looks == 0 && !t.always_looks && !s.starts_still && !s.dips && !s.turns_unseen; },
+       Then::accept, "", &Signs::least, Side::at_least, straight},
+      {[](S s, T) { return s.looks == 0; }, Then::look},
+      // from inside; where rates at the ends differ by decades the cubic overshoots in the forces, which alone may
+      // falsify count and rate, and beside the path counts may differ
+      {[](S s, T) { return s.looks == 1 && (s.goes_back || s.count_outside); }, Then::look_closer, "",
+       &Signs::correction, Side::at_most, sure},
+      {always, Then::halve, "", &Signs::correction, Side::above, [](S, T) { return path_limit.largest_correction; }},
+      {[](S s, T) { return s.count_outside; }, Then::halve},
+      // stiff beside soft, next to a bifurcation, the rate's sign is one of rounding: counts that agree tell better
+      {[](S s, T) { return s.turns_unseen && s.is_flat && s.counts_agree; }, Then::accept, "", &Signs::correction,
+       Side::at_most, sure},
+      {[](S s, T) { return s.turns_unseen; }, Then::refuse, goes_back},
+      {[](S s, T) { return s.dips && s.is_last; }, Then::accept},
+      {[](S s, T) { return !s.turns && !s.dips && s.goes_back; }, Then::refuse, goes_back},
+      {[](S s, T) { return s.dips; }, Then::halve},
+      {[](S, T t) { return !t.always_looks; }, Then::accept},
+      // where all critical points are looked for the cubic must leave no room for a dip, and pairs between which the
+      // count has changed several times are found by further evaluations
+      {[](S s, T) { return !s.turns && !s.is_last; }, Then::halve, "", &Signs::rate_error, Side::above,
+       [](S s, T) { return s.least_gain; }},
+      {[](S s, T) { return s.looks < kLooks; }, Then::look_aside},
+      {always, Then::accept},
+  };
+  return table;
+}
+
+const JudgeLine& deciding_line(const StepSigns& signs, const StepTest& test) {
+  return *std::find_if(judge_table().begin(), judge_table().end(), [&](const JudgeLine& line) {
+    if (!line.applies(signs, test)) return false;
+    if (line.sign == nullptr) return true;
+    const double value = signs.*line.sign, threshold = line.threshold(signs, test);
+    return line.side == JudgeLine::Side::below      ? !(value >= threshold)
+           : line.side == JudgeLine::Side::above    ? !(value <= threshold)
+           : line.side == JudgeLine::Side::at_least ? value >= threshold
+                                                    : value <= threshold;
+  });
+}
 
 /// A step of one part, in motions; rates: of the load factor along the chord.
 struct StepJudge::Part {
@@ -75,9 +155,10 @@ struct StepJudge::Part {
         first_rate(piece.start.tangent.load * chord / chord_start),
         last_rate(piece.end.tangent.load * chord / chord_end),
         mean_rate(piece.moved.load / chord),
-        starts_still(std::sqrt(start_start) < kNoMotion * std::abs(piece.start.tangent.load)),
-        ends_stiff(last < kEndCosine && std::sqrt(end_end) * std::abs(piece.moved.load) <
-                                            kStiffened * chord * std::abs(piece.end.tangent.load)) {}
+        starts_still(std::sqrt(start_start) < path_limit.no_motion * std::abs(piece.start.tangent.load)),
+        ends_stiff(last < path_limit.least_cosine &&
+                   std::sqrt(end_end) * std::abs(piece.moved.load) <
+                       path_limit.stiffened * chord * std::abs(piece.end.tangent.load)) {}
 
   double chord;                             ///< its length
   double first, last;                       ///< cosines of the angles with the tangents at both ends
@@ -113,8 +194,9 @@ double StepJudge::Part::least_rate() const {
 bool StepJudge::Part::load_dips(const StepTest& test) const {
   if ((first_rate > 0.0) != (last_rate > 0.0)) return false;
   const double mean = first_rate > 0.0 ? mean_rate : -mean_rate;
-  const bool outgrows_cubic = test.may_stiffen && std::abs(last_rate) > kFastestGrowth * mean;
-  return (outgrows_cubic ? mean : least_rate()) < kLeastGain * std::min(std::abs(first_rate), std::abs(last_rate));
+  const bool outgrows_cubic = test.may_stiffen && std::abs(last_rate) > path_limit.fastest_growth * mean;
+  return (outgrows_cubic ? mean : least_rate()) <
+         path_limit.least_gain * std::min(std::abs(first_rate), std::abs(last_rate));
 }
 
 /// Those that move.
@@ -124,7 +206,7 @@ std::vector<StepJudge::Part> StepJudge::parts_of(const PathPiece& piece) const {
                             ce = measure_.motion_of_parts(chord, end), ss = measure_.motion_of_parts(start, start),
                             ee = measure_.motion_of_parts(end, end);
   const double largest = *std::max_element(cc.begin(), cc.end());
-  const double still = std::max(kNoMotion, kLeastShare * std::sqrt(largest));
+  const double still = std::max(path_limit.no_motion, path_limit.least_share * std::sqrt(largest));
   std::vector<Part> parts;
   for (size_t p = 0; p < cc.size(); ++p)
     if (std::sqrt(cc[p]) >= still) parts.emplace_back(piece, cc[p], cs[p], ce[p], ss[p], ee[p]);
@@ -133,15 +215,15 @@ std::vector<StepJudge::Part> StepJudge::parts_of(const PathPiece& piece) const {
 
 /// Where loads turn back, the structure follows the change of the loads from end to end, if it is nearly linear: then
 /// the tangents for that change point along the chord at both ends.
-std::string StepJudge::objection_where_loads_turn(const PathPiece& piece) const {
+double StepJudge::cosine_where_loads_turn(const PathPiece& piece) const {
   const double from = piece.start.load_factor, to = piece.end.load_factor;
   Station start = piece.start, end = piece.end;
   start.tangent = secant_tangent(piece.start, from, to);
   end.tangent = secant_tangent(piece.end, from, to);
-  if (!start.has_tangent() || !end.has_tangent()) return kBends;
-  for (const Part& part : parts_of({start, piece.moved, end}))
-    if (!(std::min(part.first, part.last) >= kStraight)) return kTurnBack;
-  return "";
+  if (!start.has_tangent() || !end.has_tangent()) return std::nan("");
+  double cosine = HUGE_VAL;
+  for (const Part& part : parts_of({start, piece.moved, end})) cosine = lower(cosine, std::min(part.first, part.last));
+  return cosine;
 }
 
 /// Where the ends lie together: whether the loads move nothing on the way either.
@@ -150,7 +232,7 @@ bool StepJudge::loads_move_nothing(const PathPiece& piece) const {
   for (int part = 0; part < kPartsOfStep; ++part) {
     const PathDirection rate =
         secant_tangent(piece.start, from + size * part / kPartsOfStep, from + size * (part + 1) / kPartsOfStep);
-    if (!(measure_.motion(rate.x) < kNoMotion * std::abs(rate.load))) return false;
+    if (!(measure_.motion(rate.x) < path_limit.no_motion * std::abs(rate.load))) return false;
   }
   return true;
 }
@@ -161,7 +243,8 @@ PathDirection StepJudge::cubic(const PathPiece& piece, double at) const {
                last = s * s * (s - 1.0) * length;
   PathDirection result = scaled(piece.moved, whole);
   if (!piece.start.has_tangent() || !piece.end.has_tangent()) return scaled(piece.moved, at);
-  if (ends_stiff(piece)) {  // the end's tangent says nothing of the way there: the parabola along the first one
+  if (this->whole(piece)
+          .ends_stiff) {  // the end's tangent says nothing of the way there: the parabola along the first one
     PathDirection parabola = scaled(piece.moved, s * s);
     parabola.x.update(s * (1.0 - s) * length, piece.start.tangent.x, 1.0);
     parabola.load += s * (1.0 - s) * length * piece.start.tangent.load;
@@ -178,9 +261,6 @@ StepJudge::Part StepJudge::whole(const PathPiece& piece) const {
               measure_.motion(start, start), measure_.motion(end, end));
 }
 
-/// Whether the structure hardly moves any more at the end, and in another direction: nothing to judge the way by.
-bool StepJudge::ends_stiff(const PathPiece& piece) const { return whole(piece).ends_stiff; }
-
 StepJudge::Look StepJudge::look(const PathPiece& piece, PathDirection guess) const {
   const double load_factor = piece.start.load_factor + guess.load;
   const Linear at = linear_at(piece.start.state, guess, load_factor);
@@ -188,7 +268,7 @@ StepJudge::Look StepJudge::look(const PathPiece& piece, PathDirection guess) con
   const std::vector<double> cc = measure_.motion_of_parts(chord, chord), cr = measure_.motion_of_parts(chord, rate),
                             cn = measure_.motion_of_parts(chord, newton), nn = measure_.motion_of_parts(newton, newton),
                             nr = measure_.motion_of_parts(newton, rate), rr = measure_.motion_of_parts(rate, rate);
-  const double still = std::max(kNoMotion, kLeastShare * measure_.motion(chord));
+  const double still = std::max(path_limit.no_motion, path_limit.least_share * measure_.motion(chord));
   Look seen{std::move(guess)};
   for (size_t p = 0; p < cc.size(); ++p) {
     if (std::sqrt(cc[p]) < still) continue;
@@ -203,124 +283,86 @@ StepJudge::Look StepJudge::look(const PathPiece& piece, PathDirection guess) con
   if (!std::isfinite(seen.correction)) return seen;
   seen.corrected.x.update(1.0, newton, -change, rate, 1.0);
   seen.corrected.load += change;
-  const std::optional<StabilityResult> there = count(at.state, load_factor + change);
+  const std::optional<StabilityResult> there = count({at.state, load_factor + change}, How::inertia);
   if (there) seen.negative = there->negative;
   return seen;
 }
 
-std::string StepJudge::objection(const PathPiece& piece, const StepTest& test) {
-  const std::optional<StabilityResult>&a = piece.start.stability, &b = piece.end.stability;
-  if (a && b && !test.counts_may_change && a->negative != b->negative)
-    return "stability changes within the step: the path is followed by its length";
-  return objection(piece, test, kMostHalvings);
-}
-
-/// A count inside a step must lie between those of its ends, theory (57). Without symmetry it is the parity that the
-/// sign of the determinant tells, which changes where an eigenvalue passes zero all the same.
-std::string StepJudge::objection_to_count(const PathPiece& piece, int negative) const {
-  const std::optional<StabilityResult>&a = piece.start.stability, &b = piece.end.stability;
-  if (!a || !b || negative < 0) return "";
-  const auto [least, most] = std::minmax(a->negative, b->negative);
-  if (least <= negative && negative <= most) return "";
-  return "stability changes several times within the step";
+StepSigns StepJudge::signs_of_ends(const PathPiece& piece, const StepTest& test, int depth) const {
+  StepSigns signs;
+  signs.counts_change = depth == path_limit.most_halvings && !test.counts_may_change && counts_differ(piece);
+  signs.has_tangents = piece.start.has_tangent() && piece.end.has_tangent();
+  if (signs.counts_change || !signs.has_tangents) return signs;
+  signs.motion = measure_.motion(piece.moved.x);
+  if (signs.motion <= path_limit.no_motion) {
+    // Loads of many formulas that cancel each other at both ends need not do so in between.
+    signs.loads_move = loads().have_formulas() && !loads_move_nothing(piece);
+    return signs;
+  }
+  signs.loads_turn = !loads().is_straight(piece.start.load_factor, piece.end.load_factor);
+  if (signs.loads_turn) {
+    signs.turn_cosine = cosine_where_loads_turn(piece);
+    return signs;
+  }
+  for (const Part& part : parts_of(piece)) {
+    if (!part.starts_still) signs.first = lower(signs.first, part.first);
+    if (!test.may_stiffen || !part.ends_stiff) signs.last = lower(signs.last, part.last);
+    signs.least = std::min({signs.least, part.first, part.last});
+    signs.starts_still = signs.starts_still || part.starts_still;
+    signs.dips = signs.dips || part.load_dips(test);
+  }
+  signs.turns = (piece.start.tangent.load > 0.0) != (piece.end.tangent.load > 0.0);
+  signs.turns_unseen = signs.turns && !may_turn(piece, test);
+  return signs;
 }
 
 std::string StepJudge::objection(const PathPiece& piece, const StepTest& test, int depth) {
-  if (!piece.start.has_tangent() || !piece.end.has_tangent()) return "";
-  // Loads of many formulas that cancel each other at both ends need not do so in between.
-  if (measure_.motion(piece.moved.x) < kNoMotion)
-    return !loads().have_formulas() || loads_move_nothing(piece) ? "" : kTurnBack;
-  if (!loads().is_straight(piece.start.load_factor, piece.end.load_factor)) return objection_where_loads_turn(piece);
-  bool looks = test.always_looks, dips = false, is_bent = false;
-  for (const Part& part : parts_of(piece)) {
-    const bool hardly_moves = test.may_stiffen && part.ends_stiff;
-    if (!(part.starts_still || part.first >= test.smallest_cosine)) return kBends;
-    if (!hardly_moves && !(part.last >= test.least_cosine_at_end)) return kBends;
-    is_bent = is_bent || (!hardly_moves && part.last < test.smallest_cosine);
-    dips = dips || part.load_dips(test);
-    looks = looks || part.starts_still || std::min(part.first, part.last) < kStraight;
+  StepSigns signs = signs_of_ends(piece, test, depth);
+  for (std::optional<Look> seen;;) {
+    const JudgeLine& line = deciding_line(signs, test);
+    if (line.consequence == Consequence::accept) return "";
+    if (line.consequence == Consequence::refuse) return line.objection;
+    if (line.consequence == Consequence::halve) return objection_of_halves(piece, test, depth);
+    const bool is_aside = line.consequence == Consequence::look_aside, is_first = signs.looks == 0;
+    signs.looks = is_aside ? std::max(signs.looks, kLooksHalfway) + 1 : signs.looks + 1;
+    const double at = !is_aside ? 0.5 : (signs.looks < kLooks ? 0.25 : 0.75);
+    seen = look(piece, line.consequence == Consequence::look_closer ? std::move(seen->corrected) : cubic(piece, at));
+    signs.correction = seen->correction;
+    signs.count_outside = is_outside(piece, seen->negative);
+    if (is_aside) continue;
+    signs.goes_back = seen->goes_back;
+    signs.counts_agree = has_counts(piece, seen->negative);
+    signs.is_flat = load_is_flat(measure_, piece);
+    signs.is_last = depth == 0 && signs.counts_agree && (!test.always_looks || signs.is_flat);
+    if (is_first) signs.rate_error = path_limit.error_of_rate * seen->load_error;
+    signs.least_gain = whole(piece).least_rate() * signs.motion;
   }
-  if (is_bent) return objection_of_halves(piece, test, depth);
-  const bool turns = (piece.start.tangent.load > 0.0) != (piece.end.tangent.load > 0.0);
-  const bool turns_unseen = turns && !may_turn(piece, test);
-  if (!looks && !dips && !turns_unseen) return "";
-  Look seen = look(piece, cubic(piece, 0.5));
-  const double load_error = seen.load_error;
-  // Where rates at the ends differ by decades the cubic overshoots in the forces: they alone may falsify count and
-  // rate.
-  if (seen.correction <= kSure && (seen.goes_back || !objection_to_count(piece, seen.negative).empty()))
-    seen = look(piece, std::move(seen.corrected));
-  if (!(seen.correction <= kLargestCorrection)) return objection_of_halves(piece, test, depth);
-  const std::string count = objection_to_count(piece, seen.negative);
-  if (!count.empty()) return objection_of_halves(piece, test, depth);  // beside the path counts may differ
-  // Stiff beside soft, next to a bifurcation, the rate's sign is one of rounding: counts that agree tell better.
-  if (turns_unseen)
-    return load_is_flat(measure_, piece) && has_counts(piece, seen.negative) && seen.correction <= kSure ? ""
-                                                                                                         : kGoesBack;
-  const bool is_last =
-      depth == 0 && has_counts(piece, seen.negative) && (!test.always_looks || load_is_flat(measure_, piece));
-  if (dips && is_last) return "";
-  if (!turns && !dips && seen.goes_back) return kGoesBack;
-  if (dips) return objection_of_halves(piece, test, depth);
-  if (!test.always_looks) return "";
-  // where all critical points are looked for the cubic must leave no room for a dip, and pairs between which the count
-  // has changed several times are found by further evaluations
-  const bool is_sure =
-      !turns && kErrorOfRate * load_error <= whole(piece).least_rate() * measure_.motion(piece.moved.x);
-  if (!turns && !is_sure && !is_last) return objection_of_halves(piece, test, depth);
-  for (const double at : {0.25, 0.75}) {
-    const Look there = look(piece, cubic(piece, at));
-    if (!(there.correction <= kLargestCorrection) || !objection_to_count(piece, there.negative).empty())
-      return objection_of_halves(piece, test, depth);
-  }
-  return "";
 }
 
 std::string StepJudge::objection_of_halves(const PathPiece& piece, const StepTest& test, int depth) {
   if (depth == 0) return kBends;
   const double chord = measure_.length(piece.moved);
   const PathDirection guess = cubic(piece, 0.5);
-  const Correction found = corrector_.on_row(
-      {piece.start.state, piece.start.load_factor + guess.load, &guess.x},
-      measure_.row(scaled(piece.moved, 1.0 / chord), piece.start.load_factor, 0.5 * chord), kMostIterationsHalfway);
+  const Correction found =
+      corrector_.on_row({piece.start.state, piece.start.load_factor + guess.load, &guess.x},
+                        measure_.row(scaled(piece.moved, 1.0 / chord), piece.start.load_factor, 0.5 * chord),
+                        path_limit.most_iterations_nearby);
   if (!found.converged) return "no equilibrium half-way: " + found.cause;
   const PathDirection there{found.moved.clone(true), found.load_factor - piece.start.load_factor};
   PathDirection rest = scaled(piece.moved, 1.0);
   rest.x.update(-1.0, there.x, 1.0);
   rest.load -= there.load;
   const Station middle = station(found.state, found.load_factor, test.counts_may_change ? &piece.moved : nullptr);
-  if (middle.stability) {
-    const std::string count = objection_to_count(piece, middle.stability->negative);
-    if (!count.empty()) return count;
-  }
+  if (middle.stability && is_outside(piece, middle.stability->negative))
+    return "stability changes several times within the step";
   const std::string of_first = objection({piece.start, there, middle}, test, depth - 1);
   return of_first.empty() ? objection({middle, rest, piece.end}, test, depth - 1) : of_first;
 }
 
-namespace {
-
-/// Whether the load factor turns at each limit point: it lies beyond those before and after it, or what was sampled
-/// beside it belongs to two paths.
-bool turns_at_limits(const PathPiece& piece, const std::vector<CriticalPoint>& passed) {
-  const auto load_at = [&](size_t i) { return i < passed.size() ? passed[i].load_factor : piece.end.load_factor; };
-  double before = piece.start.load_factor;
-  for (size_t i = 0; i < passed.size(); before = passed[i++].load_factor) {
-    const double here = passed[i].load_factor, gain = here - before, rest = load_at(i + 1) - here;
-    const double known = passed[i].error + kFlat * std::max(1.0, std::abs(here));
-    const bool passes = gain * rest > 0.0 && std::min(std::abs(gain), std::abs(rest)) > known;
-    if (passes && passed[i].kind == CriticalKind::limit_point) return false;
-  }
-  return true;
-}
-
-}  // namespace
-
 StepFindings StepJudge::examine(const PathPiece& piece, const StepTest& test) {
   StepFindings findings;
-  findings.objection = objection(piece, test);
-  const std::optional<StabilityResult>&before = piece.start.stability, &after = piece.end.stability;
-  const bool changes = before && after && before->negative != after->negative;
-  if (findings.objection.empty() && changes) {
+  findings.objection = objection(piece, test, path_limit.most_halvings);
+  if (findings.objection.empty() && counts_differ(piece)) {
     try {
       findings.passed = CriticalPointFinder(*this, piece).find();
       if (!turns_at_limits(piece, findings.passed))
@@ -335,6 +377,77 @@ StepFindings StepJudge::examine(const PathPiece& piece, const StepTest& test) {
     findings.objection += " (load factor " + rounded(loads().load_factor(piece.start.load_factor), 6) + " to " +
                           rounded(loads().load_factor(piece.end.load_factor), 6) + ")";
   return findings;
+}
+
+std::optional<StabilityResult> StepJudge::count(const Asked& at, How how) const {
+  if (problem_->leave_if_asked) problem_->leave_if_asked();
+  if (stability_ == nullptr) return std::nullopt;
+  try {
+    const std::optional<StabilityResult> result = stability_->ask(at, how);
+    // elements that turn nearly by pi against their vertices have no stiffness to count by
+    return result && result->end_angle <= path_limit.largest_end_angle ? result : std::nullopt;
+  } catch (const LinearSolverError&) {
+    return std::nullopt;
+  }
+}
+
+/// Theory (54) for the given derivative of the residual with the load factor, which grows along it.
+PathDirection StepJudge::tangent_of(BeamGroup& group, const MixedVector& slope) const {
+  group.linearization();
+  BeamVector by_load(problem_->model.create_vector());
+  Teuchos::ParameterList none;
+  group.applyJacobianInverse(none, BeamVector(slope), by_load);
+  const PathDirection rate{by_load.values().clone(true), -1.0};
+  return scaled(rate, -1.0 / measure_.length(rate));
+}
+
+Station StepJudge::station(const State& state, double load_factor, const PathDirection* along, bool counts) const {
+  Station here{state, load_factor, {problem_->model.create_vector(), 0.0}};
+  {
+    TangentChoice choice;
+    choice.counts_interior = counts;
+    choice.enough = newton_limit.enough_for_tangents;
+    BeamGroup group(corrector_.global(), problem_, state, load_factor, {}, choice);
+    group.computeF();
+    if (counts) here.stability = count({state, load_factor, &group.linearization()}, How::factors);
+    MixedVector slope = problem_->model.create_vector();
+    load_derivative(problem_->model, state, within_stage(load_factor, stage_end_), group.scales(), slope);
+    here.tangent = tangent_of(group, slope);
+  }
+  if (along != nullptr && measure_.inner(*along, here.tangent) < 0.0) here.tangent = scaled(here.tangent, -1.0);
+  if (counts && !here.stability) here.stability = count({state, load_factor}, How::inertia);
+  here.cap_ratio = here.stability
+                       ? here.stability->cap_ratio
+                       : cap_for(problem_->model, scales_of(problem_->model, state, load_factor)).least_ratio;
+  return here;
+}
+
+/// For the mean of the derivatives between two load factors.
+PathDirection StepJudge::secant_tangent(const Station& at, double from, double to) const {
+  BeamGroup group(corrector_.global(), problem_, at.state, at.load_factor, {});
+  group.computeF();
+  MixedVector mean = problem_->model.create_vector(), slope = mean.clone(false);
+  mean.fill(0.0);
+  for (int part = 0; part < kHistoryParts; ++part) {
+    load_derivative(problem_->model, at.state, from + (to - from) * (part + 0.5) / kHistoryParts, group.scales(),
+                    slope);
+    mean.update(1.0 / kHistoryParts, slope, 1.0);
+  }
+  return tangent_of(group, mean);
+}
+
+/// The tangent next to a critical point, maybe, at a state moved by a guess.
+StepJudge::Linear StepJudge::linear_at(const State& start, const PathDirection& guess, double load_factor) const {
+  const Model& model = problem_->model;
+  const bool in_plane = start.in_plane && model.is_in_plane(guess.x);
+  BeamGroup group(corrector_.global(), problem_, start, load_factor, {}, near_critical(!in_plane));
+  group.setX(BeamVector(guess.x));
+  Teuchos::ParameterList none;
+  group.computeNewton(none);
+  BeamVector slope(model.create_vector()), by_load(model.create_vector());
+  load_derivative(model, group.state(), within_stage(load_factor, stage_end_), group.scales(), slope.values());
+  group.applyJacobianInverse(none, slope, by_load);
+  return {group.state(), BeamVector::of(group.getNewton()).clone(true), std::move(by_load.values())};
 }
 
 }  // namespace mixbeam

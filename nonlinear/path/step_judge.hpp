@@ -7,6 +7,8 @@
 /// direction of the load factor. Where the cubic is too far from the path, the equilibrium half-way is computed, and
 /// each half judged by itself. Parts of a structure that touch no other one are judged one by one: a single one among
 /// many may have jumped. Within a step that may be taken its critical points are looked for.
+///
+/// judge_table() holds the signs, their thresholds and what follows from them, line by line.
 #pragma once
 
 #include "discretization/scene/amplitude.hpp"
@@ -42,6 +44,50 @@ struct StepTest {
 inline constexpr StepTest kLoadStep{0.5, -0.5, false, false, true}, kExaminedStep{0.5, -0.5, true, false, true};
 /// Steps along the path, and where it is traced.
 inline constexpr StepTest kPathStep{0.85, 0.85, true, false}, kTracedStep{0.95, 0.95, true, true};
+
+/// What a step shows. Cosines are those of angles with the chord, the least among the parts that move.
+struct StepSigns {
+  bool counts_change = false;    ///< from end to end, where they must not
+  bool has_tangents = true;      ///< at both ends
+  double motion = 1.0;           ///< of the step
+  bool loads_move = false;       ///< the structure within a step whose ends lie together
+  bool loads_turn = false;       ///< within the step
+  double turn_cosine = 1.0;      ///< then: of the tangents for the whole change of the loads; NaN: there are none
+  double first = HUGE_VAL;       ///< of the tangent at the start, of parts that loads set out with a rate
+  double last = HUGE_VAL;        ///< of that at the end, of parts that have not stiffened
+  double least = HUGE_VAL;       ///< of both, of all parts
+  bool starts_still = false;     ///< loads set out with no rate
+  bool dips = false;             ///< the load factor nearly goes back on the cubic
+  bool turns = false;            ///< the load factor runs in opposite directions at both ends
+  bool turns_unseen = false;     ///< and no limit point can explain it
+  int looks = 0;                 ///< inside: 1 half-way, 2 the same corrected, 3 and 4 at a quarter and three quarters
+  double correction = 0.0;       ///< Newton's, there, over the chord
+  bool count_outside = false;    ///< the count there does not lie between those at the ends
+  bool goes_back = false;        ///< the load factor half-way
+  bool counts_agree = false;     ///< half-way and at both ends
+  bool is_flat = false;          ///< the load factor hardly changes: the signs of its rates may be those of rounding
+  bool is_last = false;          ///< no further halving, and counts say that nothing was met
+  double rate_error = 0.0;       ///< of the load factor along the step, at most ...
+  double least_gain = HUGE_VAL;  ///< ... and its least rate on the cubic
+};
+
+enum class Consequence { accept, refuse, halve, look, look_closer, look_aside };
+
+/// One line: where it `applies` and the sign lies on that side of its threshold (NaN lies below and above), the
+/// consequence follows.
+struct JudgeLine {
+  enum class Side { below, above, at_least, at_most };
+  bool (*applies)(const StepSigns&, const StepTest&);
+  Consequence consequence;
+  const char* objection = "";         ///< of a refusal
+  double StepSigns::*sign = nullptr;  ///< none: it applies, and that is all
+  Side side = Side::below;
+  double (*threshold)(const StepSigns&, const StepTest&) = nullptr;
+};
+
+/// The first line that decides is followed; the last one always does.
+const std::vector<JudgeLine>& judge_table();
+const JudgeLine& deciding_line(const StepSigns& signs, const StepTest& test);
 
 struct StepFindings {
   std::string objection{};              ///< empty: the step may be taken
@@ -82,9 +128,9 @@ class StepJudge {
   struct Look;
   struct Part;
   /// Empty when the end lies on the path of the start; else what disagrees.
-  std::string objection(const PathPiece& piece, const StepTest& test);
   std::string objection(const PathPiece& piece, const StepTest& test, int depth);
-  std::string objection_where_loads_turn(const PathPiece& piece) const;
+  StepSigns signs_of_ends(const PathPiece& piece, const StepTest& test, int depth) const;
+  double cosine_where_loads_turn(const PathPiece& piece) const;
   bool loads_move_nothing(const PathPiece& piece) const;
   /// What the tangent at a state yields: Newton's increment, and that for the load less du/dlambda.
   struct Linear {
@@ -95,13 +141,11 @@ class StepJudge {
   PathDirection tangent_of(BeamGroup& group, const MixedVector& slope) const;
   PathDirection secant_tangent(const Station& at, double from, double to) const;
   std::string objection_of_halves(const PathPiece& piece, const StepTest& test, int depth);
-  std::string objection_to_count(const PathPiece& piece, int negative) const;
-  std::optional<StabilityResult> count(const State& state, double load_factor) const;
-  std::optional<StabilityResult> count_by(Linearization& at) const;
+  /// None where nothing tells. A singular tangent without symmetry has no count.
+  std::optional<StabilityResult> count(const Asked& at, How how) const;
   std::vector<Part> parts_of(const PathPiece& piece) const;
   Look look(const PathPiece& piece, PathDirection guess) const;
   Part whole(const PathPiece& piece) const;
-  bool ends_stiff(const PathPiece& piece) const;
 
   Teuchos::RCP<BeamProblem> problem_;
   Stability* stability_;

@@ -3,27 +3,13 @@
 #include "discretization/constraints/conditions.hpp"
 #include "discretization/scene/scene.hpp"
 #include "kernels/math/constants.hpp"
+#include "nonlinear/path/thresholds.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 namespace mixbeam {
-
-namespace {
-
-/// A prescribed rotation is followed the short way, so one load step may not turn a support by pi or more; the margin
-/// leaves room for the rotation limit of Newton's method.
-constexpr double kLargestPrescribedTurn = 0.5 * kPi;
-
-/// Steps along a path aim at what a helical rod of ten turns needs the fewest iterations in all with ...
-constexpr double kAimedIterations = 6.0;
-/// ... and at this angle [rad] by which the tangent turns, or closely.
-constexpr double kAimedAngle = 0.6, kAimedAngleClosely = 0.25;
-/// Growth and shrinking from step to step.
-constexpr double kLargestGrowth = 2.0, kSmallestGrowth = 0.5;
-
-}  // namespace
 
 double StepSizeRule::after_success(double size, int iterations) const {
   if (method == LoadPathMethod::fixed) return size == initial ? size : std::min(success_factor * size, initial);
@@ -37,7 +23,7 @@ StepSizeRule step_size_rule(const Model& model, const SolverParameters& paramete
   const bool fixed = path.method == LoadPathMethod::fixed;
   const LoadClock& clock = model.clock();
   const double rotation = largest_prescribed_rotation(scene, clock);
-  const double allowed = rotation > 0.0 ? std::min(1.0, kLargestPrescribedTurn / rotation) : 1.0;
+  const double allowed = rotation > 0.0 ? std::min(1.0, path_limit.largest_prescribed_turn / rotation) : 1.0;
   // Rounded steps may add up to a little less than the stage, and the rest would cost one more step: each takes more
   // than the rounding error of one addition on top, and LOCA cuts off the last one at the end of the stage.
   const double equal = 1.0 / path.steps + 2.0 * std::numeric_limits<double>::epsilon() * scene.stages;
@@ -57,9 +43,10 @@ StepSizeRule step_size_rule(const Model& model, const SolverParameters& paramete
 }
 
 double growth_along_path(int iterations, double angle, int closeness) {
-  const double aimed = closeness > 0 ? std::ldexp(kAimedAngleClosely, 1 - closeness) : kAimedAngle;
-  const double growth = std::min(kAimedIterations / std::max(iterations, 1), aimed / std::max(angle, 1e-9));
-  return std::clamp(growth, kSmallestGrowth, kLargestGrowth);
+  const double aimed =
+      closeness > 0 ? std::ldexp(path_limit.aimed_angle_closely, 1 - closeness) : path_limit.aimed_angle;
+  const double growth = std::min(path_limit.aimed_iterations / std::max(iterations, 1), aimed / std::max(angle, 1e-9));
+  return std::clamp(growth, path_limit.smallest_growth, path_limit.largest_growth);
 }
 
 }  // namespace mixbeam

@@ -1,6 +1,7 @@
 #include "nonlinear/stability/block_krylov.hpp"
 
 #include "nonlinear/linear/linear_solver.hpp"
+#include "nonlinear/stability/thresholds.hpp"
 
 #include <Teuchos_BLAS.hpp>
 #include <Teuchos_LAPACK.hpp>
@@ -16,65 +17,12 @@ namespace mixbeam {
 
 namespace {
 
-/// After orthogonalisation less than this of a vector is rounding: the space holds it already.
-constexpr double kNothingNew = 1e-10;
-constexpr int kLongestSpace = 15;  ///< blocks of one space, before it is begun again with what it has found
-constexpr int kGuardVectors = 2;   ///< beyond those asked for: the last one wanted converges as fast as the first
-/// Where rounding keeps residuals above their tolerance they come to a standstill: not a factor of two in three blocks.
-constexpr double kStandstill = 0.5;
-constexpr int kStandstillBlocks = 3;
-/// A standstill above this is a slow start.
-constexpr double kLargestStandstill = 1e-5;
+constexpr int kGuardVectors = 2;  ///< beyond those asked for: the last one wanted converges as fast as the first
 
 using Vector = std::vector<double>;
 
 /// Rotations of Jacobi's method: sweeps, of which five are enough.
 constexpr int kSweeps = 20;
-
-}  // namespace
-
-double dot_product(const Vector& x, const Vector& y) {
-  return Teuchos::BLAS<int, double>().DOT(static_cast<int>(x.size()), x.data(), 1, y.data(), 1);
-}
-
-void add_multiple(double a, const Vector& x, Vector& y) {
-  Teuchos::BLAS<int, double>().AXPY(static_cast<int>(x.size()), a, x.data(), 1, y.data(), 1);
-}
-
-std::vector<double> small_eigenproblem(std::vector<double>& a, int m) {
-  std::vector<double> vectors(a.size(), 0.0);
-  for (int i = 0; i < m; ++i) vectors[i * (m + 1)] = 1.0;
-  const auto at = [m](std::vector<double>& x, int i, int j) -> double& { return x[i + static_cast<size_t>(j) * m]; };
-  bool rotated = true;
-  for (int sweep = 0; rotated && sweep < kSweeps; ++sweep) {
-    rotated = false;
-    for (int p = 0; p < m; ++p)
-      for (int q = p + 1; q < m; ++q) {
-        const double beside = at(a, p, q), size = std::sqrt(std::abs(at(a, p, p) * at(a, q, q)));
-        if (!(std::abs(beside) > std::numeric_limits<double>::epsilon() * size)) continue;
-        rotated = true;
-        const double half = 0.5 * (at(a, q, q) - at(a, p, p));
-        const double t = beside / (half + std::copysign(std::hypot(half, beside), half));
-        const double c = 1.0 / std::hypot(1.0, t), s = t * c;
-        for (int k = 0; k < m; ++k) {
-          const double x = at(a, k, p), y = at(a, k, q), v = at(vectors, k, p), w = at(vectors, k, q);
-          at(a, k, p) = c * x - s * y;
-          at(a, k, q) = s * x + c * y;
-          at(vectors, k, p) = c * v - s * w;
-          at(vectors, k, q) = s * v + c * w;
-        }
-        for (int k = 0; k < m; ++k) {
-          const double x = at(a, p, k), y = at(a, q, k);
-          at(a, p, k) = c * x - s * y;
-          at(a, q, k) = s * x + c * y;
-        }
-        at(a, p, q) = at(a, q, p) = 0.0;
-      }
-  }
-  return vectors;
-}
-
-namespace {
 
 class KrylovSpace {
  public:
@@ -132,7 +80,7 @@ class KrylovSpace {
       for (size_t j = 0; j < basis_.size(); ++j) add_multiple(-dot_product(dual_[j], v), basis_[j], v);
     dual = times_inner(v);
     const double after = std::sqrt(dot_product(v, dual));
-    if (!(after > kNothingNew)) return;
+    if (!(after > stability_limit.nothing_new)) return;
     for (double& x : v) x /= after;
     for (double& x : dual) x /= after;
     basis_.push_back(std::move(v));
@@ -237,8 +185,9 @@ class Progress {
     history_.push_back(residual);
     if (residual <= tolerance_) return true;
     const size_t n = history_.size();
-    return n > kStandstillBlocks && residual <= kLargestStandstill &&
-           residual > kStandstill * history_[n - 1 - kStandstillBlocks];
+    return n > stability_limit.standstill_blocks && residual <= stability_limit.largest_standstill &&
+           residual >
+               stability_limit.standstill * history_[n - 1 - static_cast<size_t>(stability_limit.standstill_blocks)];
   }
 
  private:
@@ -250,7 +199,7 @@ class Progress {
 std::vector<RitzPair> finished(std::vector<RitzPair> pairs, int count, bool symmetric) {
   for (RitzPair& pair : pairs) {
     pair.error = pair.residual;
-    pair.converged = pair.residual <= kLargestStandstill;
+    pair.converged = pair.residual <= stability_limit.largest_standstill;
     if (!symmetric) continue;
     double gap = HUGE_VAL;  // pairs that lie within the residual belong to one eigenspace, whose values are as good
     for (const RitzPair& other : pairs) {
@@ -265,6 +214,47 @@ std::vector<RitzPair> finished(std::vector<RitzPair> pairs, int count, bool symm
 
 }  // namespace
 
+double dot_product(const Vector& x, const Vector& y) {
+  return Teuchos::BLAS<int, double>().DOT(static_cast<int>(x.size()), x.data(), 1, y.data(), 1);
+}
+
+void add_multiple(double a, const Vector& x, Vector& y) {
+  Teuchos::BLAS<int, double>().AXPY(static_cast<int>(x.size()), a, x.data(), 1, y.data(), 1);
+}
+
+std::vector<double> small_eigenproblem(std::vector<double>& a, int m) {
+  std::vector<double> vectors(a.size(), 0.0);
+  for (int i = 0; i < m; ++i) vectors[i * (m + 1)] = 1.0;
+  const auto at = [m](std::vector<double>& x, int i, int j) -> double& { return x[i + static_cast<size_t>(j) * m]; };
+  bool rotated = true;
+  for (int sweep = 0; rotated && sweep < kSweeps; ++sweep) {
+    rotated = false;
+    for (int p = 0; p < m; ++p)
+      for (int q = p + 1; q < m; ++q) {
+        const double beside = at(a, p, q), size = std::sqrt(std::abs(at(a, p, p) * at(a, q, q)));
+        if (!(std::abs(beside) > std::numeric_limits<double>::epsilon() * size)) continue;
+        rotated = true;
+        const double half = 0.5 * (at(a, q, q) - at(a, p, p));
+        const double t = beside / (half + std::copysign(std::hypot(half, beside), half));
+        const double c = 1.0 / std::hypot(1.0, t), s = t * c;
+        for (int k = 0; k < m; ++k) {
+          const double x = at(a, k, p), y = at(a, k, q), v = at(vectors, k, p), w = at(vectors, k, q);
+          at(a, k, p) = c * x - s * y;
+          at(a, k, q) = s * x + c * y;
+          at(vectors, k, p) = c * v - s * w;
+          at(vectors, k, q) = s * v + c * w;
+        }
+        for (int k = 0; k < m; ++k) {
+          const double x = at(a, p, k), y = at(a, q, k);
+          at(a, p, k) = c * x - s * y;
+          at(a, q, k) = s * x + c * y;
+        }
+        at(a, p, q) = at(a, q, p) = 0.0;
+      }
+  }
+  return vectors;
+}
+
 std::vector<RitzPair> largest_eigenpairs(const KrylovProblem& problem, int count) {
   if (problem.unknowns == 0) return {};  // all vertices are fixed
   const int wanted = std::min(count, problem.unknowns);
@@ -275,7 +265,7 @@ std::vector<RitzPair> largest_eigenpairs(const KrylovProblem& problem, int count
     KrylovSpace krylov(problem, width);
     std::vector<Vector> block = start;
     Progress progress(problem.tolerance);
-    for (int step = 0; step < kLongestSpace && blocks < kMostBlocks; ++step, ++blocks) {
+    for (int step = 0; step < stability_limit.longest_space && blocks < kMostBlocks; ++step, ++blocks) {
       const size_t first = krylov.size();
       const bool grown = krylov.grow(block);
       pairs = krylov.ritz_pairs();

@@ -2,19 +2,13 @@
 
 #include "discretization/text/memory_error.hpp"
 #include "nonlinear/linear/linear_solver.hpp"
+#include "nonlinear/stability/thresholds.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <string>
 
 namespace mixbeam {
-
-namespace {
-
-/// The first of several components of equal size gives the sign; rounding must not choose another one.
-constexpr double kAlmostLargest = 1.0 - 1e-6;
-
-}  // namespace
 
 MixedVector complete_motion(const Tangent& tangent, const IndependentUnknowns& unknowns, const std::vector<double>& y) {
   MixedVector by_residual = tangent.model().create_vector(), motion = by_residual.clone(false);
@@ -43,7 +37,7 @@ void normalize_mode(const Model& model, MixedVector& mode) {
   // rank and sign of the first of the largest components as one number, of which the lowest rank has the largest
   double first = -2.0 * comm.getSize();
   for (size_t i = 0; i < rows.extent(0); ++i)
-    if (std::abs(size(i)) >= kAlmostLargest * largest) {
+    if (std::abs(size(i)) >= stability_limit.almost_largest * largest) {
       first = -2.0 * comm.getRank() - (size(i) < 0.0 ? 1.0 : 0.0);
       break;
     }

@@ -2,6 +2,7 @@
 
 #include "nonlinear/stability/block_krylov.hpp"
 #include "nonlinear/stability/stressed_structure.hpp"
+#include "nonlinear/stability/thresholds.hpp"
 
 #include <Teuchos_LAPACK.hpp>
 
@@ -12,31 +13,8 @@ namespace mixbeam {
 
 namespace {
 
-/// Of N L^2/EI and M L/EI in the states that tell a first estimate: far below buckling, which begins near ten.
-constexpr double kFirstStress = 0.02;
-/// Of the load factor nearest to zero, in the final differences: their error is its fourth power (times a small
-/// number), and rounding grows with its inverse.
-constexpr double kStep = 0.02;
-/// A factor is improved in rounds of a Rayleigh quotient and one inverse iteration until the residual of its mode is
-/// small, whose square is the error of the factor: the pencil of condensed tangents, where they begin, is right to the
-/// fourth power of the element length, and each round squares the error of the mode at least.
-constexpr int kMostRounds = 6;
-constexpr double kSmallResidual = 1e-6;
-constexpr double kAside = 1e-5;
-/// Of a factor: its Rayleigh quotient moves no more. The secant method needs at most kMostSecants.
-constexpr double kSettled = 1e-11;
-constexpr int kMostSecants = 6;
-/// Factors this close, as a share, are one cluster, and the inertia is counted as far beside it; the residual of what
-/// is confirmed is at most as large.
-constexpr double kBeside = 1e-4;
-/// See Stability.
-constexpr double kNearlyReal = 1e-8;
-
 /// Factors are listed by their size; of a pair of both signs the positive one comes first: rounding must not choose.
-double rank(double factor) {
-  constexpr double kSameSize = 1e-6;
-  return std::abs(factor) * (factor < 0.0 ? 1.0 + kSameSize : 1.0);
-}
+double rank(double factor) { return std::abs(factor) * (factor < 0.0 ? 1.0 + stability_limit.same_size : 1.0); }
 
 class LinearBuckling : private StressedStructure {
  public:
@@ -45,9 +23,9 @@ class LinearBuckling : private StressedStructure {
   std::vector<EigenMode> modes(int count) {
     const double stress = largest_stress();
     if (stress == 0.0) return {};
-    std::vector<EigenMode> found = modes(1, kFirstStress / stress);
+    std::vector<EigenMode> found = modes(1, stability_limit.first_stress / stress);
     if (found.empty()) return found;
-    return modes(count, kStep * std::abs(found.front().eigenvalue), true);
+    return modes(count, stability_limit.difference_step * std::abs(found.front().eigenvalue), true);
   }
 
  private:
@@ -60,14 +38,14 @@ class LinearBuckling : private StressedStructure {
     on_root(unknowns_.root(), [&] {
       SparseMatrix prestress = matrix_;
       prestress.value = geometric;
-      symmetric = symmetric_ && asymmetry_of(prestress, t) <= kNearlySymmetric ? 1 : 0;
+      symmetric = symmetric_ && asymmetry_of(prestress, t) <= stability_limit.symmetric ? 1 : 0;
       KrylovProblem eigen;
       eigen.unknowns = unknowns_.count();
       eigen.symmetric = symmetric != 0;
       eigen.apply = [&](double* block, int columns) { apply(prestress, block, columns); };
       if (eigen.symmetric) eigen.inner = [&](const double* x, double* kx) { matrix_.multiply(x, kx); };
       for (RitzPair& pair : largest_eigenpairs(eigen, count)) {
-        if (pair.value == 0.0 || std::abs(pair.imaginary) > kNearlyReal * std::abs(pair.value)) continue;
+        if (pair.value == 0.0 || std::abs(pair.imaginary) > stability_limit.real_value * std::abs(pair.value)) continue;
         inverse_factor.push_back(pair.value);
         residual = std::max(residual, pair.residual);
         y.push_back(std::move(pair.vector));
@@ -107,14 +85,14 @@ class LinearBuckling : private StressedStructure {
   /// Where energy_at() vanishes, by the secant method; y . K_0 y = 1.
   double rayleigh_factor(double first, const std::vector<double>& y) {
     double a = 0.0, b = first, at_a = 1.0;
-    for (int i = 0; i < kMostSecants; ++i) {
+    for (int i = 0; i < stability_limit.most_secants; ++i) {
       const double at_b = energy_at(b, y);
       if (at_b == at_a) break;
       const double next = b - at_b * (b - a) / (at_b - at_a);
       a = b;
       at_a = at_b;
       b = next;
-      if (!(std::abs(b - a) > kSettled * std::abs(b))) break;
+      if (!(std::abs(b - a) > stability_limit.settled_factor * std::abs(b))) break;
     }
     return b;
   }
@@ -134,7 +112,7 @@ class LinearBuckling : private StressedStructure {
   /// One step of inverse iteration, y = K^-1 K_0 y, and y . K_0 y = 1; so far beside the factor that modes of a
   /// multiple one grow alike.
   void improve(double load_factor, std::vector<double>& y) {
-    tangent_under_stress((1.0 - kAside) * load_factor);
+    tangent_under_stress((1.0 - stability_limit.aside_of_factor) * load_factor);
     on_root(unknowns_.root(), [&] {
       std::vector<double> moved(y.size()), force(y.size());
       matrix_.multiply(y.data(), moved.data());
@@ -168,7 +146,7 @@ class LinearBuckling : private StressedStructure {
       for (int round = 0;; ++round) {
         factor.value = rayleigh_factor(factor.value, factor.y);
         factor.residual = residual_of(factor.value, factor.y);
-        if (round == kMostRounds || factor.residual <= kSmallResidual) break;
+        if (round == stability_limit.most_rounds || factor.residual <= stability_limit.small_residual) break;
         improve(factor.value, factor.y);
       }
       factors.push_back(std::move(factor));
@@ -188,12 +166,14 @@ class LinearBuckling : private StressedStructure {
       if (factor.value * sign > 0.0) side.push_back(&factor);
     for (size_t first = 0, last; first < side.size(); first = last) {
       last = first + 1;
-      while (last < side.size() &&
-             std::abs(side[last]->value) < (1.0 + 4.0 * kBeside) * std::abs(side[last - 1]->value))
+      while (last < side.size() && std::abs(side[last]->value) <
+                                       (1.0 + 4.0 * stability_limit.beside_factor) * std::abs(side[last - 1]->value))
         ++last;
-      const bool agrees = negative_at((1.0 - kBeside) * side[first]->value) == static_cast<long>(first) &&
-                          negative_at((1.0 + kBeside) * side[last - 1]->value) >= static_cast<long>(last);
-      for (size_t k = first; k < last; ++k) side[k]->confirmed = agrees && side[k]->residual <= kBeside;
+      const bool agrees =
+          negative_at((1.0 - stability_limit.beside_factor) * side[first]->value) == static_cast<long>(first) &&
+          negative_at((1.0 + stability_limit.beside_factor) * side[last - 1]->value) >= static_cast<long>(last);
+      for (size_t k = first; k < last; ++k)
+        side[k]->confirmed = agrees && side[k]->residual <= stability_limit.beside_factor;
     }
   }
 

@@ -1,10 +1,13 @@
 #include "nonlinear/stability/stability.hpp"
 
+#include "discretization/mesh/element_view.hpp"
 #include "nonlinear/stability/nearest_eigenvalue.hpp"
+#include "nonlinear/stability/thresholds.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <string>
 
@@ -12,45 +15,120 @@ namespace mixbeam {
 
 namespace {
 
-/// Rounding leaves 1e-13 in refined meshes, an unfinished Newton iteration 1e-11; asymmetry this small changes
-/// eigenvalues by its square.
-constexpr double kSymmetric = 1e-9;
-/// Raises of the usual cap. Where eigenvalues are only counted it lowers a critical load by about 1e-7 of it; modes are
-/// corrected to the true stiffness, so that the usual cap, which leaves less of rounding, serves them best.
-///
-/// Where the stresses, N L^2/EI or M L/EI with the largest EI of the structure, are below one and so is the stiffness
-/// of the structure, as that of a stiff column on a soft spring, the cap is lower in proportion: what is 1e7 times as
-/// stiff is as good as rigid, and in the rounding of stiffnesses far above the decisive ones would be lost.
-constexpr double kCapOfCount = 100.0, kCapOfModes = 1.0;
 /// Parts of it: the second is taken where a pivot inside an element is zero with the first; whether it is depends on
 /// it.
 constexpr std::array<double, 2> kCapParts = {1.0, 0.3};
-/// Below this share of EI the stiffness of the unloaded structure is asked for as well.
-constexpr double kSmallStress = 1e-2;
-/// A cap below this share of the usual one is that of a mechanism without stress.
-constexpr double kLeastCapShare = 1e-12;
-/// An eigenvalue below this share of the stresses at work, N L^2/EI or M L/EI, is zero: states are equilibria to 1e-11.
-constexpr double kZero = 1e-9;
-/// Below this share of them an eigenvalue is looked at: the cap shifts it by 1e-7, and that of the remaining
-/// system is a few dozen times larger.
-constexpr double kNearZero = 1e-4;
-/// The same as a multiple of rounding errors.
-constexpr double kNearRounding = 100.0;
-/// Modes looked at there: at first, and at most. More zero eigenvalues than this are those of a mechanism.
-constexpr int kFirstNull = 4, kMostNull = 16;
-/// Without symmetry up to so many real eigenvalues are counted, and so many more are looked at: negative ones need not
-/// be the nearest to zero.
-constexpr int kMostDivergent = 16, kMoreModes = 4;
-/// They are counted where the loads have a potential but for the ends or the discretization (rings under a pressure
-/// that follows them: 5e-4). Beyond (dead moments that turn a rod by a radian: 0.2), pairs of complex eigenvalues
-/// become real below zero, which passes for two that went through zero.
-constexpr double kNearlyConservative = 2e-2;
+constexpr std::array<std::array<double, 2>, 3> kDifferences = {
+    {{1.0, 1.0 / 45.0}, {0.5, -20.0 / 45.0}, {0.25, 64.0 / 45.0}}};
+
+/// Inverse iterations with the vectors of a space before eigenvalues are taken in it.
+constexpr int kSpaceIterations = 2;
 
 SparseMatrix shifted(SparseMatrix matrix, double shift) {
   for (int i = 0; i < matrix.rows(); ++i)
     for (int k = matrix.row_start[i]; k < matrix.row_start[i + 1]; ++k)
       if (matrix.column[k] == i) matrix.value[k] += shift;
   return matrix;
+}
+
+bool is_real(const RitzPair& pair) {
+  return std::abs(pair.imaginary) <= stability_limit.real_value * std::abs(pair.value);
+}
+
+/// Of the determinant of a symmetric tangent.
+int sign_of(int negative, int null) { return null > 0 ? 0 : (negative % 2 == 0 ? 1 : -1); }
+
+/// Of a symmetric tangent without an eigenvalue that is zero.
+StabilityResult counted(long negative) {
+  StabilityResult result;
+  result.negative = static_cast<int>(negative);
+  result.sign = sign_of(result.negative, 0);
+  return result;
+}
+
+/// Of all members, over the length of the structure, and at least one: eigenvalues of the remaining system are that
+/// much smaller in the units of IndependentUnknowns than in those of nearest_eigenvalue().
+double relative_length(const Model& model) {
+  return std::max(1.0, model.mesh().total_length() / model.structure().length);
+}
+
+/// Of those that StabilityResult::negative counts before eigenvalues are corrected.
+template <class Pairs>
+int number_counted(const Pairs& pairs, const StabilityResult& stability) {
+  return static_cast<int>(
+      std::count_if(pairs.begin(), pairs.end(), [&](const auto& pair) { return pair.value < -stability.shift; }));
+}
+
+/// Eigenvalues as corrected in place of those of the capped tangent, `before` of them negative, and those that are zero
+/// apart.
+void recount(int before, double zero, Spectrum& spectrum) {
+  StabilityResult& stability = spectrum.stability;
+  stability.negative = std::max(0, stability.negative - before);  // rounding may turn the sign of an inverse
+  stability.null = 0;
+  for (const EigenMode& mode : spectrum.modes) {
+    if (std::abs(mode.eigenvalue) <= std::max(zero, mode.error))
+      ++stability.null;
+    else if (mode.eigenvalue < 0.0)
+      ++stability.negative;
+  }
+  stability.sign = sign_of(stability.negative, stability.null);
+}
+
+/// The real eigenvalues known to be negative; the sign of the determinant tells whether one is missing.
+void recount_unsymmetric(Spectrum& spectrum) {
+  StabilityResult& stability = spectrum.stability;
+  stability.negative = 0;
+  for (const EigenMode& mode : spectrum.modes)
+    if (mode.eigenvalue < -mode.error) ++stability.negative;
+  const bool is_odd = stability.negative % 2 == 1;
+  if (stability.sign != 0 && is_odd != (stability.sign < 0)) ++stability.negative;
+}
+
+/// Derivative of the equations of equilibrium, unscaled, by differences of the residual, which holds compliances and no
+/// stiffness: no large entries in whose rounding small ones are lost. Rows of N and M are zero.
+MixedVector derivative_along(const Model& model, const State& state, double load_factor, const MixedVector& motion) {
+  const Structure& structure = model.structure();
+  const LargestParts size = largest_parts(*model.map()->getComm(), motion.vertex());
+  const double unit = stability_limit.difference_motion / std::max(size.moved / structure.length, size.turned);
+  MixedVector sum = model.create_vector(), rows = model.create_vector();
+  for (const auto& [part, weight] : kDifferences)
+    for (double step : {part * unit, -part * unit}) {
+      const EvaluationPoint point = mixed_residual(model, model.apply(state, motion, step), load_factor, rows);
+      unscale_rows(model, point.scales, rows);
+      sum.update(0.5 * weight / step, rows, 1.0);
+    }
+  const KernelView<double*> interior = sum.writable_interior(true);
+  for_each_element(structure, [&](const ElementView& element) {
+    std::fill_n(element.increments_in(interior), element.layout().relative_rotation(1), 0.0);
+  });
+  return sum;
+}
+
+/// Places of the eigenvalues number first .. first + count - 1 among those found.
+template <class Pairs>
+std::vector<int> places_of(const Pairs& found, const StabilityResult& stability, int first, int count) {
+  std::vector<int> order(found.size()), places;
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return found[a].value < found[b].value; });
+  const int lowest = stability.negative - number_counted(found, stability);
+  for (int k = first - 1 - lowest; k < first - 1 - lowest + count; ++k)
+    if (k >= 0 && k < static_cast<int>(order.size())) places.push_back(order[k]);
+  return places;
+}
+
+/// Gram-Schmidt, twice for its rounding; `images` are those under a linear operator and stay so.
+void orthonormalize(std::vector<std::vector<double>>& columns, std::vector<std::vector<double>>& images) {
+  for (size_t j = 0; j < columns.size(); ++j)
+    for (int pass = 0; pass <= 2; ++pass) {
+      const double scale = 1.0 / std::sqrt(dot_product(columns[j], columns[j]));
+      for (std::vector<double>* v : {&columns[j], &images[j]})
+        for (double& x : *v) x *= scale;
+      for (size_t i = 0; i < j && pass < 2; ++i) {
+        const double share = -dot_product(columns[i], columns[j]);
+        add_multiple(share, columns[i], columns[j]);
+        add_multiple(share, images[i], images[j]);
+      }
+    }
 }
 
 }  // namespace
@@ -80,25 +158,24 @@ Verdict StabilityResult::verdict() const {
   return null > 0 ? Verdict::neutral : Verdict::stable;
 }
 
-Stability::Stability(BeamProblem& problem) : problem_(problem) {}
-
 /// With a cap at which no pivot inside an element is zero, if there is one.
 Stability::Look Stability::evaluate_tangent(const State& state, double load_factor, double raise) {
   const Model& model = problem_.model;
   const double stress = stress_of(model, magnitude_of(model, state, load_factor));
-  const double share = stress >= kSmallStress ? std::min(1.0, stress) : std::max(stress, least_stiffness());
+  const double share =
+      stress >= stability_limit.small_stress ? std::min(1.0, stress) : std::max(stress, least_stiffness());
   MixedVector residual = model.create_vector();
   const EvaluationPoint point = mixed_residual(model, state, load_factor, residual);
   std::optional<Tangent> tangent;
   Tangent::InteriorCount interior;
   for (double part : kCapParts) {
-    const Cap cap = cap_for(model, point.scales, part * std::min(raise, kCapOfCount * share));
+    const Cap cap = cap_for(model, point.scales, part * std::min(raise, stability_limit.cap_of_count * share));
     tangent.reset();  // its arrays are used again
     tangent.emplace(model, point, cap, TangentKind{true, true});
     interior = tangent->interior_count();
     if (!interior.uncertain) break;
   }
-  return {std::move(*tangent), interior, kZero * stress};
+  return {std::move(*tangent), interior, stability_limit.zero * stress};
 }
 
 /// The smallest eigenvalue of the unloaded structure in units of its largest EI/L, roughly, and at most one: from what
@@ -111,13 +188,13 @@ double Stability::least_stiffness() {
   const RootResult root = factorized_beside_chains({Tangent(model, point, cap_for(model, point.scales), {true}), {}});
   const double size =
       number_of_root(unknowns_beside_chains_->root(), [&] { return root.is_reliable ? root.nearest : 0.0; });
-  least_stiffness_ = std::clamp(size, kLeastCapShare, 1.0);
+  least_stiffness_ = std::clamp(size, stability_limit.least_cap_share, 1.0);
   return *least_stiffness_;
 }
 
 /// The tangent of evaluate_tangent(), all of it.
 Stability::Look Stability::assemble(const State& state, double load_factor) {
-  Look look = evaluate_tangent(state, load_factor, kCapOfModes);
+  Look look = evaluate_tangent(state, load_factor, stability_limit.cap_of_modes);
   if (unknowns_ == nullptr) unknowns_ = std::make_unique<IndependentUnknowns>(problem_.model);
   unknowns_->reduce(look.tangent);
   return look;
@@ -128,7 +205,7 @@ Stability::RootResult Stability::factorized(const SparseMatrix& matrix, Solvers&
   RootResult root;
   StabilityResult& result = root.result;
   result.asymmetry = asymmetry(matrix);
-  result.symmetric = result.asymmetry <= kSymmetric;
+  result.symmetric = result.asymmetry <= stability_limit.symmetric;
   result.sign = 1;
   if (matrix.rows() == 0) return root;
   const auto kind = result.symmetric ? InertiaSolver::Kind::symmetric : InertiaSolver::Kind::general;
@@ -152,7 +229,8 @@ void Stability::look_for_zero(const SparseMatrix& matrix, const Solvers& solvers
   if (matrix.rows() == 0 || root.result.null > 0 || !root.result.symmetric) return;
   const auto [size, rounding] = nearest_eigenvalue(matrix, *solvers.symmetric);
   root.nearest = size;
-  root.is_near_zero = !(size > std::max(kNearZero / kZero * zero, kNearRounding * rounding));
+  root.is_near_zero = !(size > std::max(stability_limit.near_zero / stability_limit.zero * zero,
+                                        stability_limit.near_rounding * rounding));
 }
 
 /// Adds what interiors and chains have. Collective.
@@ -191,7 +269,7 @@ Stability::RootResult Stability::factorized_beside_chains(const Look& look) {
   RootResult root;
   on_root(copy, [&] {
     root = factorized(matrix, beside_chains_);
-    if (!root.result.symmetric && root.result.asymmetry <= kNearlyConservative)
+    if (!root.result.symmetric && root.result.asymmetry <= stability_limit.nearly_conservative)
       root.result.negative = negative_of_symmetric_part(matrix, beside_chains_);
     look_for_zero(matrix, beside_chains_, look.zero, root);
   });
@@ -209,10 +287,10 @@ std::optional<StabilityResult> Stability::inertia_with_chains(const Look& look) 
   if (!root.is_reliable || root.is_near_zero || root.result.null > 0 || look.interior.uncertain) return std::nullopt;
   if (!root.result.symmetric) {
     // The determinant tells one negative eigenvalue from none, but not two.
-    if (root.result.asymmetry > kNearlyConservative || root.of_symmetric_part < 2 ||
-        root.of_symmetric_part > kMostDivergent)
+    if (root.result.asymmetry > stability_limit.nearly_conservative || root.of_symmetric_part < 2 ||
+        root.of_symmetric_part > stability_limit.most_divergent)
       return root.result;
-    return spectrum(look.state(), look.load_factor(), root.of_symmetric_part + kMoreModes).stability;
+    return spectrum(look.state(), look.load_factor(), root.of_symmetric_part + stability_limit.more_modes).stability;
   }
   DofVector remaining_b(chains_->matrix()->getRowMap()), remaining_x(chains_->matrix()->getRowMap());
   const IndependentUnknowns& remaining = *unknowns_beside_chains_;
@@ -225,19 +303,10 @@ std::optional<StabilityResult> Stability::inertia_with_chains(const Look& look) 
     remaining.expand(y.data(), remaining_x);
     chains_->expand(remaining_x, x);
   };
-  if (!(nearest_eigenvalue(look.tangent, solve).size > kNearZero / kZero * look.zero)) return std::nullopt;
+  if (!(nearest_eigenvalue(look.tangent, solve).size > stability_limit.near_zero / stability_limit.zero * look.zero))
+    return std::nullopt;
   return root.result;
 }
-
-namespace {
-
-/// Of all members, over the length of the structure, and at least one: eigenvalues of the remaining system are that
-/// much smaller in the units of IndependentUnknowns than in those of nearest_eigenvalue().
-double relative_length(const Model& model) {
-  return std::max(1.0, model.mesh().total_length() / model.structure().length);
-}
-
-}  // namespace
 
 /// An eigenvalue of the remaining system is no nearer to zero than the nearest one of the whole tangent.
 std::optional<StabilityResult> Stability::count_by(Linearization& at) const {
@@ -248,37 +317,32 @@ std::optional<StabilityResult> Stability::count_by(Linearization& at) const {
   if (interior.uncertain || (!iterates && !at.solver().negative_eigenvalues())) return std::nullopt;
   const EvaluationPoint& point = tangent.point();
   const double stress = stress_of(problem_.model, magnitude_of(problem_.model, point.state, point.load_factor));
-  const double near_zero = kNearZero * stress * relative_length(problem_.model);
+  const double near_zero = stability_limit.near_zero * stress * relative_length(problem_.model);
   const NearestEigenvalue nearest = nearest_eigenvalue(
       tangent, [&](const DofVector& b, DofVector& x) { at.solve_vertices(b, x); },
       [&](const DofVector& x) { return at.solver().rounding_of_form(x); });
-  if (!(nearest.size > std::max(near_zero, kNearRounding * nearest.rounding))) return std::nullopt;
+  if (!(nearest.size > std::max(near_zero, stability_limit.near_rounding * nearest.rounding))) return std::nullopt;
   const std::optional<long> negative = at.solver().negative_eigenvalues();
   if (!negative) return std::nullopt;
-  StabilityResult result;
-  result.negative = static_cast<int>(*negative + interior.negative);
+  StabilityResult result = counted(*negative + interior.negative);
   result.inside = interior.negative;
-  result.sign = sign_of(result.negative, 0);
   result.cap_ratio = tangent.cap().least_ratio;
   result.end_angle = largest_end_angle(problem_.model, point).angle;
   return result;
 }
 
-std::optional<StabilityResult> Stability::sign_by_iteration(const State& state, double load_factor) {
+std::optional<StabilityResult> Stability::count_by_iteration(const State& state, double load_factor) {
   const Model& model = problem_.model;
   MixedVector residual = model.create_vector();
   const EvaluationPoint point = mixed_residual(model, state, load_factor, residual);
-  Linearization at(problem_, point, cap_for(model, point.scales, kCapOfCount), TangentKind{true, true});
+  Linearization at(problem_, point, cap_for(model, point.scales, stability_limit.cap_of_count),
+                   TangentKind{true, true});
   if (at.failure().empty()) try {
       return count_by(at);
     } catch (const LinearSolverError&) {  // why is told below
     }
   const long negative = at.solver().negative_eigenvalues().value_or(0);
-  if (negative == 0) return std::nullopt;
-  StabilityResult result;
-  result.negative = static_cast<int>(negative);
-  result.sign = sign_of(result.negative, 0);
-  return result;
+  return negative == 0 ? std::nullopt : std::optional(counted(negative));
 }
 
 /// Leaves the factors of the tangent, or of what lies beside it where a pivot is zero or `shift` asks for it.
@@ -286,7 +350,7 @@ StabilityResult Stability::inertia(const Look& look, double shift) {
   RootResult root;
   on_root(unknowns_->root(), [&] {
     root = factorized(unknowns_->matrix(), all_);
-    if (root.result.null > 0) shift = kShiftBesideZero;
+    if (root.result.null > 0) shift = stability_limit.shift_beside_zero;
     if (shift == 0.0) return;
     const InertiaSolver::Signs beside = solver(root.result).factorize(shifted(unknowns_->matrix(), shift));
     if (root.result.symmetric) root.result.negative = beside.negative;
@@ -300,13 +364,13 @@ InertiaSolver& Stability::solver(const StabilityResult& result) {
 }
 
 StabilityResult Stability::count(const State& state, double load_factor) {
-  std::optional<Look> look = evaluate_tangent(state, load_factor, kCapOfCount);
+  std::optional<Look> look = evaluate_tangent(state, load_factor, stability_limit.cap_of_count);
   const double end_angle = largest_end_angle(problem_.model, look->tangent.point()).angle;
   std::optional<StabilityResult> result = inertia_with_chains(*look);
   look.reset();  // its arrays are used again
-  for (int modes = kFirstNull; !result; modes *= 2) {
+  for (int modes = stability_limit.first_null; !result; modes *= 2) {
     const StabilityResult seen = spectrum(state, load_factor, modes).stability;
-    if (seen.null < modes || modes >= kMostNull) result = seen;
+    if (seen.null < modes || modes >= stability_limit.most_null) result = seen;
   }
   result->end_angle = end_angle;
   return *result;
@@ -337,6 +401,211 @@ StabilityResult Stability::count_held(const State& state, double load_factor, co
   else
     result.negative = result.sign < 0 ? 1 : 0;
   return result;
+}
+
+std::optional<StabilityResult> Stability::ask(const Asked& at, How how) {
+  if (how == How::factors) return count_by(*at.newton);
+  if (how == How::iteration) return count_by_iteration(at.state, at.load_factor);
+  if (how == How::held) return count_held(at.state, at.load_factor, *at.held);
+  return count(at.state, at.load_factor);
+}
+
+/// Numbers of rank 0 on every rank; vectors stay there.
+void Stability::share(Pairs& pairs) const {
+  MPI_Comm communicator = unknowns_->root().communicator();
+  int found = static_cast<int>(pairs.size());
+  MPI_Bcast(&found, 1, MPI_INT, 0, communicator);
+  pairs.resize(found);
+  for (Pair& pair : pairs) {
+    double numbers[3] = {pair.value, pair.error, pair.converged ? 1.0 : 0.0};
+    MPI_Bcast(numbers, 3, MPI_DOUBLE, 0, communicator);
+    pair.value = numbers[0];
+    pair.error = numbers[1];
+    pair.converged = numbers[2] == 1.0;
+  }
+}
+
+/// Uses the factors that inertia() left.
+Stability::Pairs Stability::nearest(const StabilityResult& stability, int count, double tolerance) {
+  Pairs pairs;
+  on_root(unknowns_->root(), [&] {
+    InertiaSolver& factors = solver(stability);
+    const double shift = stability.shift;
+    KrylovProblem problem;
+    problem.unknowns = unknowns_->count();
+    problem.symmetric = stability.symmetric;
+    problem.tolerance = tolerance;
+    problem.apply = [&](double* block, int columns) { factors.solve(block, columns); };
+    std::vector<RitzPair> right = largest_eigenpairs(problem, count);
+    right.erase(std::remove_if(right.begin(), right.end(), [](const RitzPair& p) { return !is_real(p); }), right.end());
+    for (const RitzPair& pair : right)
+      pairs.push_back({1.0 / pair.value - shift,
+                       pair.error / std::abs(pair.value) + rounding_level(unknowns_->matrix(), pair.vector),
+                       pair.converged, pair.vector});
+    if (stability.symmetric) return;
+    problem.apply = [&](double* block, int columns) { factors.solve(block, columns, true); };
+    const std::vector<RitzPair> left = largest_eigenpairs(problem, count);
+    for (size_t i = 0; i < right.size(); ++i) {
+      const auto distance = [&](const RitzPair& pair) { return std::abs(pair.value - right[i].value); };
+      pairs[i].left = std::min_element(left.begin(), left.end(), [&](const RitzPair& a, const RitzPair& b) {
+                        return distance(a) < distance(b);
+                      })->vector;
+      pairs[i].error /= std::max(stability_limit.real_value, std::abs(dot_product(pairs[i].left, pairs[i].vector)));
+    }
+  });
+  share(pairs);
+  return pairs;
+}
+
+Spectrum Stability::spectrum(const State& state, double load_factor, int count) {
+  const Look look = assemble(state, load_factor);
+  Spectrum result{inertia(look), {}};
+  Pairs pairs = nearest(result.stability, count, stability_limit.exact_modes);
+  const auto is_zero = [&](const Pair& pair) { return std::abs(pair.value) <= std::max(look.zero, pair.error); };
+  if (result.stability.symmetric && !pairs.empty() && is_zero(pairs.front()) && result.stability.shift == 0.0) {
+    result.stability =
+        inertia(look, stability_limit.shift_beside_zero);  // all others are lost in the rounding of so large an inverse
+    pairs = nearest(result.stability, count, stability_limit.exact_modes);
+  }
+  result.modes = corrected_modes(look, result.stability, pairs);
+  if (!result.stability.symmetric)
+    recount_unsymmetric(result);
+  else if (std::all_of(pairs.begin(), pairs.end(), [](const Pair& pair) { return pair.converged; }))
+    recount(number_counted(pairs, result.stability), look.zero, result);
+  return result;
+}
+
+/// Of the mixed potential in motions that complete_motion() made of the vectors of `pairs`, as a matrix; symmetric
+/// tangents only. Their rows of N and M are solved with the compliance of the tangent, which leaves that of the cap.
+std::vector<double> Stability::second_variations(const Tangent& tangent, const std::vector<MixedVector>& motions,
+                                                 const Pairs& pairs) const {
+  const int m = static_cast<int>(motions.size());
+  const Model& model = tangent.model();
+  const EvaluationPoint& point = tangent.point();
+  std::vector<double> form(static_cast<size_t>(m) * m, 0.0), of_vertices(form.size(), 0.0);
+  for (int j = 0; j < m; ++j) {
+    const MixedVector derivative = derivative_along(model, point.state, point.load_factor, motions[j]);
+    const std::vector<double> rows = unknowns_->reduced_rows(derivative.vertex_dofs());
+    derivative.vertex_dofs().putScalar(0.0);
+    for (int i = 0; i < m; ++i) {
+      if (unknowns_->is_root()) of_vertices[i + static_cast<size_t>(j) * m] = dot_product(pairs[i].vector, rows);
+      form[i + static_cast<size_t>(j) * m] =
+          motions[i].inner_product(derivative) + cap_compliance_form(model, tangent.cap(), motions[i], motions[j]);
+    }
+  }
+  MPI_Bcast(of_vertices.data(), m * m, MPI_DOUBLE, 0, unknowns_->root().communicator());
+  for (size_t i = 0; i < form.size(); ++i) of_vertices[i] += form[i];
+  for (int i = 0; i < m; ++i)
+    for (int j = 0; j < m; ++j) form[i + j * m] = 0.5 * (of_vertices[i + j * m] + of_vertices[j + i * m]);
+  return form;
+}
+
+/// Rayleigh-Ritz in the modes found, with the true compliance: degenerate modes separate as they should.
+std::vector<EigenMode> Stability::corrected_modes(const Look& look, const StabilityResult& stability,
+                                                  const Pairs& pairs) {
+  const Model& model = problem_.model;
+  const Tangent& tangent = look.tangent;
+  const double zero = look.zero;
+  const auto of_cap = [&](const MixedVector& a, const MixedVector& b) {
+    return cap_compliance_form(model, tangent.cap(), a, b);
+  };
+  const int m = static_cast<int>(pairs.size());
+  std::vector<MixedVector> found;
+  std::vector<double> values, error, weights(static_cast<size_t>(m) * m, 0.0);
+  for (const Pair& pair : pairs) {
+    found.push_back(complete_motion(tangent, *unknowns_, pair.vector));
+    values.push_back(pair.value);
+    error.push_back(pair.error);
+  }
+  if (stability.symmetric) {
+    std::vector<double> form = weights;
+    if (m > 0 && zero > 0.0 && error.front() > stability_limit.rounding_matters * zero) {
+      form = second_variations(tangent, found, pairs);
+      for (double& e : error) e = std::min(e, stability_limit.variation_error * zero);
+    } else {
+      for (int i = 0; i < m; ++i) {
+        for (int j = 0; j < m; ++j) form[i + j * m] = of_cap(found[i], found[j]);
+        form[i * (m + 1)] += values[i];
+      }
+    }
+    weights = small_eigenproblem(form, m);
+    for (int i = 0; i < m; ++i) values[i] = form[i * (m + 1)];
+  } else {
+    for (int i = 0; i < m; ++i) {
+      weights[i * (m + 1)] = 1.0;
+      const double overlap =
+          number_of_root(unknowns_->root(), [&] { return dot_product(pairs[i].left, pairs[i].vector); });
+      values[i] += of_cap(complete_motion(tangent, *unknowns_, pairs[i].left), found[i]) / overlap;
+    }
+  }
+  std::vector<int> order(m);
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return std::abs(values[a]) < std::abs(values[b]); });
+  std::vector<EigenMode> modes;
+  for (int k : order) {
+    MixedVector mode = combination(found, &weights[static_cast<size_t>(k) * m]);
+    normalize_mode(model, mode);
+    modes.push_back({values[k], std::move(mode), error[k], pairs[k].converged});
+  }
+  return modes;
+}
+
+int SpaceValues::negative() const {
+  return static_cast<int>(
+      std::count_if(modes.begin(), modes.end(), [](const EigenMode& mode) { return mode.eigenvalue < 0.0; }));
+}
+
+CriticalSpace Stability::space_of(const State& state, double load_factor, int first, int count) {
+  constexpr int kMore = 2;  // negative ones may be nearer to zero than those that come next
+  const StabilityResult result = inertia(assemble(state, load_factor));
+  if (!result.symmetric) return {};
+  Pairs pairs = nearest(result, count + kMore, stability_limit.rough_modes);
+  CriticalSpace space;
+  for (int place : places_of(pairs, result, first, count)) space.vectors.push_back(std::move(pairs[place].vector));
+  space.size = static_cast<int>(space.vectors.size());
+  return space.size == count ? space : CriticalSpace{};
+}
+
+/// Rayleigh-Ritz in K^-p B, theory (60), with the factors that inertia() left.
+Stability::Pairs Stability::ritz_values(const StabilityResult& stability, const CriticalSpace& space) {
+  const size_t m = space.size;
+  Pairs pairs;
+  on_root(unknowns_->root(), [&] {
+    const size_t n = unknowns_->count();
+    std::vector<std::vector<double>> columns = space.vectors, images;
+    for (int i = 0; i < kSpaceIterations; ++i) {
+      images = columns;
+      std::vector<double> block;
+      for (const std::vector<double>& x : columns) block.insert(block.end(), x.begin(), x.end());
+      solver(stability).solve(block.data(), space.size);
+      for (size_t j = 0; j < m; ++j) columns[j].assign(&block[j * n], &block[j * n] + n);
+      orthonormalize(columns, images);
+    }
+    std::vector<double> projected(m * m);
+    for (size_t i = 0; i < m; ++i)
+      for (size_t j = 0; j < m; ++j) projected[i + j * m] = dot_product(columns[i], images[j]);
+    const std::vector<double> weights = small_eigenproblem(projected, space.size);
+    for (size_t k = 0; k < m; ++k) {
+      std::vector<double> y(n, 0.0);
+      for (size_t j = 0; j < m; ++j)
+        for (size_t i = 0; i < n; ++i) y[i] += weights[j + k * m] * columns[j][i];
+      const double error = rounding_level(unknowns_->matrix(), y);
+      pairs.push_back({projected[k * (m + 1)] - stability.shift, error, true, std::move(y)});
+    }
+  });
+  share(pairs);
+  return pairs;
+}
+
+SpaceValues Stability::in_space(const State& state, double load_factor, const CriticalSpace& space) {
+  const Look look = assemble(state, load_factor);
+  const StabilityResult stability = inertia(look);
+  if (!stability.symmetric) return {};
+  const Pairs pairs = ritz_values(stability, space);
+  SpaceValues seen{corrected_modes(look, stability, pairs), stability.negative - number_counted(pairs, stability)};
+  std::stable_sort(seen.modes.begin(), seen.modes.end(),
+                   [](const EigenMode& a, const EigenMode& b) { return a.eigenvalue < b.eigenvalue; });
+  return seen;
 }
 
 }  // namespace mixbeam

@@ -43,12 +43,13 @@ struct StabilityResult {
   int negative = 0;        ///< eigenvalues below zero; unsymmetric: real ones that are known, at least the parity
   int null = 0;            ///< eigenvalues that are zero within their errors; not among `negative`
   bool symmetric = true;   ///< the tangent was treated as symmetric
-  double asymmetry = 0.0;  ///< largest |K_ij - K_ji| / sqrt(K_ii K_jj); of count_by: unknown
+  double asymmetry = 0.0;  ///< largest |K_ij - K_ji| / sqrt(K_ii K_jj); How::factors: unknown
   int sign = 0;            ///< of det K: -1, 0 or 1; symmetric: (-1)^negative, 0 where an eigenvalue is zero
   double cap_ratio = 0.0;  ///< Cap::least_ratio of the tangent that was examined
-  double end_angle = 0.0;  ///< largest relative rotation between an element and its vertices; of Stability::count
-  long inside = 0;         ///< of `negative`: inside of elements, between vertices that stand still
-  double shift = 0.0;      ///< of the factors left, those of K + shift I: `negative` counts eigenvalues below -shift
+  double end_angle =
+      0.0;             ///< largest relative rotation between an element and its vertices; How::inertia, How::factors
+  long inside = 0;     ///< of `negative`: inside of elements, between vertices that stand still
+  double shift = 0.0;  ///< of the factors left, those of K + shift I: `negative` counts eigenvalues below -shift
 
   /// Without symmetry an equilibrium that has not diverged is unknown: it may flutter.
   Verdict verdict() const;
@@ -79,33 +80,37 @@ struct SpaceValues {
 /// N L^2/EI or M L/EI, the larger one, with the largest EI of the structure: eigenvalues are not far below minus that.
 double stress_of(const Model& model, const StateMagnitude& size);
 
-// Shared by stability.cpp and spectrum.cpp:
-/// Shift that makes a singular tangent invertible; all other eigenvalues are far larger.
-inline constexpr double kShiftBesideZero = 1e-7;
-/// Of the determinant of a symmetric tangent.
-inline int sign_of(int negative, int null) { return null > 0 ? 0 : (negative % 2 == 0 ? 1 : -1); }
+/// A tangent whose negative eigenvalues are counted: that at an equilibrium.
+struct Asked {
+  const State& state;
+  double load_factor;
+  Linearization* newton = nullptr;    ///< How::factors: taken there, see TangentKind::counts_interior
+  const MixedVector* held = nullptr;  ///< How::held: rows of vertices, as an increment; interior rows are ignored
+};
+
+/// The method by which they are counted.
+enum class How {
+  /// One factorisation, most of it that of chains, in parallel. Where an eigenvalue may be zero the nearest ones are
+  /// computed, by spectrum(). Unsymmetric: the sign of the determinant alone.
+  inertia,
+  /// Newton's own factors, if they can tell and no eigenvalue may be zero: no joints, slanting supports or loads
+  /// without potential, no cap, a network of some size.
+  factors,
+  /// Where tangents are too large for factors: by conjugate gradients from an arbitrary vector, which meet negative
+  /// curvature or converge. `negative` is zero, or at least one is negative.
+  iteration,
+  /// While a motion is held, that of a controlled displacement, <motion, dx> = 0: theory (48). One factorisation of the
+  /// whole tangent.
+  held
+};
 
 /// All functions are collective, give the same on every rank and throw LinearSolverError.
 class Stability {
  public:
-  explicit Stability(BeamProblem& problem);
+  explicit Stability(BeamProblem& problem) : problem_(problem) {}
 
-  /// Inertia of the tangent: one factorisation, most of it that of chains, in parallel. Where an eigenvalue may be zero
-  /// the nearest ones are computed, by spectrum(). Unsymmetric: the sign of the determinant alone.
-  StabilityResult count(const State& state, double load_factor);
-
-  /// Same count from Newton's own factors, if they can tell and no eigenvalue may be zero: no joints,
-  /// slanting supports or loads without potential, no cap, a network of some size. `at`: TangentKind::counts_interior.
-  std::optional<StabilityResult> count_by(Linearization& at) const;
-
-  /// Where tangents are too large for factors: by conjugate gradients from an arbitrary vector, which meet negative
-  /// curvature or converge. `negative` is zero, or at least one is negative. None where that is not known.
-  std::optional<StabilityResult> sign_by_iteration(const State& state, double load_factor);
-
-  /// The same while a motion is held, that of a controlled displacement, <motion, dx> = 0: theory (48). `motion`: rows
-  /// of vertices, as an increment (ControlRow::weights); interior rows are ignored. One factorisation of the
-  /// whole tangent.
-  StabilityResult count_held(const State& state, double load_factor, const MixedVector& motion);
+  /// None where the method cannot tell; How::inertia and How::held always do.
+  std::optional<StabilityResult> ask(const Asked& at, How how);
 
   /// The `count` eigenvalues nearest to zero (or all there are), with modes and errors, and the number of negative
   /// ones. The work is bounded: modes that did not converge say so.
@@ -160,6 +165,10 @@ class Stability {
   std::optional<StabilityResult> inertia_with_chains(const Look& look);
   StabilityResult inertia(const Look& look, double shift = 0.0);
   InertiaSolver& solver(const StabilityResult& result);
+  StabilityResult count(const State& state, double load_factor);
+  std::optional<StabilityResult> count_by(Linearization& at) const;
+  std::optional<StabilityResult> count_by_iteration(const State& state, double load_factor);
+  StabilityResult count_held(const State& state, double load_factor, const MixedVector& motion);
   void share(Pairs& pairs) const;
   Pairs ritz_values(const StabilityResult& stability, const CriticalSpace& space);
   Pairs nearest(const StabilityResult& stability, int count, double tolerance);

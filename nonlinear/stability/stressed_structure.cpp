@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include "discretization/mesh/element_view.hpp"
+#include "nonlinear/stability/thresholds.hpp"
 
 namespace mixbeam {
 
@@ -10,8 +11,6 @@ namespace {
 
 /// Each repetition gains as much as the cap is above the forces at work, five digits: three reach rounding.
 constexpr int kRefinements = 3;
-/// Of the cap of the tangent, as in Stability: the correction to the true stiffness is of second order in it.
-constexpr double kBucklingCap = 100.0;
 
 }  // namespace
 
@@ -22,7 +21,7 @@ StressedStructure::StressedStructure(BeamProblem& problem, const State& state, d
       reference_(state),
       base_(load_factor),
       scales_(scales_of(model_, reference_, base_)),
-      cap_(cap_for(model_, scales_, kBucklingCap)),
+      cap_(cap_for(model_, scales_, stability_limit.cap_of_count)),
       response_(model_.create_vector()),
       work_(model_.create_vector()) {
   find_response();
@@ -34,7 +33,7 @@ StressedStructure::StressedStructure(BeamProblem& problem, const State& state, d
 
 void StressedStructure::factorize() {
   on_root(unknowns_.root(), [&] {
-    symmetric_ = asymmetry(unknowns_.matrix()) <= kNearlySymmetric;
+    symmetric_ = asymmetry(unknowns_.matrix()) <= stability_limit.symmetric;
     matrix_ = unknowns_.matrix();
     const auto kind = symmetric_ ? InertiaSolver::Kind::symmetric : InertiaSolver::Kind::general;
     solver_ = std::make_unique<InertiaSolver>(kind, matrix_);

@@ -10,9 +10,6 @@
 
 namespace mixbeam {
 
-/// A matrix whose entries are this symmetric, see Stability, is treated so.
-inline constexpr double kNearlySymmetric = 1e-9;
-
 /// Load factors count from that of the state on. All functions are collective. Throws LinearSolverError when the
 /// structure is not stable there.
 class StressedStructure {

@@ -267,7 +267,7 @@ TEST_F(BeamGroupTest, InverseOfTheResidualIsTheNewtonIncrement) {
 TEST_F(BeamGroupTest, GeneralPathAgreesWithTheFastOne) {
   newton_step();
   group().computeF();
-  group().computeJacobian();
+  group().computeNewton(no_parameters());
   BeamVector twice = create_vector(), result = create_vector();
   twice.update(2.0, group().getF(), 0.0);
   ASSERT_EQ(group().applyJacobianInverse(no_parameters(), twice, result), Group::Ok);
@@ -278,6 +278,16 @@ TEST_F(BeamGroupTest, GeneralPathAgreesWithTheFastOne) {
   ASSERT_EQ(group().applyJacobianInverse(no_parameters(), group().getF(), result), Group::Ok);
   result.scale(-1.0);
   EXPECT_TRUE(result.values().same_values(BeamVector::of(group().getNewton())));
+}
+
+/// The tangent is there without a solve; the increment is solved for when it is asked for.
+TEST_F(BeamGroupTest, TheJacobianHidesNoSolve) {
+  newton_step();
+  group().computeJacobian();
+  EXPECT_TRUE(group().isJacobian());
+  EXPECT_FALSE(group().isNewton());
+  group().computeNewton(no_parameters());
+  EXPECT_TRUE(group().isNewton());
 }
 
 TEST_F(BeamGroupTest, InverseNeedsTheJacobian) {

@@ -24,7 +24,7 @@ struct Counted {
     MixedVector residual = problem.model.create_vector();
     const EvaluationPoint point = mixed_residual(problem.model, state, load_factor, residual);
     Linearization here(problem, point, cap_for(problem.model, point.scales), {false, true});
-    return fixture.stability().count_by(here);
+    return fixture.stability().ask({here.tangent().point().state, 0.0, &here}, How::factors);
   }
   /// At the equilibrium for a load factor.
   std::optional<StabilityResult> by_factors(double load_factor) {
@@ -93,7 +93,9 @@ TEST(CountBy, SaysNothingNextToACriticalLoad) {
   const Model& model = counted.fixture.problem().model;
   const MixedVector answer = counted.linear_answer();
   const auto state = [&](double load) { return model.apply(model.reference_state(), answer, load); };
-  const auto negative = [&](double load) { return counted.fixture.stability().count(state(load), load).negative; };
+  const auto negative = [&](double load) {
+    return counted.fixture.stability().ask({state(load), load}, How::inertia)->negative;
+  };
   double below = 1.0, above = 12.0;
   ASSERT_EQ(negative(below), 0);
   ASSERT_GT(negative(above), 0);
@@ -125,7 +127,7 @@ TEST(CountBy, SignByIteration) {
     ASSERT_TRUE(problem.iterates());
     for (double load : {1.0, 12.0}) {
       const State state = direct.equilibrium(load);
-      const std::optional<StabilityResult> sign = Stability(problem).sign_by_iteration(state, load);
+      const std::optional<StabilityResult> sign = Stability(problem).ask({state, load}, How::iteration);
       ASSERT_TRUE(sign) << load;
       EXPECT_EQ(sign->verdict(), load < 2.0 ? Verdict::stable : Verdict::unstable);
       EXPECT_EQ(sign->verdict(), direct.count(load).verdict()) << load;

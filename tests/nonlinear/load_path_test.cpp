@@ -290,7 +290,7 @@ Vector3 plain_newton(const Scene& scene, int most_iterations) {
   const auto problem = Teuchos::rcp(new BeamProblem(scene, this_rank(), parameters));
   SolveRecord record;
   Corrector corrector(problem, parameters, record);
-  const Correction found = corrector.at_load({problem->model.reference_state(), 1.0}, most_iterations);
+  const Correction found = corrector.at_load(problem->model.reference_state(), 1.0, most_iterations);
   EXPECT_TRUE(found.converged) << found.cause;
   const std::array<double, 6> motion =
       vertex_motion(problem->model, found.state, vertex_of(problem->model.mesh(), "tip"));

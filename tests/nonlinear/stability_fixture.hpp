@@ -50,7 +50,9 @@ class StabilityFixture {
     const EvaluationPoint point = mixed_residual(problem_->model, state_, load_factor, residual);
     return Tangent(problem_->model, point, cap_for(problem_->model, point.scales), {true, true});
   }
-  StabilityResult count(double load_factor) { return stability_->count(equilibrium(load_factor), load_factor); }
+  StabilityResult count(double load_factor) {
+    return *stability_->ask({equilibrium(load_factor), load_factor}, How::inertia);
+  }
   Spectrum spectrum(double load_factor, int modes) {
     return stability_->spectrum(equilibrium(load_factor), load_factor, modes);
   }

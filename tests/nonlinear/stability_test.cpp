@@ -266,7 +266,7 @@ TEST(Stability, CountWhileAMotionIsHeld) {
   const double hinged = euler_columns()[3].critical;
   for (double load : {2.0, 3.0, 0.99 * hinged, 1.01 * hinged}) {
     const State& state = fixture.equilibrium(load);
-    EXPECT_EQ(fixture.stability().count_held(state, load, motion).negative,
+    EXPECT_EQ(fixture.stability().ask({state, load, nullptr, &motion}, How::held)->negative,
               (load > hinged ? 1 : 0) + (load > 6 * 0.25 * kPi * kPi ? 1 : 0))
         << load;
   }

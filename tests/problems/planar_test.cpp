@@ -100,7 +100,7 @@ TEST(Planar, BucklesOutOfItsPlane) {
     BeamProblem problem(scene, this_rank(), with_planar(planar));
     const Simulation simulation = solved(scene, with_planar(planar));
     Stability stability(problem);
-    negative[planar ? 1 : 0] = stability.count(simulation.state(), 1.0).negative;
+    negative[planar ? 1 : 0] = stability.ask({simulation.state(), 1.0}, How::inertia)->negative;
     EXPECT_EQ(simulation.state().in_plane, planar);
     if (!planar) continue;
     const std::vector<EigenMode> modes = stability.modes_near_zero(simulation.state(), 1.0, 1);
