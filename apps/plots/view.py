@@ -20,12 +20,11 @@ class Look:
 
     def __init__(self, view=None, scale=1.0, moments="tension"):
         self.scale, self.moments = scale, moments
-        self.camera, self.plane, self.from_camera = None, None, False
-        self.in_plane = view in PLANES  # which a picture in space would only repeat
-        if self.in_plane:
+        self.camera, self.plane = None, None
+        if view in PLANES:
             self.plane = np.eye(3)[list(PLANES[view])]
         elif view is not None:
-            self.camera, self.from_camera = ISO if view == "iso" else _camera(view), True
+            self.camera = ISO if view == "iso" else _camera(view)
             self.plane = _plane_of(self.camera)
 
 
@@ -76,10 +75,6 @@ class View:
         if self.look.scale == 1.0:
             return of.field("position")
         return self.structure.reference + self.look.scale * of.field("displacement")
-
-    def camera_of(self, points):
-        """For a picture of these points alone."""
-        return self.look.camera or best_view(points)
 
     def lines(self, points, values=None, slopes=None):
         lines, colors = self.structure.pieces(points, values, slopes)

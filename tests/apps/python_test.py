@@ -625,7 +625,7 @@ class Pictures(InFolder):
             with tempfile.TemporaryDirectory() as folder:
                 page.save(Path(folder) / "page.html")
                 self.assertGreater((Path(folder) / "page.html").stat().st_size, 20000)
-        with self.assertRaisesRegex(mixbeam.InputError, "no member"):
+        with self.assertRaisesRegex(mixbeam.InputError, "missing ParameterList"):
             mixbeam.Scene("empty").view()
 
     def test_pictures_leave_matplotlib_as_it_was(self):
