@@ -10,7 +10,7 @@ namespace mixbeam {
 
 namespace {
 
-/// Share of the von Mises stress of an I that its torque makes, above which warping deserves a note.
+/// Share of the von Mises stress of an open section that its torque makes, above which warping deserves a note.
 constexpr double kTorsionNote = 0.1;
 
 /// Strains below this are differences of larger numbers: a structure that only eigenstrains deform has no stresses.

@@ -11,7 +11,9 @@ FEW = 6            # names that a row of the table shows
 ROUNDING = 1e-12   # of the largest component: what resolving patterns and angles leaves of zero
 AXES = "xyz"
 SIZES = {"circle": ("diameter",), "tube": ("diameter", "", "wall"), "rectangle": ("width", "height"), "ellipse": ("width", "height"),
-         "box": ("width", "height", "wall"), "I": ("width", "height", "flange", "web")}
+         "box": ("width", "height", "wall"), "I": ("width", "height", "flange", "web"), "T": ("width", "height", "flange", "web"),
+         "L": ("width", "height", "wall"), "U": ("width", "height", "flange", "web")}
+SIZES.update({f"{word} mirrored": SIZES[word] for word in "TL"})
 
 
 def write_sections(page, run):
@@ -148,6 +150,13 @@ def _drawing(shape, width, height, wall, web):
         inner, half = height / 2 - wall, web / 2
         right = [(width / 2, height / 2), (width / 2, inner), (half, inner), (half, -inner), (width / 2, -inner), (width / 2, -height / 2)]
         path = "M" + "L".join(f"{x:.6g} {y:.6g}" for x, y in right + [(-x, y) for x, y in right[::-1]]) + "Z"
+    x, y, inner = width / 2, height / 2, height / 2 - wall
+    corners = {"T": [(-x, y), (x, y), (x, inner), (web / 2, inner), (web / 2, -y), (-web / 2, -y), (-web / 2, inner), (-x, inner)],
+               "L": [(-x, y), (wall - x, y), (wall - x, -inner), (x, -inner), (x, -y), (-x, -y)],
+               "U": [(-x, y), (x, y), (x, inner), (web - x, inner), (web - x, -inner), (x, -inner), (x, -y), (-x, -y)]}
+    if shape[0] in corners:  # an SVG's y points down
+        flip = 1 if shape.endswith("mirrored") else -1
+        path = "M" + "L".join(f"{px:.6g} {flip * py:.6g}" for px, py in corners[shape[0]]) + "Z"
     side = 1.1 * max(width, height)
     return Cell(f"{shape} section", f"<svg width={SIDE} height={SIDE} viewBox=\"{-side / 2:.6g} {-side / 2:.6g} {side:.6g} {side:.6g}\">"
                 f"<path d=\"{path}\" fill=\"#9fbcd6\" stroke=\"#24506f\" stroke-width=\"{side / 60:.3g}\" fill-rule=\"evenodd\"/></svg>")

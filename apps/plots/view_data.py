@@ -106,6 +106,8 @@ class ViewData:
             own = slice(self._firsts[at], self._ends[at] + 1)
             x = member.arc_length[self._kept[own] - member.samples.start] / member.arc_length[-1]
             dimensions[own] = _along(shapes["dimensions"][row].reshape(-1, 4), x)
+            if kinds[at][0] in "TLU":
+                kinds[at] = _with_centroid(kinds[at], *shapes["dimensions"][row].reshape(-1, 4)[0])
             if kinds[at] in ("circle", "tube"):
                 dimensions[own, 1] = dimensions[own, 0]
             known = shapes["strength"][row]  # 0: not given
@@ -292,6 +294,18 @@ class ViewData:
         at = np.searchsorted(self._kept, sample)
         near = [i for i in (at - 1, at) if 0 <= i < len(self._kept)]
         return min(near, key=lambda i: abs(int(self._kept[i]) - int(sample)))
+
+
+def _with_centroid(shape, width, height, wall, web):
+    """Name of the drawing of a T, L or U: how it stands, and its centroid from the middle over width and height."""
+    upright = width * wall, 0.0, (height - wall) / 2  # area and middle of the flange at the top, then of the web
+    parts = {"T": [upright, (web * (height - wall), 0.0, -wall / 2)],
+             "U": [(2 * width * wall, 0.0, 0.0), (web * (height - 2 * wall), (web - width) / 2, 0.0)],
+             "L": [(upright[0], 0.0, -upright[2]), (wall * (height - wall), (wall - width) / 2, wall / 2)]}[shape[0]]
+    area = sum(part[0] for part in parts)
+    second, third = (sum(part[0] * part[i] for part in parts) / area for i in (1, 2))
+    turned = shape.endswith("mirrored")
+    return f"{shape[0]} {'mirrored' if turned else 'upright'} {second / width:.4f} {(-third if turned else third) / height:.4f}"
 
 
 def _thinned(members):

@@ -3,6 +3,7 @@
 #include "apps/common/run/value_errors.hpp"
 #include "apps/python/arrays.hpp"
 #include "discretization/reading/variables.hpp"
+#include "discretization/scene/section_law.hpp"
 #include "discretization/state/record_fields.hpp"
 #include "discretization/text/result_names.hpp"
 
@@ -202,6 +203,16 @@ py::list checks_of(const SolvedRun& run) {
   return checks;
 }
 
+/// Stiffness matrices of all sections by name, imported ones and profiles among them; infinite where rigid.
+std::map<std::string, Matrix6> sections_of(const SolvedRun& run) {
+  std::map<std::string, Matrix6> found;
+  for (const Section& section : run.app().scene.sections) {
+    Matrix6& stiffness = found[section.name] = section.matrix.value_or(Matrix6{});
+    for (std::size_t i = 0; i < 6; ++i) stiffness[i][i] = diagonal(section)[i];
+  }
+  return found;
+}
+
 }  // namespace
 
 void bind_run(py::module_& module) {
@@ -211,6 +222,7 @@ void bind_run(py::module_& module) {
       .def("places", places)
       .def("sample", sample)
       .def("members", members_of)
+      .def("sections", sections_of)
       .def("state", state_of)
       .def("critical_points", critical_points_of)
       .def("buckling_modes", buckling_modes_of)

@@ -2,6 +2,7 @@
 
 #include "discretization/checks/survey.hpp"
 #include "discretization/scene/amplitude.hpp"
+#include "discretization/scene/section_shape.hpp"
 #include "discretization/scene/what_acts.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
@@ -222,6 +223,46 @@ void add_unused_warnings(const Scene& scene, WarningList& list) {
                warned_place("Load Cases", name) + "nothing belongs to it; usually \"Case\" is missing");
 }
 
+/// Whether a structure and its loads lie in the plane through `point` normal to `normal`: then nothing twists.
+bool acts_in_plane(const SceneSurvey& survey, const Vector3& point, const Vector3& normal) {
+  constexpr double kInPlane = 1e-6;  // of the size, of the load: numbers are written with six digits
+  const auto is_across = [&](const Vector3& v) { return std::abs(dot(v, normal)) > kInPlane * norm(v); };
+  const auto is_along = [&](const Vector3& v) { return norm(cross(v, normal)) > kInPlane * norm(v); };
+  const auto formulas = [](const auto& texts) {
+    return std::any_of(texts.begin(), texts.end(), [](const std::string& text) { return !text.empty(); });
+  };
+  for (const Point& other : survey.scene.points)
+    if (std::abs(dot(difference(other.position, point), normal)) > kInPlane * survey.size) return false;
+  for (const PointLoad& load : survey.scene.point_loads)
+    if (load.frame == LoadFrame::follower || is_across(load.force) || is_along(load.moment)) return false;
+  for (const DistributedLoad& load : survey.scene.distributed_loads)
+    if (load.frame == LoadFrame::follower || is_across(load.force) || is_along(load.couple) ||
+        formulas(load.force_formula) || formulas(load.couple_formula))
+      return false;
+  return true;
+}
+
+/// Forces act at the centroid as if it were the shear centre: of a T in the plane of its web it makes no difference,
+/// nor of a U in its plane of symmetry.
+void add_shear_centre_warnings(const SceneSurvey& survey, WarningList& list) {
+  for (std::size_t m = 0; m < survey.curves.size() && anything_acts(survey.scene); ++m) {
+    const Member& member = survey.scene.members[m];
+    const Section& section = survey.section_of(member);
+    if (!section.shape || !consists_of_rectangles(section.shape->kind)) continue;
+    const SectionShapeKind kind = section.shape->kind;
+    const Mat3<double> triad = rotation_matrix(survey.curves[m].triad(0.0));
+    const int across = kind == SectionShapeKind::t_section ? 1 : 2;
+    const Vector3 normal = {triad(0, across), triad(1, across), triad(2, across)};
+    if (kind != SectionShapeKind::l_section && acts_in_plane(survey, to_array(survey.curves[m].origin), normal))
+      continue;
+    list.add("members whose shear centre is not their centroid",
+             warned_place("Members", member.name) + "the shear centre of section \"" + excerpt(section.name) + "\" (" +
+                 section_shape_word(kind) +
+                 ") is not its centroid, and neither this distance nor warping counts: "
+                 "where loads or supports twist the member, its twist and the stresses of it are too small");
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> warnings(const Scene& scene) {
@@ -235,6 +276,7 @@ std::vector<std::string> warnings(const Scene& scene) {
   add_geometry_warnings(survey, list);
   add_load_warnings(survey, list);
   add_range_warning(survey, list);
+  add_shear_centre_warnings(survey, list);
   for_each_kind([&](auto kind) { add_amplitude_warnings(scene.*kind.list, kind.name, list); });
   add_unused_warnings(scene, list);
   return list.finished();

@@ -1,6 +1,7 @@
 #include "discretization/geometry/reference_curve.hpp"
 
 #include "discretization/text/errors.hpp"
+#include "discretization/text/number_text.hpp"
 #include "kernels/math/vector_algebra.hpp"
 
 #include <algorithm>
@@ -87,6 +88,69 @@ Quaternion<double> turn_about_first_axis(double angle) {
   return {std::cos(0.5 * angle), std::sin(0.5 * angle), 0.0, 0.0};
 }
 
+Quaternion<double> carried_triad(const ReferenceCurve& curve, double s) {
+  if (curve.path != nullptr) return curve.path->triad(s);
+  return curve.start_triad * exp_quaternion(s * (curve.start_curvature - Vec3<double>{{curve.twist_rate, 0.0, 0.0}}));
+}
+
+/// Where a wanted second axis points at s, and its derivative; no unit vectors.
+struct WantedAxis {
+  Vector3 direction{}, slope{};
+};
+
+WantedAxis wanted_axis(const ReferenceCurve& curve, double s, const Vector3& tangent) {
+  const Vector3 axis = to_array(curve.second_axis->direction);
+  if (!curve.second_axis->point) return {axis, {}};
+  const auto across = [&](const Vector3& v) { return difference(v, scaled(dot(v, axis), axis)); };
+  return {across(to_array(curve.position(s) - *curve.second_axis->point)), across(tangent)};
+}
+
+/// g2 before the twist, and the rate at which it turns about the tangent.
+struct SecondAxisAt {
+  Vector3 g2{};
+  double rate = 0.0;
+};
+
+SecondAxisAt second_axis_at(const ReferenceCurve& curve, double s, const Vector3& g1) {
+  const WantedAxis wanted = wanted_axis(curve, s, g1);
+  const Vector3 g2 = unit_normal_part(wanted.direction, g1), g3 = cross(g1, g2);
+  const double along = dot(wanted.direction, g1);
+  const double turning = dot(wanted.slope, g3) - along * dot(to_array(curve.tangent_slope(s)), g3);
+  return {g2, turning / norm(difference(wanted.direction, scaled(along, g1)))};
+}
+
+constexpr int kAxisSamples = 256;  // a spline or formula that turns its second axis over between two of them is refused
+
+/// Away from places where the wanted axis runs along the tangent, and not beyond one.
+void check_second_axis(const ReferenceCurve& curve) {
+  Vector3 before{};  // in the carried triad
+  for (int i = 0; i <= kAxisSamples; ++i) {
+    const double s = curve.length * i / kAxisSamples;
+    const Vector3 g1 = to_array(curve.tangent(s)), wanted = wanted_axis(curve, s, g1).direction;
+    const double angle = norm(cross(g1, scaled(1.0 / norm(wanted), wanted)));
+    const Vector3 g2 = angle >= kSmallestSecondAxisAngle ? second_axis_at(curve, s, g1).g2 : Vector3{};
+    const Vector3 carried = to_array(transpose_times(rotation_matrix(carried_triad(curve, s)), to_vec3(g2)));
+    require(!is_zero(g2) && (i == 0 || dot(carried, before) > 0.0),
+            "The direction of the second axis runs along the tangent near s = " + shortest(s) +
+                ", where the section would turn over.");
+    before = carried;
+  }
+}
+
+/// Where the member wants g2 everywhere; a line keeps a direction by itself.
+std::optional<ReferenceCurve::SecondAxis> directed_axis(const Member& member) {
+  if (!member.second_axis_from) {
+    if (!member.keeps_second_axis || member.curve.shape == CurveShape::line) return std::nullopt;
+    require(is_finite(member.second_axis) && !is_zero(member.second_axis), "The second axis is zero or not finite.");
+    return ReferenceCurve::SecondAxis{std::nullopt, to_vec3(unit(member.second_axis))};
+  }
+  const auto [x, y, z, a, b, c] = *member.second_axis_from;
+  const Vector3 direction = {a, b, c};
+  require(is_finite({x, y, z}) && is_finite(direction) && !is_zero(direction),
+          "The line from which the second axis points has no direction.");
+  return ReferenceCurve::SecondAxis{Vec3<double>{{x, y, z}}, to_vec3(unit(direction))};
+}
+
 /// Line, arc or helix.
 ReferenceCurve make_turning_curve(const Member& member, const Vector3& start, const Vector3& end) {
   check_curve(member.curve, start, end);
@@ -101,6 +165,7 @@ ReferenceCurve make_turning_curve(const Member& member, const Vector3& start, co
   const double twist_rate = member.twist / curve.length;
   if (member.curve.shape == CurveShape::line) {
     curve.start_curvature = {{twist_rate, 0.0, 0.0}};
+    if (member.second_axis_from) curve.twist_rate = twist_rate;  // against an axis that may turn along the line
     return curve;
   }
   // Lambda_0 kappa0 = (angle / length) axis
@@ -137,33 +202,55 @@ Vec3<double> ReferenceCurve::position(double s) const {
 // The product of two unit quaternions is a unit quaternion up to rounding, which would enter the triad fourfold.
 Quaternion<double> ReferenceCurve::triad(double s) const {
   if (has_constant_curvature()) return normalized(start_triad * exp_quaternion(s * start_curvature));
-  const Vec3<double> carried_curvature = start_curvature - Vec3<double>{{twist_rate, 0.0, 0.0}};
-  const Quaternion<double> carried =
-      path != nullptr ? path->triad(s) : start_triad * exp_quaternion(s * carried_curvature);
-  return normalized(carried * turn_about_first_axis(s * twist_rate));
+  Quaternion<double> untwisted = carried_triad(*this, s);
+  if (second_axis) {
+    const Vector3 g1 = to_array(tangent(s));
+    untwisted = triad_of(g1, second_axis_at(*this, s, g1).g2);
+  }
+  return normalized(untwisted * turn_about_first_axis(s * twist_rate));
 }
 
 Vec3<double> ReferenceCurve::tangent(double s) const {
   if (path != nullptr) return path->tangent(s);
-  const Vec3<double> g1 = rotation_matrix(triad(s)) * Vec3<double>{{1.0, 0.0, 0.0}};
+  const Quaternion<double> carrier = second_axis ? carried_triad(*this, s) : triad(s);
+  const Vec3<double> g1 = rotation_matrix(carrier) * Vec3<double>{{1.0, 0.0, 0.0}};
   return (1.0 / norm(g1)) * g1;
+}
+
+Vec3<double> ReferenceCurve::tangent_slope(double s) const {
+  if (path != nullptr) return path->tangent_slope(s);
+  // kappa0 x e1 in the carried triad
+  return rotation_matrix(carried_triad(*this, s)) * Vec3<double>{{0.0, start_curvature[2], -start_curvature[1]}};
 }
 
 Vec3<double> ReferenceCurve::curvature(double s) const {
   if (has_constant_curvature()) return start_curvature;
   const Vec3<double> twist{{twist_rate, 0.0, 0.0}};
-  if (path == nullptr) {  // components of the carried curvature in the twisted triad
+  if (path == nullptr && !second_axis) {  // components of the carried curvature in the twisted triad
     const Quaternion<double> turn = turn_about_first_axis(s * twist_rate);
     return twist + transpose_times(rotation_matrix(turn), start_curvature - twist);
   }
   // g1' = kappa0_3 g2 - kappa0_2 g3
-  const Vec3<double> slope = transpose_times(rotation_matrix(triad(s)), path->tangent_slope(s));
-  return {{twist_rate, -slope[2], slope[1]}};
+  const Vec3<double> slope = transpose_times(rotation_matrix(triad(s)), tangent_slope(s));
+  const double turning = second_axis ? second_axis_at(*this, s, to_array(tangent(s))).rate : 0.0;
+  return {{twist_rate + turning, -slope[2], slope[1]}};
 }
 
 ReferenceCurve make_reference_curve(const Member& member, const Vector3& start, const Vector3& end) {
   require(std::isfinite(member.twist), "The twist of the member is not finite.");
-  return is_path(member.curve) ? make_path(member, start, end) : make_turning_curve(member, start, end);
+  const auto make = is_path(member.curve) ? make_path : make_turning_curve;
+  const std::optional<ReferenceCurve::SecondAxis> axis = directed_axis(member);
+  if (!axis) return make(member, start, end);
+  Member directed = member;  // at its start already
+  if (axis->point) {
+    const Vec3<double> from = to_vec3(start) - *axis->point;
+    directed.second_axis = to_array(from - dot(from, axis->direction) * axis->direction);
+    require(!is_zero(directed.second_axis), "The start lies on the line from which the second axis points.");
+  }
+  ReferenceCurve curve = make(directed, start, end);
+  curve.second_axis = axis;
+  check_second_axis(curve);
+  return curve;
 }
 
 Vector3 axis_direction(const Curve& curve) { return unit(curve.axis); }

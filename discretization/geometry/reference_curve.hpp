@@ -7,6 +7,7 @@
 #include "kernels/math/rotation.hpp"
 
 #include <memory>
+#include <optional>
 
 namespace mixbeam {
 
@@ -27,9 +28,16 @@ struct ReferenceCurve {
   double twist_rate = 0.0;                       ///< turning about the tangent against the carried triad [1/length];
                                                  ///< zero for lines, whose twist is part of their constant curvature
   std::shared_ptr<const ArcLengthCurve> path{};  ///< of spline and parametric curve, else null
+  /// Where g2 points in place of what the curve carries, before the twist: along a direction (no point), or away from
+  /// the line through a point in a direction; as nearly as the tangent permits.
+  struct SecondAxis {
+    std::optional<Vec3<double>> point{};
+    Vec3<double> direction{};
+  };
+  std::optional<SecondAxis> second_axis{};
 
   /// Whether kappa0 is the same everywhere.
-  bool has_constant_curvature() const { return path == nullptr && twist_rate == 0.0; }
+  bool has_constant_curvature() const { return path == nullptr && twist_rate == 0.0 && !second_axis; }
 
   /// r0(s); with constant curvature r0(0) + s Lambda_0(0) T(s kappa0) e1, the integral of the tangent
   Vec3<double> position(double s) const;
@@ -37,6 +45,8 @@ struct ReferenceCurve {
   Quaternion<double> triad(double s) const;
   /// g1(s), of unit length
   Vec3<double> tangent(double s) const;
+  /// Derivative of g1, spatial.
+  Vec3<double> tangent_slope(double s) const;
   /// kappa0(s), material; of formula curves it loses half of the digits, which nothing depends on
   Vec3<double> curvature(double s) const;
 };
@@ -56,6 +66,7 @@ constexpr double kSmallestSecondAxisAngle = 1e-6;
 ///   line, spline, parametric  g3 is as near to the global e3 as possible, g2 = e3 x g1 / |e3 x g1|: the identity along
 ///               e1, and all curves in the e1-e2 plane bend in that plane about g3 = e3, with EI3; with a start tangent
 ///               within kParallelToE3 of +-e3, g2 is as near to e2 as possible.
+/// With keeps_second_axis or second_axis_from the same rule holds for g2 at every place of the member.
 /// Throws std::invalid_argument for a curve without length, radius, axis or tangent, for numbers that are not finite,
 /// for a second axis along the tangent, and for points and formulas that make no curve (polynomial_curve.hpp).
 ReferenceCurve make_reference_curve(const Member& member, const Vector3& start, const Vector3& end);

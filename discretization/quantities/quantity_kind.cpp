@@ -121,7 +121,8 @@ bool has_stress(const Scene& scene, const Member& member, const std::string& kin
     if (name.empty()) continue;
     const Section& section = *std::find_if(scene.sections.begin(), scene.sections.end(),
                                            [&name](const Section& one) { return one.name == name; });
-    const bool is_known = member.end_section.empty() ? has_stresses(section) : section.shape.has_value();
+    const bool has_rows = section.stress_points && section.stress_points->points.front().stress;
+    const bool is_known = member.end_section.empty() ? has_stresses(section) : section.shape.has_value() || has_rows;
     if (!is_known || (quantity_kind(kind).needs_strength() && !strength_of(section))) return false;
   }
   return true;

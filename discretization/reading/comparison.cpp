@@ -2,6 +2,7 @@
 
 #include "discretization/reading/scene_parts.hpp"
 #include "discretization/scene/division.hpp"
+#include "discretization/scene/section_shape.hpp"
 #include "kernels/math/vector_algebra.hpp"
 
 #include <algorithm>
@@ -35,7 +36,8 @@ bool same_axes(const PlacedMember& a, const PlacedMember& b, SameLine direction)
   const ReferenceCurve along_a = a.curve(), along_b = b.curve();
   const Vector3 first = axis2(along_a, 0.0);
   const Vector3 second = axis2(along_b, direction == SameLine::forward ? 0.0 : along_b.length);
-  const bool sign_matters = a.section.matrix.has_value();
+  const bool one_sided = a.section.shape && consists_of_rectangles(a.section.shape->kind);
+  const bool sign_matters = a.section.matrix.has_value() || one_sided;
   if (sign_matters && (direction == SameLine::backward || dot(first, second) < 0.0)) return false;
   return norm(cross(first, second)) <= kSameAngle;
 }

@@ -1,5 +1,6 @@
 #include "discretization/reading/import.hpp"
 
+#include "discretization/parameters/access.hpp"
 #include "discretization/parameters/formula_value.hpp"
 #include "discretization/parameters/validate.hpp"
 #include "discretization/reading/read_scene.hpp"
@@ -13,13 +14,14 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <memory>
 #include <utility>
 
 namespace mixbeam {
 namespace {
 
 const std::string kNameColumn = "name";
-const std::string kPointsFile = "Points File", kMembersFile = "Members File";
+const std::string kPointsFile = "Points File", kMembersFile = "Members File", kProfilesFile = "Profiles File";
 
 const std::vector<std::string> kNumberColumns = {"x", "y", "z", "dx", "dy", "dz", "order", "elements"};
 
@@ -30,7 +32,7 @@ const std::vector<std::string> kImportedLists = {"Sections",    "Supports",     
 /// All files that a scene names: list, parameter.
 std::vector<std::pair<std::string, std::string>> file_parameters() {
   std::vector<std::pair<std::string, std::string>> all = {
-      {"Import", kPointsFile}, {"Import", kMembersFile}, {"Imperfection", kPointsFile}};
+      {"Import", kPointsFile}, {"Import", kMembersFile}, {"Import", kProfilesFile}, {"Imperfection", kPointsFile}};
   for (const std::string& list : kImportedLists) all.emplace_back("Import", list + " File");
   return all;
 }
@@ -114,6 +116,10 @@ ListSpec import_spec() {
       "then stand in any order.");
   spec.add(text(kPointsFile), "Table of points: name, x, y, z; relative to the folder of the scene.");
   spec.add(text(kMembersFile), meaning_of_members_file());
+  spec.add(
+      text(kProfilesFile),
+      "Table of profiles beside those of the program: name, shape, and the dimensions of the shape in millimetres, "
+      "which the first line names as a section does.");
   for (const std::string& list : kImportedLists)
     spec.add(text(list + " File"), "Table of entries of the list " + list +
                                        ": name, and any of the parameters of an entry, which the first line names" +
@@ -216,12 +222,20 @@ InputError ImportTable::error(int line, const std::string& column, const std::st
 std::map<std::string, std::string> read_imported_files(const Teuchos::ParameterList& scene_list,
                                                        const ParameterSource& source, const ParameterPath& path) {
   std::map<std::string, std::string> texts;
-  for (const auto& [list, parameter] : file_parameters()) {
-    if (!scene_list.isSublist(list) || !scene_list.sublist(list).isType<std::string>(parameter)) continue;
-    const auto& name = scene_list.sublist(list).get<std::string>(parameter);
-    if (texts.count(name) == 0)
-      texts[name] =
-          text_of_file(resolved(scene_list.sublist(list), parameter, InputPlace(source, path)[list]), "a table");
+  const auto read = [&](const Teuchos::ParameterList& list, const std::string& parameter, const InputPlace& place) {
+    if (!list.isType<std::string>(parameter)) return;
+    const auto& name = list.get<std::string>(parameter);
+    if (texts.count(name) == 0) texts[name] = text_of_file(resolved(list, parameter, place), "a table");
+  };
+  for (const auto& [list, parameter] : file_parameters())
+    if (scene_list.isSublist(list)) read(scene_list.sublist(list), parameter, InputPlace(source, path)[list]);
+  const std::string members = "Members", stations = "Section Stations";
+  if (!scene_list.isSublist(members)) return texts;
+  const Teuchos::ParameterList& all = scene_list.sublist(members);
+  for (auto entry = all.begin(); entry != all.end(); ++entry) {
+    const std::string& name = all.name(entry);
+    if (!all.isSublist(name) || !all.sublist(name).isSublist(stations)) continue;
+    read(all.sublist(name).sublist(stations), "Table", InputPlace(source, path)[members][name][stations]);
   }
   return texts;
 }
@@ -291,8 +305,119 @@ void import_entries(Teuchos::ParameterList& scene_list, ParameterSource& source,
   });
 }
 
+namespace {
+
+/// What the words of Units mean in millimetres.
+const std::vector<std::pair<std::string, double>> kMillimetres = {{"mm", 1.0},   {"cm", 10.0}, {"dm", 100.0},
+                                                                  {"m", 1000.0}, {"in", 25.4}, {"ft", 304.8}};
+
+double millimetres_of(const std::string& units, const InputPlace& place) {
+  const std::string length = trimmed(units.substr(0, units.find(',')));
+  std::vector<std::string> words;
+  for (const auto& [word, size] : kMillimetres) {
+    if (word == length) return size;
+    words.push_back(word);
+  }
+  throw place.error("the catalogue is in mm, and \"Units\" of the scene " +
+                    (units.empty() ? "is missing" : "has \"" + excerpt(length) + "\" as unit of length") +
+                    "; allowed: " + quoted_list(words) + ", as in \"m, N\"");
+}
+
+/// "IPE 300" and "ipe300" are one name.
+std::string profile_key(const std::string& name) {
+  std::string key = lower_case(name);
+  key.erase(std::remove(key.begin(), key.end(), ' '), key.end());
+  return key;
+}
+
+/// Profiles as lists of sections in millimetres.
+struct Catalogue {
+  Teuchos::ParameterList profiles{};
+  ParameterSource source{};
+  std::map<std::string, std::string> names{};  ///< by key
+
+  void add(CsvFile file) {
+    std::map<std::string, EntryColumn> columns;
+    std::vector<std::string> column_names = {kNameColumn};
+    const ListSpec section = section_spec();
+    for (const std::string& name : profile_parameters()) {
+      columns.emplace(lower_case(name), EntryColumn{"", *section.find_parameter(name)});
+      column_names.push_back(lower_case(name));
+    }
+    const ImportTable table(std::move(file), column_names, 1, source);
+    table.for_each([&](const CsvRecord& record) {
+      const auto [known, is_new] =
+          names.emplace(profile_key(table.cell(record, kNameColumn)), table.cell(record, kNameColumn));
+      if (!is_new)
+        throw table.error(
+            record, kNameColumn,
+            "profile \"" + excerpt(known->second) + "\" is in the catalogue already; allowed: names that differ");
+      for (const std::string& name : profile_parameters())  // so that what is missing has a place
+        if (table.cell(record, lower_case(name)).empty())
+          source.record({"Profiles", known->second, name}, table.where(record, kNameColumn));
+    });
+    source.collect([&] { add_entries(table, columns, {"Profiles"}, profiles, source); });
+  }
+};
+
+}  // namespace
+
+extern const char* const kProfilesOfProgram;  // profiles.csv
+
+namespace {
+
+const Catalogue& catalogue_of_program() {
+  static const Catalogue catalogue = [] {
+    Catalogue filled;
+    filled.add(CsvFile("profiles.csv", kProfilesOfProgram));
+    return filled;
+  }();
+  return catalogue;
+}
+
+}  // namespace
+
+ProfileFinder profile_finder(const Teuchos::ParameterList& scene_list, const InputPlace& scene,
+                             const std::string& units) {
+  const bool has_own = scene_list.isSublist("Import") && scene_list.sublist("Import").isParameter(kProfilesFile);
+  return [&scene_list, scene, units, has_own, own = std::make_shared<Catalogue>()](
+             const Teuchos::ParameterList& section, const InputPlace& place) {
+    if (has_own && own->names.empty()) {
+      *own = catalogue_of_program();
+      own->add(table_of(scene_list.sublist("Import"), kProfilesFile, scene["Import"]));
+    }
+    const Catalogue& catalogue = has_own ? *own : catalogue_of_program();
+    const auto& wanted = section.get<std::string>("Profile");
+    const auto found = catalogue.names.find(profile_key(wanted));
+    if (found == catalogue.names.end()) {
+      std::vector<std::string> names;
+      for (const auto& [key, name] : catalogue.names) names.push_back(name);
+      throw place["Profile"].error(
+          "value \"" + excerpt(wanted) +
+          "\" is not in the catalogue; allowed: IPE, HEA, HEB, CHS, SHS, RHS with their sizes, and "
+          "the names of \"Profiles File\"" +
+          did_you_mean(wanted, names));
+    }
+    const double unit = millimetres_of(units, place["Profile"]);
+    Teuchos::ParameterList whole = section;
+    whole.remove("Profile");
+    const Teuchos::ParameterList& profile = catalogue.profiles.sublist(found->second);
+    for (const std::string& name : names_of(profile))
+      if (profile.isType<double>(name))
+        whole.set(name, profile.get<double>(name) / unit);
+      else
+        whole.set(name, profile.get<std::string>(name));
+    validate(whole, section_spec(), catalogue.source, {"Profiles", found->second});
+    return whole;
+  };
+}
+
 ImportTable offsets_table(const Teuchos::ParameterList& list, const InputPlace& place) {
   return {table_of(list, kPointsFile, place), {"dx", "dy", "dz", "name", "x", "y", "z"}, 3, place.source()};
+}
+
+ImportTable stations_table(const Teuchos::ParameterList& list, const InputPlace& place) {
+  return {table_of(list, "Table", place), {"position", "section", "twist", "offset 2", "offset 3"}, 2, place.source()};
 }
 
 ImportTable points_table(const Teuchos::ParameterList& list, const InputPlace& place) {
@@ -307,14 +432,19 @@ ImportTable members_table(const Teuchos::ParameterList& list, const InputPlace& 
   return {table_of(list, kMembersFile, place), columns, required, place.source()};
 }
 
+double imported_number(const ImportTable& table, const CsvRecord& record, const std::string& column,
+                       Variables* variables) {
+  const ParameterSpec number = real(column).at_least(-kLargestCoordinate).at_most(kLargestCoordinate);
+  return table.cell(record, column).empty() ? 0.0 : std::get<double>(cell_value(table, record, number, variables));
+}
+
 Vector3 imported_vector(const ImportTable& table, const CsvRecord& record, const std::array<std::string, 3>& columns,
                         Variables* variables) {
   Vector3 vector{};
   for (std::size_t i = 0; i < 3; ++i) {
-    const ParameterSpec component = real(columns[i]).at_least(-kLargestCoordinate).at_most(kLargestCoordinate);
     if (table.cell(record, columns[i]).empty())
       throw table.error(record, columns[i], "missing \"" + columns[i] + "\"; allowed: a number");
-    vector[i] = std::get<double>(cell_value(table, record, component, variables));
+    vector[i] = imported_number(table, record, columns[i], variables);
   }
   return vector;
 }

@@ -3,6 +3,7 @@
 
 #include "discretization/parameters/input_place.hpp"
 #include "discretization/parameters/spec.hpp"
+#include "discretization/reading/scene_parts.hpp"
 #include "discretization/scene/scene.hpp"
 #include "discretization/text/csv_file.hpp"
 
@@ -62,12 +63,21 @@ std::map<std::string, std::string> read_imported_files(const Teuchos::ParameterL
 /// one for each line of the tables that its list "Import" names. `source` then knows their places. Throws InputError.
 void import_entries(Teuchos::ParameterList& scene_list, ParameterSource& source, const ParameterPath& path = {"Scene"});
 
+/// Looks up sections that name a Profile, in the catalogue of the program and the table "Profiles File" of the list
+/// "Import"; dimensions come into the unit of length that `units` of the scene name. Keeps a reference to the list.
+ProfileFinder profile_finder(const Teuchos::ParameterList& scene_list, const InputPlace& scene,
+                             const std::string& units);
+
 /// The table that a parameter of the list "Import" (of offsets: "Imperfection") names: a text that the source has under
 /// this name, otherwise a file relative to the folder of the scene file.
 ImportTable points_table(const Teuchos::ParameterList& list, const InputPlace& place);
 ImportTable members_table(const Teuchos::ParameterList& list, const InputPlace& place);
+ImportTable stations_table(const Teuchos::ParameterList& list, const InputPlace& place);
 ImportTable offsets_table(const Teuchos::ParameterList& list, const InputPlace& place);
 
+/// A cell as a number, 0 where it is empty. Without `variables` it is a number, no formula.
+double imported_number(const ImportTable& table, const CsvRecord& record, const std::string& column,
+                       Variables* variables = nullptr);
 /// Three cells of a record as a vector. Without `variables` they are numbers, no formulas.
 Vector3 imported_vector(const ImportTable& table, const CsvRecord& record, const std::array<std::string, 3>& columns,
                         Variables* variables = nullptr);

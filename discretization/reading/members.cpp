@@ -2,11 +2,13 @@
 
 #include "discretization/parameters/access.hpp"
 #include "discretization/parameters/input_place.hpp"
+#include "discretization/reading/import.hpp"
 #include "discretization/reading/read_scene.hpp"
 #include "discretization/reading/scene_parts.hpp"
 #include "discretization/reading/scene_reader.hpp"
 #include "discretization/scene/division.hpp"
 #include "discretization/scene/limits.hpp"
+#include "discretization/scene/section_law.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 #include "kernels/math/vector_algebra.hpp"
@@ -14,6 +16,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <map>
 
 namespace mixbeam {
@@ -22,7 +26,8 @@ namespace {
 using namespace vector_algebra;
 
 constexpr int kLargestOrder = 8;
-constexpr double kSameTwist = 1e-6;  // of twists, which are written with six digits. [radian]
+constexpr double kSameTwist = 1e-6;   // of twists, which are written with six digits. [radian]
+constexpr double kPlaceOfEnd = 1e-6;  // of the last section station, written with six digits, over the length
 
 void bind_section_along(BoundList<Member>& member) {
   member.bind(&Member::section, text("Section"), "Name of its section; may be absent where the scene has only one.")
@@ -59,6 +64,44 @@ void bind_division(BoundList<Member>& member) {
       &InnerPoint::point, &InnerPoint::position);
 }
 
+/// Sections along one straight member, as a table of its own.
+struct SectionStations {
+  std::vector<double> position{}, twist{};
+  std::array<std::vector<double>, 2> offset{};  ///< along axes 2 and 3
+  std::vector<std::string> section{};
+  std::string table{};
+};
+
+const BoundList<SectionStations>& section_stations_parameters() {
+  static const BoundList<SectionStations> parameters = [] {
+    BoundList<SectionStations> stations(
+        "Sections of a straight member at places along it, in place of Section: it becomes members \"<member>[1]\", "
+        "\"<member>[2]\", ... between them, as a polyline does, each with a taper from one section to the next.");
+    const auto numbers = [](const std::string& name) {
+      return array(name, ParameterType::real_array).at_least(-kLargestCoordinate).at_most(kLargestCoordinate);
+    };
+    stations.bind(&SectionStations::position, numbers("Position"),
+                  "Places from 0 to 1, or to the length of the member; ascending.");
+    stations.bind(&SectionStations::section, array("Section", ParameterType::text_array),
+                  "Name of the section at each.");
+    stations.bind(
+        &SectionStations::twist, numbers("Twist"),
+        "Angle by which the section is turned there about the line from start to end, from Second Axis [radian]; "
+        "0 if absent.");
+    for (std::size_t i = 0; i < 2; ++i)
+      stations.bind(
+          [i](auto& s) -> auto& { return s.offset[i]; }, numbers("Offset " + std::to_string(i + 2)),
+          "How far the axis of the member lies there from that line, along axis " + std::to_string(i + 2) +
+              " without twist [length]; 0 if absent.");
+    stations.bind(
+        &SectionStations::table, text("Table"),
+        "CSV with these columns in place of them: position, section, twist, offset 2, offset 3; relative to the "
+        "folder of the scene.");
+    return stations;
+  }();
+  return parameters;
+}
+
 BoundList<Member> declared_member_parameters() {
   BoundList<Member> member("A beam between two points, rigidly joined to all members that share a point with it.");
   member.bind(&Member::start_point, text("Start").required(), "Name of the point where the member starts.")
@@ -84,11 +127,28 @@ BoundList<Member> declared_member_parameters() {
             "Direction that section axis 2 takes at the start, as nearly as the tangent permits; the program chooses "
             "one if it is absent.")
       .not_compared();
+  member.bind(&Member::keeps_second_axis, boolean("Keep Second Axis"),
+              "True: Second Axis holds at every place of a curve, not at its start alone, from where it is carried.");
+  member
+      .bind(
+          &Member::second_axis_from,
+          array("Second Axis From", ParameterType::real_array, 6)
+              .at_least(-kLargestCoordinate)
+              .at_most(kLargestCoordinate),
+          "A point of a line and its direction, in place of Second Axis: section axis 2 points away from that line at "
+          "every place, as the normal of a cylinder about it does.")
+      .not_compared();
   member
       .bind(&Member::twist, real("Twist").at_least(-kLargestAngle).at_most(kLargestAngle),
             "Pre-twist: angle by which the section turns about the tangent from start to end [radian].")
       .compared_within(kSameTwist);
+  for (const std::string end : {"Start", "End"})
+    member.spec.add(bounded_vector(end + " Offset"),
+                    "Vector from the point " + end +
+                        " to where the axis of the member begins or ends: a rigid arm, which "
+                        "turns with the point [length].");
   member.spec.add_list("Curve", curve_parameters().spec, Presence::optional);
+  member.spec.add_list("Section Stations", section_stations_parameters().spec, Presence::optional);
   return member;
 }
 
@@ -111,10 +171,23 @@ void SceneReader::read_members() {
     const InputPlace place = place_["Members"][name];
     Member member = member_parameters().read(list);
     member.name = name;
+    if (list.isSublist("Section Stations")) {
+      const bool is_right = place.attempt([&] {
+        check_name(name, place_["Members"]);
+        complete(member, list, place);
+        add_stations(std::move(member), list, place, i);
+      });
+      if (!is_right) place.source().cannot_mend();
+      continue;
+    }
     CurveDraft draft;
     const bool is_right = place.attempt([&] {
       check_name(name, place_["Members"]);
       complete(member, list, place);
+      for (const bool at_start : {true, false}) {
+        const std::string parameter = at_start ? "Start Offset" : "End Offset";
+        if (list.isParameter(parameter)) add_arm(member, at_start, get_vector(list, parameter), place[parameter], i);
+      }
       if (list.isSublist("Curve")) draft = read_curve(list.sublist("Curve"), place["Curve"]);
       if (draft.is_polyline) check_plain(list, place);
     });
@@ -132,6 +205,7 @@ void SceneReader::read_members() {
 void SceneReader::complete(Member& member, const List& list, const InputPlace& place) const {
   take_only_section(member);
   check_taper(member, place);
+  check_orientation(member, place);
   check_inner_points(member, place["Inner Points"]);
   if (list.isParameter("Stations")) read_stations(member, list, place);
 }
@@ -180,6 +254,146 @@ void SceneReader::read_stations(Member& member, const List& list, const InputPla
   } catch (const std::invalid_argument& problem) {
     throw place["Stations"].error("value " + excerpt(to_text(binding::value_from(member.stations))) + ": " +
                                   problem.what());
+  }
+}
+
+void SceneReader::check_orientation(const Member& member, const InputPlace& place) const {
+  const bool has_axis = !vector_algebra::is_zero(member.second_axis);
+  if (member.keeps_second_axis && !has_axis)
+    throw place["Keep Second Axis"].error("true without \"Second Axis\"; allowed: with it only");
+  if (!member.second_axis_from) return;
+  const std::array<double, 6>& line = *member.second_axis_from;
+  if (has_axis) throw place["Second Axis From"].error("given beside \"Second Axis\"; allowed: one of the two");
+  if (line[3] == 0.0 && line[4] == 0.0 && line[5] == 0.0)
+    throw place["Second Axis From"].error("the direction of the line, its last three numbers, is zero");
+}
+
+/// Lets an end of the member lie away from its point, at the end of a rigid member between the two.
+void SceneReader::add_arm(Member& member, bool at_start, const Vector3& offset, const InputPlace& place,
+                          std::size_t list_name) {
+  std::string& end = at_start ? member.start_point : member.end_point;
+  const auto known = point_index_.find(end);
+  if (known == point_index_.end())
+    throw place.error("the position of point \"" + excerpt(end) +
+                      "\" follows from a curve; allowed: at points of the list "
+                      "\"Points\" or of a table");
+  const std::string which = at_start ? "start" : "end";
+  Member arm;
+  arm.name = which + " arm of " + member.name;
+  arm.section = rigid_section();
+  arm.order = 1;
+  arm.keeps_order = arm.keeps_elements = true;
+  arm.start_point = end;
+  arm.end_point = end = which + " of " + member.name;
+  if (is_zero(offset)) throw place.error("zero; allowed: a vector that is not, or none at all");
+  if (!add_point(arm.end_point, sum(scene_.points[known->second].position, offset)))
+    throw place.error("its end would be point \"" + excerpt(arm.end_point) +
+                      "\", which exists already; allowed: another name of the point or of the member");
+  if (member_index_.count(arm.name) > 0 || list_.sublist("Members").isSublist(arm.name))
+    throw place.error("it would be member \"" + excerpt(arm.name) + "\", which exists already; allowed: another name");
+  add_member(std::move(arm), {false, list_name});
+}
+
+/// A section that gives way in nothing.
+std::string SceneReader::rigid_section() {
+  const std::string name = "rigid arm";
+  const auto [entry, is_new] = section_index_.try_emplace(name, scene_.sections.size());
+  if (!is_new) return name;
+  constexpr double kRigid = std::numeric_limits<double>::infinity();
+  Section section;
+  section.name = name;
+  set_diagonal(section, {kRigid, kRigid, kRigid, kRigid, kRigid, kRigid});
+  scene_.sections.push_back(section);
+  return name;
+}
+
+namespace {
+
+/// The table in place of the arrays.
+SectionStations read_section_stations(const Teuchos::ParameterList& list, const InputPlace& place) {
+  SectionStations stations = section_stations_parameters().read(list);
+  if (!stations.table.empty()) {
+    for (const std::string name : {"Position", "Section", "Twist", "Offset 2", "Offset 3"})
+      if (list.isParameter(name)) throw place[name].error("given beside \"Table\"; allowed: one of the two");
+    const ImportTable table = stations_table(list, place);
+    table.for_each([&](const CsvRecord& record) {
+      stations.position.push_back(imported_number(table, record, "position"));
+      stations.section.push_back(table.cell(record, "section"));
+      stations.twist.push_back(imported_number(table, record, "twist"));
+      for (std::size_t i = 0; i < 2; ++i)
+        stations.offset[i].push_back(imported_number(table, record, "offset " + std::to_string(i + 2)));
+    });
+  }
+  const std::size_t count = stations.position.size();
+  if (count < 2) throw place["Position"].error(std::to_string(count) + " places; allowed: at least two");
+  const auto check_count = [&](const std::string& name, auto& column, bool required) {
+    if (column.empty() && !required) column.resize(count);
+    if (column.size() == count) return;
+    throw place[name].error(std::to_string(column.size()) + " entries beside " + std::to_string(count) +
+                            " of \"Position\"; allowed: as many");
+  };
+  check_count("Section", stations.section, true);
+  check_count("Twist", stations.twist, false);
+  check_count("Offset 2", stations.offset[0], false);
+  check_count("Offset 3", stations.offset[1], false);
+  return stations;
+}
+
+bool any_nonzero(const std::vector<double>& numbers) {
+  return std::any_of(numbers.begin(), numbers.end(), [](double number) { return number != 0.0; });
+}
+
+}  // namespace
+
+void SceneReader::add_stations(Member whole, const List& list, const InputPlace& place, std::size_t list_name) {
+  for (const std::string name : {"Section", "End Section", "Taper", "Twist", "Stations", "Inner Points", "Curve",
+                                 "Start Offset", "End Offset", "Second Axis From"})
+    if (list.isParameter(name) || list.isSublist(name))
+      throw place[name].error("given beside \"Section Stations\"; allowed: for other members");
+  const InputPlace here = place["Section Stations"];
+  const SectionStations stations = read_section_stations(list.sublist("Section Stations"), here);
+  for (const std::string& point : {whole.start_point, whole.end_point})
+    if (point_index_.count(point) == 0)
+      throw here.error("point \"" + excerpt(point) + "\" of the member is not in the list \"Points\" or a table; " +
+                       "allowed: such points");
+  const std::vector<double>& places = stations.position;
+  const Vector3 start = position_of(whole.start_point), along = difference(position_of(whole.end_point), start);
+  const double length = norm(along), last = places.back();
+  const bool in_lengths = std::abs(last - length) <= kPlaceOfEnd * length;
+  if (places.front() != 0.0 || (!in_lengths && std::abs(last - 1.0) > kPlaceOfEnd) ||
+      std::adjacent_find(places.begin(), places.end(), std::greater_equal<>()) != places.end())
+    throw here["Position"].error("value " + to_text(binding::value_from(places)) +
+                                 "; allowed: ascending from 0 to 1, or to the length of the member, " +
+                                 shortest(length));
+  std::array<Vector3, 2> axes{};
+  if (!is_zero(whole.second_axis)) {
+    const Vector3 g1 = scaled(1.0 / length, along), third = cross(g1, whole.second_axis);
+    if (norm(third) < kSmallestSecondAxisAngle * norm(whole.second_axis))
+      throw place["Second Axis"].error("value " + to_text(whole.second_axis) + " is parallel to the member");
+    axes = {cross(unit(third), g1), unit(third)};
+  } else if (any_nonzero(stations.twist) || any_nonzero(stations.offset[0]) || any_nonzero(stations.offset[1])) {
+    throw place["Second Axis"].error("missing; needed where \"Section Stations\" has twists or offsets");
+  }
+  const auto in_section = [&](double second, double third) {
+    return sum(scaled(second, axes[0]), scaled(third, axes[1]));
+  };
+  const std::size_t pieces = places.size() - 1;
+  CurveDraft corners;
+  for (std::size_t i = 0; i <= pieces; ++i) {
+    const Vector3 offset = in_section(stations.offset[0][i], stations.offset[1][i]);
+    if (i > 0 && i < pieces)
+      corners.corners.push_back(sum(sum(start, scaled(places[i] / last, along)), offset));
+    else if (!is_zero(offset))
+      add_arm(whole, i == 0, offset, here, list_name);
+  }
+  const std::size_t first = scene_.members.size();
+  add_polyline(whole, corners, list_name);
+  for (std::size_t i = 0; i < pieces; ++i) {
+    Member& piece = scene_.members[first + i];
+    piece.section = stations.section[i];
+    if (stations.section[i + 1] != piece.section) piece.end_section = stations.section[i + 1];
+    piece.second_axis = in_section(std::cos(stations.twist[i]), std::sin(stations.twist[i]));
+    piece.twist = stations.twist[i + 1] - stations.twist[i];
   }
 }
 

@@ -28,6 +28,23 @@ constexpr double kPointTolerance = 1e-9;  // of the size of the structure: point
 constexpr double kMostCopiedBytes = 4e9;  // keeps copies of large members from eating memory
 constexpr std::size_t kNoPoint = ~std::size_t{0};
 
+/// A point of a line and its direction.
+std::array<double, 6> image(const Isometry& motion, const std::array<double, 6>& line) {
+  const Vector3 point = motion.position({line[0], line[1], line[2]}),
+                direction = motion.direction({line[3], line[4], line[5]});
+  return {point[0], point[1], point[2], direction[0], direction[1], direction[2]};
+}
+
+/// Of a section whose axis 3 turns over, with what depends on it: Q3, T, M2, tau_13.
+void mirror_stress_points(StressPoints& points) {
+  for (StressPoints::Place& place : points.points) {
+    place.at[1] = -place.at[1];
+    for (std::size_t i = 0; i < 3 && place.stress; ++i)
+      for (std::size_t j = 0; j < 6; ++j)
+        if ((i == 2) != (j >= 2 && j <= 4)) (*place.stress)[i][j] *= -1.0;
+  }
+}
+
 /// The scene while patterns act on it, with what finds things in it.
 class PatternScene {
  public:
@@ -246,6 +263,7 @@ class PatternScene {
     for (InnerPoint& inner : copy.inner_points)
       inner.point = scene_.points[work.image[point_index_.at(inner.point)]].name;
     copy.curve = image(motion, copy.curve);
+    if (copy.second_axis_from) copy.second_axis_from = image(motion, *copy.second_axis_from);
     if (motion.is_shift()) return copy;
     copy.second_axis = motion.direction(second_axis);
     if (!motion.mirrors()) return copy;
@@ -276,12 +294,17 @@ class PatternScene {
 
   std::string mirrored_section(const std::string& name) {
     const Section& section = scene_.sections[section_index_.at(name)];
-    if (!section.matrix) return name;
+    const bool has_top = section.shape && section.shape->kind == SectionShapeKind::t_section;
+    if (!section.matrix && !has_top) return name;
     const auto known = mirrored_sections_.find(name);
     if (known != mirrored_sections_.end()) return known->second;
     Section mirrored = section;
-    mirrored.matrix = mirrored_stiffness(*section.matrix);
-    if (*mirrored.matrix == *section.matrix) return mirrored_sections_[name] = name;
+    if (section.matrix) mirrored.matrix = mirrored_stiffness(*section.matrix);
+    if (section.shape)
+      mirrored.shape->mirrored = !section.shape->mirrored;
+    else if (*mirrored.matrix == *section.matrix && !section.stress_points)
+      return mirrored_sections_[name] = name;
+    if (section.stress_points) mirror_stress_points(*mirrored.stress_points);
     mirrored.name += " (mirrored)";
     while (section_index_.count(mirrored.name) > 0) mirrored.name += "'";
     mirrored_sections_[name] = mirrored.name;

@@ -10,6 +10,7 @@
 
 #include <Teuchos_ParameterList.hpp>
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <unordered_map>
@@ -19,8 +20,14 @@ namespace mixbeam {
 
 /// Declaration of one section: stiffness values, or a shape with a material, or a stiffness matrix.
 ListSpec section_spec();
+/// Parameters of a section that a profile of the catalogue gives: its shape, then lengths.
+const std::vector<std::string>& profile_parameters();
+/// The list of a section with what its parameter "Profile" stands for.
+using ProfileFinder =
+    std::function<Teuchos::ParameterList(const Teuchos::ParameterList& section, const InputPlace& place)>;
 /// The list "Sections".
-std::vector<Section> read_sections(const Teuchos::ParameterList& sections, const InputPlace& place);
+std::vector<Section> read_sections(const Teuchos::ParameterList& sections, const InputPlace& place,
+                                   const ProfileFinder& profile);
 
 /// A curve as it was written; some follow only when the positions of their ends are known.
 struct CurveDraft {

@@ -46,7 +46,7 @@ ListSpec scene_spec() {
       "displacements, or stress: the largest von Mises stress.");
   spec.add(text("Units"),
            "Units of length and force, as \"m, N\": words for the labels of pictures and for reports. Nothing is "
-           "converted.");
+           "converted but the dimensions of a Profile.");
   add_condition_lists(spec);
   return spec;
 }
@@ -124,7 +124,8 @@ void SceneReader::read_units() {
 }
 
 void SceneReader::read_sections() {
-  scene_.sections = mixbeam::read_sections(list_.sublist("Sections"), place_["Sections"]);
+  scene_.sections = mixbeam::read_sections(list_.sublist("Sections"), place_["Sections"],
+                                           profile_finder(list_, place_, scene_.units));
   if (scene_.sections.empty())
     throw place_["Sections"].error("no section; allowed: at least one, here or by \"Import\"");
   for (std::size_t i = 0; i < scene_.sections.size(); ++i) section_index_.emplace(scene_.sections[i].name, i);

@@ -62,6 +62,10 @@ class SceneReader {
   void check_inner_points(Member& member, const InputPlace& place) const;
   void read_stations(Member& member, const List& list, const InputPlace& place) const;
   void check_taper(const Member& member, const InputPlace& place) const;
+  void check_orientation(const Member& member, const InputPlace& place) const;
+  void add_arm(Member& member, bool at_start, const Vector3& offset, const InputPlace& place, std::size_t list_name);
+  std::string rigid_section();
+  void add_stations(Member whole, const List& list, const InputPlace& place, std::size_t list_name);
   void add_polyline(const Member& whole, const CurveDraft& draft, std::size_t list_name);
   std::vector<std::string> polyline_points(const Member& whole, const CurveDraft& draft, const InputPlace& place);
   void check_plain(const List& list, const InputPlace& place) const;

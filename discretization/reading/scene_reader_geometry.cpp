@@ -209,7 +209,8 @@ void SceneReader::check_member(std::size_t i) {
   for (const InnerPoint& inner : member.inner_points) touch_point(inner.point);
   if (!member.end_section.empty()) check_taper_values(i);
   if (member.curve.shape == CurveShape::line) check_line(i);
-  if (member.curve.shape == CurveShape::spline) reference_curve_of(i);
+  if (member.curve.shape == CurveShape::spline || member.keeps_second_axis || member.second_axis_from)
+    reference_curve_of(i);
   if (!is_zero(member.second_axis)) check_second_axis(i);
 }
 

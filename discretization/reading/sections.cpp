@@ -5,6 +5,7 @@
 #include "discretization/scene/limits.hpp"
 #include "discretization/scene/section_law.hpp"
 #include "discretization/scene/section_shape.hpp"
+#include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 
 #include <algorithm>
@@ -23,6 +24,11 @@ constexpr std::size_t kMatrixSize = 36;
 constexpr std::size_t kTriangleSize = 21;
 constexpr double kRigid = std::numeric_limits<double>::infinity();
 
+/// Parameters that belong to Shape.
+const std::vector<std::string> kOfShape = {"Diameter", "Wall",   "Width",         "Height",       "Flange",
+                                           "Web",      "Fillet", "Corner Radius", "Inner Radius", "Shear Correction",
+                                           "Material"};
+
 /// A section as it was written, in one of three ways.
 struct SectionDraft {
   std::array<std::optional<double>, 6> stiffness{};
@@ -31,6 +37,7 @@ struct SectionDraft {
   std::optional<double> youngs_modulus{}, poisson_ratio{};
   std::vector<double> matrix{};
   std::optional<double> mass{};
+  std::optional<double> inner_radius{};
   std::optional<StressPoints> stress_points{};
   bool inextensible = false, shear_rigid = false;
   double largest_strain = Section{}.largest_strain;
@@ -59,8 +66,10 @@ BoundList<SectionDraft> material_parameters() {
 BoundList<StressPoints> stress_points_parameters() {
   BoundList<StressPoints> stress(
       "Of a section given by stiffnesses: where its stresses are asked for. Normal stress N / A + M2 x3 / I2 - M3 x2 / "
-      "I3 with I = EI / E; shear stress of the torque alone.");
-  stress.bind(&StressPoints::youngs_modulus, real("E").above(0.0).required(), "Young's modulus [force / length^2].");
+      "I3 with I = EI / E; shear stress of the torque alone. Of one given by Matrix: E times the strain at each point, "
+      "or what Recovery says.");
+  stress.bind(&StressPoints::youngs_modulus, real("E").above(0.0),
+              "Young's modulus [force / length^2]; needed unless Recovery is given.");
   stress.bind(&StressPoints::area, real("Area").above(0.0), "Area A [length^2]; EA / E if absent.");
   stress.bind(&StressPoints::torsion_modulus, real("Torsion Modulus").above(0.0),
               "Torque over shear stress at every point [length^3]; if absent, the torque causes no shear stress.");
@@ -73,6 +82,15 @@ BoundList<StressPoints> stress_points_parameters() {
                         .required()
                         .means("Coordinates along axes 2 and 3, from the centroid [length]."),
                     &StressPoints::Place::name, &StressPoints::Place::at);
+  stress.spec.add_list(
+      "Recovery",
+      ListSpec("Beside Matrix: stresses at each of the Points of unit section forces.")
+          .with_named_parameters("point", array("", ParameterType::real_array)
+                                              .at_least(-std::numeric_limits<double>::max())
+                                              .required()
+                                              .means("Normal stress of unit N, Q2, Q3, T, M2, M3, six numbers; after "
+                                                     "them six of tau_12 and six of tau_13, if these are wanted.")),
+      Presence::optional);
   return stress;
 }
 
@@ -101,32 +119,46 @@ void bind_shape(BoundList<SectionDraft>& section) {
   };
   bind(&SectionShape::size2, "Diameter", "circle, tube: outer diameter [length].");
   bind(&SectionShape::wall, "Wall",
-       "tube, box: thickness of the wall, at most half of the diameter, less than half of Width and Height [length].");
-  bind(&SectionShape::size2, "Width", "rectangle, ellipse, I, box: whole width along axis 2 [length].");
-  bind(&SectionShape::size3, "Height", "rectangle, ellipse, I, box: whole height along axis 3 [length].");
-  bind(&SectionShape::wall, "Flange", "I: thickness of the flanges, which lie along axis 2 [length].");
-  bind(&SectionShape::web, "Web", "I: thickness of the web [length].");
+       "tube, box, L: thickness of the wall, at most half of the diameter, less than half of Width and Height "
+       "[length].");
+  bind(&SectionShape::size2, "Width", "rectangle, ellipse, I, box, T, L, U: whole width along axis 2 [length].");
+  bind(&SectionShape::size3, "Height", "rectangle, ellipse, I, box, T, L, U: whole height along axis 3 [length].");
+  bind(&SectionShape::wall, "Flange",
+       "I, T, U: thickness of the flanges, which lie along axis 2; that of a T is at the top, those of a U point along "
+       "axis 2 [length].");
+  bind(&SectionShape::web, "Web", "I, T, U: thickness of the web [length].");
+  bind(&SectionShape::fillet, "Fillet", "I: radius between web and flanges [length].");
+  bind(&SectionShape::fillet, "Corner Radius", "box: outer radius of its corners [length].");
+  section.bind(&SectionDraft::inner_radius, real("Inner Radius").at_least(0.0),
+               "box: inner radius of its corners; Corner Radius less Wall if absent, and at least zero [length].");
   section.bind(&SectionDraft::shear_correction, array("Shear Correction", ParameterType::real_array, 2).above(0.0),
                "Factors of G A in GA2 and GA3; absent: those of Cowper (1966) for the shape.");
   section.bind_list(
       [](SectionDraft & d) -> auto& { return d; }, "Material", material_parameters(), Presence::optional);
-  const auto form = [](std::vector<std::string> dimensions) {
+  const auto form = [](std::vector<std::string> dimensions, std::vector<std::string> optional = {}) {
     dimensions.emplace_back("Material");
-    return std::vector<Form>{{std::move(dimensions), {"Shear Correction"}}};
+    optional.emplace_back("Shear Correction");
+    return std::vector<Form>{{std::move(dimensions), std::move(optional)}};
   };
   section.spec.with_forms("Shape", {{"circle", form({"Diameter"})},
                                     {"tube", form({"Diameter", "Wall"})},
                                     {"rectangle", form({"Width", "Height"})},
                                     {"ellipse", form({"Width", "Height"})},
-                                    {"I", form({"Width", "Height", "Flange", "Web"})},
-                                    {"box", form({"Width", "Height", "Wall"})}});
+                                    {"I", form({"Width", "Height", "Flange", "Web"}, {"Fillet"})},
+                                    {"box", form({"Width", "Height", "Wall"}, {"Corner Radius", "Inner Radius"})},
+                                    {"T", form({"Width", "Height", "Flange", "Web"})},
+                                    {"L", form({"Width", "Height", "Wall"})},
+                                    {"U", form({"Width", "Height", "Flange", "Web"})}});
   section.spec.without_form({"EA", "GA2", "GA3", "GIt", "EI2", "EI3", "Matrix", "Mass", "Stress Points"});
 }
 
 BoundList<SectionDraft> section_parameters() {
   BoundList<SectionDraft> section(
-      "Linear elastic section in its own axes 1 (along), 2, 3: either a stiffness for each strain, or Shape with "
-      "Material, or Matrix.");
+      "Linear elastic section in its own axes 1 (along), 2, 3: either a stiffness for each strain, or Shape or Profile "
+      "with Material, or Matrix.");
+  section.spec.add(text("Profile"),
+                   "Shape and dimensions by name from the catalogue, as IPE 300, HEB 200, SHS 100x100x5, and from the "
+                   "table Profiles File of the list Import; with Material, and Units of the scene.");
   bind_stiffnesses(section);
   bind_shape(section);
   section.bind(
@@ -164,7 +196,7 @@ class SectionReader {
                                                     : section_from_stiffnesses();
     section.largest_strain = draft_.largest_strain;
     if (draft_.mass) section.mass = *draft_.mass;
-    if (draft_.stress_points) section.stress_points = checked_stress_points();
+    if (draft_.stress_points) section.stress_points = checked_stress_points(section);
     return section;
   }
 
@@ -182,21 +214,64 @@ class SectionReader {
     for (const std::string& name : kStiffnesses)
       if ((shape || matrix) && is_given(list_, name))
         throw error(name, "given beside " + owner + "; allowed: stiffness values, or \"Shape\", or \"Matrix\"");
-    for (const std::string name :
-         {"Diameter", "Wall", "Width", "Height", "Flange", "Web", "Shear Correction", "Material"})
+    for (const std::string& name : kOfShape)
       if (!shape && is_given(list_, name))
         throw error(name, "given beside " + owner + "; allowed: with \"Shape\" only");
   }
 
-  StressPoints checked_stress_points() const {
+  StressPoints checked_stress_points(const Section& section) const {
     const InputPlace place = place_["Stress Points"];
-    if (list_.isParameter("Shape") || list_.isParameter("Matrix"))
-      throw place.error("given beside \"" + std::string(list_.isParameter("Shape") ? "Shape" : "Matrix") +
-                        "\"; allowed: beside stiffness values");
+    if (list_.isParameter("Shape"))
+      throw place.error("given beside \"Shape\"; allowed: beside stiffness values or \"Matrix\"");
     if (draft_.stress_points->points.empty()) throw place["Points"].error("no point; allowed: at least one");
+    const bool recovers = list_.sublist("Stress Points").isSublist("Recovery");
+    if (recovers != (draft_.stress_points->youngs_modulus == 0.0))
+      throw place["E"].error(recovers ? "given beside \"Recovery\"; allowed: one of the two"
+                                      : "missing; allowed: a double > 0 (Young's modulus)");
+    if (list_.isParameter("Matrix")) return points_of_matrix(section, place);
+    if (recovers) throw place["Recovery"].error("given beside stiffness values; allowed: beside \"Matrix\"");
     if (!draft_.stress_points->area && !std::isfinite(stiffness(0)))
       throw place["Area"].error("missing; needed where \"Inextensible\" is true, or EA is inf");
     return *draft_.stress_points;
+  }
+
+  /// Rows of stresses: those given, or E (gamma_1 + kappa_2 x3 - kappa_3 x2) of the strains, and the torque's shear.
+  StressPoints points_of_matrix(const Section& section, const InputPlace& place) const {
+    StressPoints points = *draft_.stress_points;
+    if (points.area) throw place["Area"].error("given beside \"Matrix\"; allowed: beside stiffness values");
+    const ParameterList& list = list_.sublist("Stress Points");
+    if (list.isSublist("Recovery")) {
+      if (points.torsion_modulus)
+        throw place["Torsion Modulus"].error("given beside \"Recovery\"; allowed: rows of tau_12 and tau_13 there");
+      read_recovery(list.sublist("Recovery"), place["Recovery"], points);
+      return points;
+    }
+    const Matrix6 compliance = section_compliance(section);
+    for (StressPoints::Place& point : points.points) {
+      StressRows& rows = point.stress.emplace();
+      for (std::size_t j = 0; j < 6; ++j)
+        rows[0][j] = points.youngs_modulus *
+                     (compliance[0][j] + point.at[1] * compliance[4][j] - point.at[0] * compliance[5][j]);
+      if (points.torsion_modulus) rows[1][3] = 1.0 / *points.torsion_modulus;
+    }
+    return points;
+  }
+
+  static void read_recovery(const ParameterList& list, const InputPlace& place, StressPoints& points) {
+    std::vector<std::string> names;
+    for (StressPoints::Place& point : points.points) {
+      names.push_back(point.name);
+      if (!list.isParameter(point.name)) throw place[point.name].error("missing; needed: a row for each of \"Points\"");
+      const auto& numbers = list.get<Teuchos::Array<double>>(point.name);
+      if (numbers.size() != 6 && numbers.size() != 18)
+        throw place[point.name].error(std::to_string(numbers.size()) +
+                                      " numbers; allowed: 6 of the normal stress, or 18 with tau_12 and tau_13");
+      StressRows& rows = point.stress.emplace();
+      for (int i = 0; i < numbers.size(); ++i) rows[i / 6][i % 6] = numbers[i];
+    }
+    for (const std::string& name : names_of(list))
+      if (std::find(names.begin(), names.end(), name) == names.end())
+        throw place[name].error("not one of \"Points\"; allowed: " + quoted_list(names) + did_you_mean(name, names));
   }
 
   double stiffness(std::size_t component) const {
@@ -222,6 +297,8 @@ class SectionReader {
 
   Section section_from_shape() const {
     SectionShape shape = draft_.shape;
+    if (shape.kind == SectionShapeKind::box)
+      shape.inner_fillet = draft_.inner_radius.value_or(std::max(0.0, shape.fillet - shape.wall));
     if (draft_.shear_correction) std::copy_n(draft_.shear_correction->begin(), 2, shape.shear_correction.begin());
     read_material(shape);
     try {
@@ -287,15 +364,38 @@ class SectionReader {
   const SectionDraft draft_;
 };
 
+/// Beside Profile only what says nothing of the shape.
+void check_profile_alone(const ParameterList& list, const InputPlace& place) {
+  std::vector<std::string> others = kStiffnesses;
+  others.insert(others.end(), profile_parameters().begin(), profile_parameters().end());
+  others.insert(others.end(), {"Matrix", "Mass", "Stress Points"});
+  for (const std::string& name : others)
+    if (is_given(list, name) || list.isSublist(name))
+      throw place[name].error("given beside \"Profile\"; allowed: \"Material\", \"Shear Correction\"");
+  if (!list.isSublist("Material")) throw place["Material"].error("missing; needed beside \"Profile\"");
+}
+
 }  // namespace
 
 ListSpec section_spec() { return kSectionParameters.spec; }
 
-std::vector<Section> read_sections(const ParameterList& sections, const InputPlace& place) {
+const std::vector<std::string>& profile_parameters() {
+  static const std::vector<std::string> names = {"Shape",  "Diameter", "Wall",   "Width",         "Height",
+                                                 "Flange", "Web",      "Fillet", "Corner Radius", "Inner Radius"};
+  return names;
+}
+
+std::vector<Section> read_sections(const ParameterList& sections, const InputPlace& place,
+                                   const ProfileFinder& profile) {
   std::vector<Section> read;
   for (const std::string& name : names_of(sections)) {
+    const ParameterList& list = sections.sublist(name);
     Section section;
-    place[name].attempt([&] { section = SectionReader(sections.sublist(name), place[name]).read(); });
+    place[name].attempt([&] {
+      if (list.isParameter("Profile")) check_profile_alone(list, place[name]);
+      section = list.isParameter("Profile") ? SectionReader(profile(list, place[name]), place[name]).read()
+                                            : SectionReader(list, place[name]).read();
+    });
     section.name = name;
     read.push_back(std::move(section));
   }

@@ -15,15 +15,18 @@ namespace mixbeam {
 
 using Matrix6 = std::array<std::array<double, 6>, 6>;
 
-enum class SectionShapeKind { circle, tube, rectangle, ellipse, i_section, box };
+enum class SectionShapeKind { circle, tube, rectangle, ellipse, i_section, box, t_section, l_section, u_section };
 
 /// Cross-section of one material, from which stiffnesses follow (section_shape.hpp).
 struct SectionShape {
   SectionShapeKind kind = SectionShapeKind::circle;
-  double size2 = 0.0;  ///< outer dimension along axis 2 (circle, tube: the diameter; I: width of the flanges)
-  double size3 = 0.0;  ///< outer dimension along axis 3 (circle, tube: unused; I: height)
-  double wall = 0.0;   ///< tube, box: wall thickness; I: thickness of the flanges
-  double web = 0.0;    ///< I: thickness of the web
+  double size2 = 0.0;   ///< outer dimension along axis 2 (circle, tube: the diameter; I, T, U: width of the flanges)
+  double size3 = 0.0;   ///< outer dimension along axis 3 (circle, tube: unused; I, T, U: height)
+  double wall = 0.0;    ///< tube, box, L: wall thickness; I, T, U: thickness of the flanges
+  double web = 0.0;     ///< I, T, U: thickness of the web
+  double fillet = 0.0;  ///< I: radius between web and flanges; box: outer radius of the corners
+  double inner_fillet = 0.0;  ///< box: inner radius of the corners
+  bool mirrored = false;      ///< T, L: upside down, as patterns mirror them
   double youngs_modulus = 0.0;
   double density = 0.0;  ///< mass per volume; 0: none is known
   double poisson_ratio = 0.0;
@@ -32,7 +35,10 @@ struct SectionShape {
   std::optional<double> strength{};                         ///< von Mises stress that the material bears
 };
 
-/// Points of a section given by stiffnesses at which its stresses are asked for, and what they need beside these.
+/// Stresses sigma_11, tau_12, tau_13 at a point of unit N, Q2, Q3, T, M2, M3.
+using StressRows = std::array<std::array<double, 6>, 3>;
+
+/// Points of a section without a shape at which its stresses are asked for, and what they need beside stiffnesses.
 struct StressPoints {
   double youngs_modulus = 0.0;
   std::optional<double> area{};             ///< absent: EA / E
@@ -40,7 +46,8 @@ struct StressPoints {
   std::optional<double> strength{};         ///< von Mises stress that the material bears
   struct Place {
     std::string name{};
-    std::array<double, 2> at{};  ///< along axes 2 and 3, from the centroid
+    std::array<double, 2> at{};          ///< along axes 2 and 3, from the centroid
+    std::optional<StressRows> stress{};  ///< of a section given by a matrix: at all points or at none
   };
   std::vector<Place> points{};
 };
@@ -57,9 +64,10 @@ struct Section {
   /// of the compliance are zero whatever the matrix says.
   std::optional<Matrix6> matrix{};
   double mass = 0.0;  ///< per length, which Gravity acts on; 0: none is known
-  /// The shape that the numbers above come from, if any; a taper between two sections of one kind interpolates it.
+  /// The shape that the numbers above come from, if any; a taper between two sections of one kind interpolates it. That
+  /// of an L has a matrix too, since its axes are not the principal ones.
   std::optional<SectionShape> shape{};
-  std::optional<StressPoints> stress_points{};  ///< never beside a shape or a matrix
+  std::optional<StressPoints> stress_points{};  ///< never beside a shape
   /// Larger strains (force strains, and at the edge of the shape) are warned of: 5 % is where metals have long yielded
   /// and the law of rubber differs from a line by about a tenth.
   double largest_strain = 0.05;
@@ -107,8 +115,12 @@ struct Member {
   int elements = 1;
   ForceIntegration force_integration = ForceIntegration::both_reduced;
   Vector3 second_axis{};  ///< direction that g2 of the start triad should take; zero: chosen by the program
-  double twist = 0.0;     ///< pre-twist: angle by which the section turns about the tangent from start to end, in
-                          ///< radians, on top of how the curve carries its triad
+  /// Axis 2 as near to `second_axis` as the tangent permits at every place; else at the start, and carried from there.
+  bool keeps_second_axis = false;
+  /// A point of a line and its direction: axis 2 points away from that line at every place, in place of second_axis.
+  std::optional<std::array<double, 6>> second_axis_from{};
+  double twist = 0.0;  ///< pre-twist: angle by which the section turns about the tangent from start to end, in
+                       ///< radians, on top of how the curve carries its triad
   std::vector<InnerPoint> inner_points{};  ///< ascending
   std::vector<double>
       stations{};               ///< relative arc length of every vertex from 0 to 1, ascending, elements + 1 of them;

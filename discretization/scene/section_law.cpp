@@ -131,11 +131,35 @@ Matrix6 stiffness_matrix(const Section& section) {
   return matrix;
 }
 
+/// Points with rows of stresses, where both sections have the same ones by name.
+std::optional<StressPoints> interpolated_points(double weight, const Section& start, const Section& end) {
+  if (!start.stress_points || !end.stress_points) return std::nullopt;
+  const StressPoints& other = *end.stress_points;
+  StressPoints points = *start.stress_points;
+  if (points.points.size() != other.points.size()) return std::nullopt;
+  for (std::size_t i = 0; i < points.points.size(); ++i) {
+    StressPoints::Place& place = points.points[i];
+    const StressPoints::Place& there = other.points[i];
+    if (place.name != there.name || !place.stress || !there.stress) return std::nullopt;
+    for (int j = 0; j < 2; ++j) place.at[j] = interpolated(weight, place.at[j], there.at[j]);
+    for (int j = 0; j < 18; ++j) {
+      double& number = (*place.stress)[j / 6][j % 6];
+      number = interpolated(weight, number, (*there.stress)[j / 6][j % 6]);
+    }
+  }
+  if (points.strength && other.strength)
+    points.strength = interpolated(weight, *points.strength, *other.strength);
+  else
+    points.strength.reset();
+  return points;
+}
+
 Section interpolated_stiffness(double weight, const Section& start, const Section& end) {
   Section section;
   section.name = start.name;
   set_diagonal(section, interpolated_diagonal(weight, start, end));
   section.mass = interpolated(weight, start.mass, end.mass);
+  section.stress_points = interpolated_points(weight, start, end);
   if (!start.matrix && !end.matrix) return section;
   const Matrix6 a = stiffness_matrix(start), b = stiffness_matrix(end);
   section.matrix.emplace();
@@ -153,8 +177,9 @@ Section interpolated_shape(double weight, const Section& start, const Section& e
   SectionShape shape = a;
   if (!b.strength) shape.strength.reset();
   for (double SectionShape::*number :
-       {&SectionShape::size2, &SectionShape::size3, &SectionShape::wall, &SectionShape::web,
-        &SectionShape::youngs_modulus, &SectionShape::poisson_ratio, &SectionShape::density})
+       {&SectionShape::size2, &SectionShape::size3, &SectionShape::wall, &SectionShape::web, &SectionShape::fillet,
+        &SectionShape::inner_fillet, &SectionShape::youngs_modulus, &SectionShape::poisson_ratio,
+        &SectionShape::density})
     shape.*number = interpolated(weight, a.*number, b.*number);
   if (a.shear_modulus || b.shear_modulus)
     shape.shear_modulus = interpolated(weight, shear_modulus(a), shear_modulus(b));
@@ -220,7 +245,7 @@ SectionLaw::SectionLaw(const Scene& scene, const Member& member)
   end_ = find_section(scene, member, member.end_section);
   section_compliance(end_);
   weight_ = Expression(member.taper.empty() ? "x" : member.taper, {"x"});
-  by_shape_ = start_.shape && end_.shape && start_.shape->kind == end_.shape->kind && !start_.matrix && !end_.matrix;
+  by_shape_ = start_.shape && end_.shape && start_.shape->kind == end_.shape->kind;
   check_taper(start_, end_, by_shape_);
 }
 

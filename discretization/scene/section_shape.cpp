@@ -1,13 +1,14 @@
 #include "discretization/scene/section_shape.hpp"
 
+#include "discretization/scene/section_law.hpp"
 #include "discretization/text/errors.hpp"
-
 #include "discretization/text/number_text.hpp"
 #include "kernels/math/constants.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <tuple>
 
 namespace mixbeam {
 namespace {
@@ -77,6 +78,31 @@ double web_shear_factor(const SectionShape& s, double nu) {
   return 10.0 * (1.0 + nu) * square(1.0 + 3.0 * m) / denominator;
 }
 
+/// Between a corner of a right angle at (place2, place3) and the quarter circle of radius r that rounds it, in all four
+/// quadrants; `side2`, `side3`: whether it lies towards the axes (-1) or away from them (1). Counted `sign` times.
+void add_corners(SectionGeometry& g, double r, double place2, double place3, double side2, double side3, double sign) {
+  const double area = (1.0 - 0.25 * kPi) * r * r;
+  const double own = (1.0 / 3.0 - kPi / 16.0 - 1.0 / (36.0 - 9.0 * kPi)) * square(square(r));
+  const double arm = (10.0 - 3.0 * kPi) / (12.0 - 3.0 * kPi) * r;  // of its centroid from the corner
+  g.area += sign * 4.0 * area;
+  g.second_moment[0] += sign * 4.0 * (own + area * square(place3 + side3 * arm));
+  g.second_moment[1] += sign * 4.0 * (own + area * square(place2 + side2 * arm));
+}
+
+/// Shear areas stay those of the sharp section.
+void keep_shear_areas(SectionGeometry& g, double sharp_area) {
+  for (double& factor : g.shear_factor) factor *= sharp_area / g.area;
+}
+
+/// The torsion constant that EN 10365 prints: as in `i_section_torsion_constant`, but with the fillet in the circle at
+/// the junction and in its factor.
+double filleted_i_torsion_constant(const SectionShape& s) {
+  const double t = s.wall, r = s.fillet;
+  const double circle = (square(r + 0.5 * s.web) + square(r + t) - r * r) / (2.0 * r + t);
+  return 2.0 / 3.0 * (s.size2 - 0.63 * t) * cube(t) + (s.size3 - 2.0 * t) * cube(s.web) / 3.0 +
+         2.0 * s.web / t * (0.145 + 0.1 * r / t) * square(square(circle));
+}
+
 SectionGeometry i_geometry(const SectionShape& s, double nu) {
   const double between = s.size3 - 2.0 * s.wall;
   const double flanges = 2.0 * s.size2 * s.wall;
@@ -88,6 +114,11 @@ SectionGeometry i_geometry(const SectionShape& s, double nu) {
   g.second_moment[1] = (flanges * square(s.size2) + web * square(s.web)) / 12.0;
   g.torsion_constant = i_section_torsion_constant(s.size2, s.size3, s.wall, s.web);
   g.shear_factor = {rectangle_shear_factor(nu) * flanges / g.area, web_shear_factor(s, nu)};
+  if (s.fillet == 0.0) return g;
+  const double sharp_area = g.area;
+  add_corners(g, s.fillet, 0.5 * s.web, 0.5 * between, 1.0, -1.0, 1.0);
+  g.torsion_constant = filleted_i_torsion_constant(s);
+  keep_shear_areas(g, sharp_area);
   return g;
 }
 
@@ -113,6 +144,38 @@ SectionGeometry box_geometry(const SectionShape& s, double nu) {
   g.second_moment = {box_second_moment(s.size3, s.size2, t), box_second_moment(s.size2, s.size3, t)};
   g.torsion_constant = 2.0 * t * square(b * h) / (b + h) + 2.0 * (b + h) * cube(t) / 3.0;
   g.shear_factor = {box_shear_factor(b, h, nu), box_shear_factor(h, b, nu)};
+  if (s.fillet == 0.0) return g;
+  const double sharp_area = g.area;
+  add_corners(g, s.fillet, 0.5 * s.size2, 0.5 * s.size3, -1.0, -1.0, -1.0);
+  add_corners(g, s.inner_fillet, 0.5 * s.size2 - t, 0.5 * s.size3 - t, -1.0, -1.0, 1.0);
+  const double r = 0.5 * (s.fillet + s.inner_fillet), missing = 4.0 - kPi;  // of the middle line, of a square around it
+  const double round = 2.0 * (b + h) - 2.0 * missing * r, enclosed = b * h - missing * r * r;
+  g.torsion_constant = 4.0 * t * square(enclosed) / round + round * cube(t) / 3.0;
+  keep_shear_areas(g, sharp_area);
+  return g;
+}
+
+/// Within half of the smaller of two lengths.
+void check_fillet(double radius, const std::string& name, double length, double other) {
+  const double most = 0.5 * std::min(length, other);
+  require(radius >= 0.0 && radius <= most, name + " is " + shortest(radius) + "; allowed: from 0 to " + shortest(most) +
+                                               ", where it meets the next one");
+}
+
+/// Of T, L and U. A rectangle carries the shear force along its longer side.
+SectionGeometry rectangles_geometry(const SectionShape& s, double nu) {
+  SectionGeometry g;
+  for (const WallRectangle& wall : section_rectangles(s)) {
+    const double b = wall.length(0), h = wall.length(1), area = b * h;
+    g.area += area;
+    g.torsion_constant += rectangle_torsion_constant(b, h);
+    g.second_moment[0] += area * (square(h) / 12.0 + square(wall.middle(1)));
+    g.second_moment[1] += area * (square(b) / 12.0 + square(wall.middle(0)));
+    g.product_moment += area * wall.middle(0) * wall.middle(1);
+    g.shear_factor[b >= h ? 0 : 1] += area;
+  }
+  if (s.kind != SectionShapeKind::l_section) g.product_moment = 0.0;  // but for rounding
+  for (double& factor : g.shear_factor) factor *= rectangle_shear_factor(nu) / g.area;
   return g;
 }
 
@@ -130,6 +193,24 @@ void check_dimensions(const SectionShape& s) {
     const double smaller = std::min(s.size2, s.size3);
     require(2.0 * s.wall < smaller, "the wall thickness is " + shortest(s.wall) +
                                         "; allowed: less than half of the smaller dimension " + shortest(smaller));
+    check_fillet(s.fillet, "the corner radius", s.size2, s.size3);
+    check_fillet(s.inner_fillet, "the inner radius", s.size2 - 2.0 * s.wall, s.size3 - 2.0 * s.wall);
+  }
+  if (s.kind == SectionShapeKind::l_section) {
+    require_length(s.wall, "the wall thickness");
+    const double most = 0.5 * std::min(s.size2, s.size3);
+    require(s.wall <= most, "the wall thickness is " + shortest(s.wall) + "; allowed: at most " + shortest(most) +
+                                ", half of the shorter leg");
+  }
+  if (s.kind == SectionShapeKind::t_section || s.kind == SectionShapeKind::u_section) {
+    require_length(s.wall, "the flange thickness");
+    require_length(s.web, "the web thickness");
+    const double most = s.kind == SectionShapeKind::t_section ? 0.5 * s.size3 : s.size3 / 3.0;
+    require(s.wall <= most, "the flange thickness is " + shortest(s.wall) + "; allowed: at most " + shortest(most) +
+                                ", so that the web is longer");
+    require(s.web <= 0.5 * s.size2, "the web thickness is " + shortest(s.web) +
+                                        "; allowed: at most half of the width " + "of the flanges " +
+                                        shortest(s.size2));
   }
   if (s.kind == SectionShapeKind::i_section) {
     require_length(s.wall, "the flange thickness");
@@ -138,6 +219,7 @@ void check_dimensions(const SectionShape& s) {
                                         "the height " + shortest(s.size3));
     require(s.web <= s.size2, "the web thickness is " + shortest(s.web) + "; allowed: at most the width of the " +
                                   "flanges " + shortest(s.size2));
+    check_fillet(s.fillet, "the fillet", s.size2 - s.web, s.size3 - 2.0 * s.wall);
   }
 }
 
@@ -178,8 +260,49 @@ SectionGeometry section_geometry(const SectionShape& s) {
       return i_geometry(s, s.poisson_ratio);
     case SectionShapeKind::box:
       return box_geometry(s, s.poisson_ratio);
+    case SectionShapeKind::t_section:
+    case SectionShapeKind::l_section:
+    case SectionShapeKind::u_section:
+      return rectangles_geometry(s, s.poisson_ratio);
   }
   throw std::logic_error("section_geometry: a kind of section without a rule");
+}
+
+bool consists_of_rectangles(SectionShapeKind kind) {
+  return kind == SectionShapeKind::t_section || kind == SectionShapeKind::l_section ||
+         kind == SectionShapeKind::u_section;
+}
+
+std::vector<WallRectangle> section_rectangles(const SectionShape& s) {
+  const double b = s.size2, h = s.size3, t = s.wall;
+  std::vector<WallRectangle> walls;  // from the lower left corner of the section
+  if (s.kind == SectionShapeKind::l_section) {
+    walls = {{{0.0, 0.0}, {b, t}}, {{0.0, t}, {t, h}}};
+  } else if (s.kind == SectionShapeKind::t_section) {
+    walls = {{{0.0, h - t}, {b, h}}, {{0.5 * (b - s.web), 0.0}, {0.5 * (b + s.web), h - t}}};
+  } else {
+    walls = {{{0.0, h - t}, {b, h}}, {{0.0, 0.0}, {b, t}}, {{0.0, t}, {s.web, h - t}}};
+  }
+  double area = 0.0;
+  std::array<double, 2> first_moment{};
+  for (const WallRectangle& wall : walls) {
+    const double own = wall.length(0) * wall.length(1);
+    area += own;
+    for (std::size_t i = 0; i < 2; ++i) first_moment[i] += own * wall.middle(i);
+  }
+  for (WallRectangle& wall : walls)
+    for (std::size_t i = 0; i < 2; ++i) {
+      wall.from[i] -= first_moment[i] / area;
+      wall.to[i] -= first_moment[i] / area;
+    }
+  if (s.mirrored)
+    for (WallRectangle& wall : walls) std::tie(wall.from[1], wall.to[1]) = std::pair(-wall.to[1], -wall.from[1]);
+  return walls;
+}
+
+SectionShape sharp_shape(SectionShape shape) {
+  shape.fillet = shape.inner_fillet = 0.0;
+  return shape;
 }
 
 double rectangle_torsion_constant(double width, double height) {
@@ -209,7 +332,9 @@ const std::vector<std::pair<std::string, SectionShapeKind>>& section_shape_words
   static const std::vector<std::pair<std::string, SectionShapeKind>> words = {
       {"circle", SectionShapeKind::circle},       {"tube", SectionShapeKind::tube},
       {"rectangle", SectionShapeKind::rectangle}, {"ellipse", SectionShapeKind::ellipse},
-      {"I", SectionShapeKind::i_section},         {"box", SectionShapeKind::box}};
+      {"I", SectionShapeKind::i_section},         {"box", SectionShapeKind::box},
+      {"T", SectionShapeKind::t_section},         {"L", SectionShapeKind::l_section},
+      {"U", SectionShapeKind::u_section}};
   return words;
 }
 
@@ -236,6 +361,11 @@ Section make_section(const std::string& name, const SectionShape& shape) {
   section.mass = shape.density * geometry.area;
   section.shape = shape;
   check_stiffnesses(section);
+  if (geometry.product_moment == 0.0) return section;
+  Matrix6& matrix = section.matrix.emplace();
+  for (std::size_t i = 0; i < 6; ++i) matrix[i][i] = diagonal(section)[i];
+  // M2 = E integral of (kappa2 x3 - kappa3 x2) x3, M3 of the same times -x2
+  matrix[4][5] = matrix[5][4] = -e * geometry.product_moment;
   return section;
 }
 

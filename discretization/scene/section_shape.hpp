@@ -16,9 +16,17 @@ namespace mixbeam {
 /// J. Appl. Mech. 33 (1966) 335-340: circle, thick tube, rectangle, ellipse, the thin-walled box, and the thin-walled I
 /// loaded along its web. The I loaded along its flanges: two rectangles of Cowper, the web carries nothing.
 ///
+/// T (flange at the top of axis 3), L (legs along axes 2 and 3, meeting at their lower ends) and U (open towards axis
+/// 2) are rectangles: each carries the shear force along it with a rectangle's factor, and J is the sum of theirs.
+/// Forces act at the centroid as if that were the shear centre, and nothing warps. The section of an L has a matrix,
+/// which couples bending about axes 2 and 3.
+///
 /// Torsion: closed form for circle, tube and ellipse, Saint-Venant's series summed to rounding for the rectangle, for
 /// the I `i_section_torsion_constant`, for the box Bredt's formula along the middle lines of its walls plus the walls'
 /// own l t^3 / 3.
+///
+/// Fillets count in area, second moments and torsion, not in shear areas. Torsion with them: an I as in the tables of
+/// EN 10365, a box as in EN 10210-2.
 ///
 /// Throws std::invalid_argument for dimensions or moduli that no body has.
 Section make_section(const std::string& name, const SectionShape& shape);
@@ -33,10 +41,26 @@ struct SectionGeometry {
   double torsion_constant = 0.0;          ///< J [length^4]
   std::array<double, 2> second_moment{};  ///< about axes 2 and 3 [length^4]
   std::array<double, 2> shear_factor{};   ///< of GA2, GA3
+  double product_moment = 0.0;            ///< integral of x2 x3 [length^4]
 };
+
+/// A rectangle with sides along axes 2 and 3; its longer side is that of a wall.
+struct WallRectangle {
+  std::array<double, 2> from{}, to{};  ///< corners, from the centroid of the section
+
+  double length(std::size_t axis) const { return to[axis] - from[axis]; }
+  double middle(std::size_t axis) const { return 0.5 * (from[axis] + to[axis]); }
+};
+
+/// What T, L and U consist of: flange and web; legs along axis 2 and 3; flanges at the top and at the bottom, and web.
+std::vector<WallRectangle> section_rectangles(const SectionShape& shape);
+bool consists_of_rectangles(SectionShapeKind kind);
 
 /// Of a shape that make_section takes; its own shear correction is not checked.
 SectionGeometry section_geometry(const SectionShape& shape);
+
+/// The shape without its fillets.
+SectionShape sharp_shape(SectionShape shape);
 
 /// Torsion constant of a full rectangle, Saint-Venant's series [length^4]; relative error below 1e-14 for any ratio.
 /// Timoshenko and Goodier, Theory of Elasticity, section 109.

@@ -1,5 +1,6 @@
 #include "discretization/state/member_stresses.hpp"
 
+#include "discretization/scene/section_shape.hpp"
 #include "kernels/execution/execution_space.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
@@ -15,7 +16,8 @@ KnownSection::KnownSection(const Section& section) {
   if (!has_stresses(section)) return;
   stresses.emplace(section);
   strength = strength_of(section);
-  open_walls = section.shape && section.shape->kind == SectionShapeKind::i_section;
+  open_walls = section.shape &&
+               (section.shape->kind == SectionShapeKind::i_section || consists_of_rectangles(section.shape->kind));
 }
 
 KnownSection SectionAlong::at(double arc_length) const {

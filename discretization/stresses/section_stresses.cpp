@@ -19,7 +19,8 @@ ShearLoad shear_load(const SectionForces& f) { return {f.moment[0], f.force[1], 
 
 std::shared_ptr<const StressField> field_of(const SectionShape& shape) {
   make_section("", shape);  // for its checks
-  const bool walls = shape.kind == SectionShapeKind::i_section || shape.kind == SectionShapeKind::box;
+  const bool walls = shape.kind == SectionShapeKind::i_section || shape.kind == SectionShapeKind::box ||
+                     consists_of_rectangles(shape.kind);
   return walls ? wall_stress_field(shape) : solid_stress_field(shape);
 }
 
@@ -72,6 +73,31 @@ class PointStressField final : public StressField {
   double shear_of_torque_ = 0.0;
 };
 
+PointStress recovered(const StressRows& rows, const SectionForces& f) {
+  const auto times = [&](const std::array<double, 6>& row) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < 3; ++i) sum += row[i] * f.force[i] + row[i + 3] * f.moment[i];
+    return sum;
+  };
+  return {times(rows[0]), {times(rows[1]), times(rows[2])}};
+}
+
+/// Over all points; of those that agree to rounding the first.
+LargestStresses largest_recovered(const std::vector<StressPoints::Place>& points, const SectionForces& forces) {
+  LargestStresses largest;
+  const auto note = [](LargestStress& so_far, double value, const SectionPoint& at) {
+    const double tension = value > 0.0 ? 1.0 : 1.0 + kEqualStresses;  // which counts where both are as large
+    if (std::abs(value) > std::abs(so_far.value) * (1.0 + kEqualStresses) * tension) so_far = {value, at};
+  };
+  for (const StressPoints::Place& place : points) {
+    const PointStress stress = recovered(*place.stress, forces);
+    note(largest.normal, stress.normal, place.at);
+    note(largest.shear, stress.largest_shear(), place.at);
+    note(largest.von_mises, stress.von_mises(), place.at);
+  }
+  return largest;
+}
+
 std::shared_ptr<const StressField> field_of(const Section& section) {
   if (section.shape) return field_of(*section.shape);
   return std::make_shared<PointStressField>(section);
@@ -87,6 +113,11 @@ double PointStress::von_mises() const {
 
 NormalStress StressField::normal(const SectionForces& f) const {
   const SectionGeometry& g = geometry_;
+  if (g.product_moment != 0.0) {  // axes 2 and 3 are not the principal ones
+    const auto [i2, i3] = g.second_moment;
+    const double i23 = g.product_moment, determinant = i2 * i3 - i23 * i23, m2 = f.moment[1], m3 = f.moment[2];
+    return {f.force[0] / g.area, -(m3 * i2 + m2 * i23) / determinant, (m2 * i3 + m3 * i23) / determinant};
+  }
   return {f.force[0] / g.area, -f.moment[2] / g.second_moment[1], f.moment[1] / g.second_moment[0]};
 }
 
@@ -99,7 +130,10 @@ std::optional<double> strength_of(const Section& section) {
 
 SectionStresses::SectionStresses(const SectionShape& shape) : SectionStresses(field_of(shape)) {}
 
-SectionStresses::SectionStresses(const Section& section) : SectionStresses(field_of(section)) {}
+SectionStresses::SectionStresses(const Section& section) : SectionStresses(field_of(section)) {
+  if (section.stress_points && section.stress_points->points.front().stress)
+    recovered_ = std::make_shared<const std::vector<StressPoints::Place>>(section.stress_points->points);
+}
 
 SectionStresses::SectionStresses(std::shared_ptr<const StressField> field) : field_(std::move(field)) {
   for (std::size_t i = 0; i < 3; ++i) {
@@ -110,6 +144,11 @@ SectionStresses::SectionStresses(std::shared_ptr<const StressField> field) : fie
 }
 
 PointStress SectionStresses::at(const SectionForces& forces, const SectionPoint& point) const {
+  if (recovered_) {
+    const auto is_here = [&](const StressPoints::Place& place) { return place.at == point; };
+    const auto place = std::find_if(recovered_->begin(), recovered_->end(), is_here);
+    return place == recovered_->end() ? PointStress{} : recovered(*place->stress, forces);
+  }
   PointStress stress;
   stress.normal = field_->normal(forces).at(point[0], point[1]);
   const ShearLoad load = shear_load(forces);
@@ -120,6 +159,7 @@ PointStress SectionStresses::at(const SectionForces& forces, const SectionPoint&
 bool SectionStresses::contains(const SectionPoint& point) const { return field_->contains(point[0], point[1]); }
 
 LargestStresses SectionStresses::largest(const SectionForces& forces) const {
+  if (recovered_) return largest_recovered(*recovered_, forces);
   const NormalStress normal = field_->normal(forces);
   LargestStresses largest;
   largest.normal = largest_normal(*field_, normal);
@@ -150,7 +190,7 @@ double SectionStresses::largest_edge_strain(double axial, double bending2, doubl
 
 double SectionStresses::curvature_error(double kappa2, double kappa3) const {
   const double kappa = std::hypot(kappa2, kappa3);
-  if (kappa == 0.0) return 0.0;
+  if (kappa == 0.0 || recovered_) return 0.0;
   const double d2 = kappa3 / kappa, d3 = kappa2 / kappa;  // where the centre of curvature is, but for the sign
   const SectionPoint p = field_->farthest(d2, d3);
   const SectionGeometry& g = field_->geometry();

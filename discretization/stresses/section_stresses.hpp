@@ -54,11 +54,11 @@ std::optional<double> strength_of(const Section& section);
 /// Circle, tube, ellipse, rectangle: Saint-Venant's torsion and flexure, exact in the theory of elasticity (Love, A
 /// Treatise on the Mathematical Theory of Elasticity, ch. XV; Timoshenko and Goodier, Theory of Elasticity, art. 104 to
 /// 110 and ch. 11). I and box: thin walls, shear flow V S / (I t) (EN 1993-1-1, 6.20), no fillets, no warping
-/// restraint; torsion of the I: +-T t / J on the faces of each wall, linear between them; of the box: Bredt's flow, and
-/// likewise linear through the walls with what they carry as open ones. In the corners of a box the shear stress of the
-/// wall's end is kept.
-/// Stress points: sigma as above with A = EA / E and I = EI / E at these points alone; tau = T / W_T at each of them;
-/// shear forces make none.
+/// restraint; torsion of the I: +-T t / J on the faces of each wall, linear between them; T, L and U likewise, shear
+/// forces through their shear centre; of the box: Bredt's flow, and likewise linear through the walls with what they
+/// carry as open ones. In the corners of a box the shear stress of the wall's end is kept. Stress points: sigma as
+/// above with A = EA / E and I = EI / E at these points alone; tau = T / W_T at each of them; shear forces make none.
+/// Of a section given by a matrix: at the same points, by their rows of stresses.
 ///
 /// Neglected: curvature of the member (Winkler and Bach), the stresses that a taper adds.
 class SectionStresses {
@@ -91,8 +91,9 @@ class SectionStresses {
  private:
   explicit SectionStresses(std::shared_ptr<const StressField> field);
 
-  std::shared_ptr<const StressField> field_;   ///< immutable, so copies share it
-  std::array<LargestStress, 3> unit_shear_{};  ///< of unit T, Q2, Q3, times sqrt(3)
+  std::shared_ptr<const StressField> field_;                             ///< immutable, so copies share it
+  std::shared_ptr<const std::vector<StressPoints::Place>> recovered_{};  ///< points with rows of their own, else null
+  std::array<LargestStress, 3> unit_shear_{};                            ///< of unit T, Q2, Q3, times sqrt(3)
 };
 
 }  // namespace mixbeam

@@ -48,7 +48,7 @@ class StressField {
   virtual bool contains(double x2, double x3) const = 0;
   /// Point of the section that is farthest in a direction, from the centroid.
   virtual SectionPoint farthest(double direction2, double direction3) const = 0;
-  /// The one that is farthest against it; shapes are symmetric.
+  /// The one that is farthest against it; most shapes are symmetric.
   virtual SectionPoint farthest_against(double direction2, double direction3) const {
     const SectionPoint p = farthest(direction2, direction3);
     return {-p[0], -p[1]};
@@ -70,7 +70,7 @@ class StressField {
 /// Circle, tube, ellipse, rectangle.
 std::shared_ptr<const StressField> solid_stress_field(const SectionShape& shape);
 
-/// I and box.
+/// I, box, T, L and U.
 std::shared_ptr<const StressField> wall_stress_field(const SectionShape& shape);
 
 }  // namespace mixbeam

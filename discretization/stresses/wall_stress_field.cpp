@@ -1,4 +1,4 @@
-// I and box: shear stresses along walls.
+// I, box, T, L and U: shear stresses along walls.
 #include "discretization/stresses/stress_field.hpp"
 
 #include <gsl/gsl_poly.h>
@@ -90,7 +90,8 @@ void add_face(LargestVonMises& largest, const Wall& wall, double across, const N
 
 class WallStressField : public StressField {
  public:
-  explicit WallStressField(const SectionShape& shape) : StressField(shape), shape_(shape) {
+  explicit WallStressField(const SectionShape& shape)
+      : StressField(shape), shape_(shape), sharp_(section_geometry(sharp_shape(shape))) {
     if (shape.kind == SectionShapeKind::box)
       add_walls_of_box();
     else
@@ -138,7 +139,7 @@ class WallStressField : public StressField {
   }
 
   void add_walls_of_i() {
-    const auto [i2, i3] = geometry().second_moment;
+    const auto [i2, i3] = sharp_.second_moment;
     const double half = 0.5 * shape_.size2, arm = 0.5 * (shape_.size3 - shape_.wall),
                  reach = 0.5 * shape_.size3 - shape_.wall;
     for (const double top : {1.0, -1.0})
@@ -165,9 +166,8 @@ class WallStressField : public StressField {
 
   /// A wall of a box along one axis: `length` and `other` are the outer dimensions along and across it.
   Wall box_wall(bool along2, double side, double length, double other) const {
-    const double t = shape_.wall, arm = 0.5 * (other - t), reach = 0.5 * length - t, j = geometry().torsion_constant;
-    const double i_along = geometry().second_moment[along2 ? 1 : 0],
-                 i_across = geometry().second_moment[along2 ? 0 : 1];
+    const double t = shape_.wall, arm = 0.5 * (other - t), reach = 0.5 * length - t, j = sharp_.torsion_constant;
+    const double i_along = sharp_.second_moment[along2 ? 1 : 0], i_across = sharp_.second_moment[along2 ? 0 : 1];
     Wall wall;
     wall.along2 = along2;
     wall.to = along2 ? reach : (1.0 - kInset) * reach;
@@ -194,12 +194,123 @@ class WallStressField : public StressField {
   }
 
   SectionShape shape_;
+  SectionGeometry sharp_;    ///< without fillets: shear flows, which then balance the walls that are drawn
   std::vector<Wall> walls_;  ///< I: four halves of flanges, web; box: two along axis 2, two along axis 3
+};
+
+/// T, L and U. The flow q along a wall has dq/dx = -t sigma', sigma' = a2 x2 + a3 x3 the rate of the normal stress that
+/// makes Q2 or Q3, and no flow at free ends.
+class RectangleStressField : public StressField {
+ public:
+  explicit RectangleStressField(const SectionShape& shape)
+      : StressField(shape), rectangles_(section_rectangles(shape)) {
+    const WallRectangle &first = rectangles_[0], &last = rectangles_.back();
+    const double far = last.middle(1) < first.middle(1) ? last.from[1] : last.to[1];
+    if (shape.kind == SectionShapeKind::t_section) {
+      add_wall(first, 0, first.from[0], first.from[0], first.middle(0) - kInset * shape.size2);
+      add_wall(first, 0, first.to[0], first.middle(0) + kInset * shape.size2, first.to[0]);
+      add_upright(last, far);
+    } else if (shape.kind == SectionShapeKind::l_section) {
+      add_wall(first, 0, first.to[0], first.from[0], first.to[0]);
+      add_upright(last, far);
+    } else {
+      const WallRectangle& bottom = rectangles_[1];
+      add_wall(first, 0, first.to[0], first.from[0], first.to[0]);
+      add_wall(bottom, 0, bottom.to[0], bottom.from[0], bottom.to[0]);
+      add_upright(last, last.from[1], &bottom);
+    }
+  }
+
+  std::array<double, 2> shear(const ShearLoad& load, double x2, double x3) const override {
+    const auto outside = [&](const Wall& wall) {
+      const double x = wall.along2 ? x2 : x3, across = std::abs((wall.along2 ? x3 : x2) - wall.middle);
+      const double beyond = std::max({wall.from - x, x - wall.to, across - 0.5 * wall.thickness});
+      return std::max(beyond, kOnEdge * (wall.to - wall.from));
+    };
+    const auto nearer = [&](const Wall& a, const Wall& b) { return outside(a) < outside(b); };
+    const Wall& wall = *std::min_element(walls_.begin(), walls_.end(), nearer);
+    const double x = wall.along2 ? x2 : x3, across = (wall.along2 ? x3 : x2) - wall.middle;
+    const double tau = wall.shear(load, across).at(std::clamp(x, wall.from, wall.to));
+    if (wall.along2) return {tau, 0.0};
+    return {0.0, tau};
+  }
+
+  bool contains(double x2, double x3) const override {
+    const std::array<double, 2> x{x2, x3};
+    return std::any_of(rectangles_.begin(), rectangles_.end(), [&](const WallRectangle& wall) {
+      const double rounding = 1e-12 * (wall.length(0) + wall.length(1));
+      bool inside = true;
+      for (std::size_t i = 0; i < 2; ++i)
+        inside = inside && x[i] >= wall.from[i] - rounding && x[i] <= wall.to[i] + rounding;
+      return inside;
+    });
+  }
+
+  SectionPoint farthest(double direction2, double direction3) const override {
+    SectionPoint found{};
+    double most = -1.0;
+    for (const WallRectangle& wall : rectangles_)
+      for (const double x2 : {wall.to[0], wall.from[0]})
+        for (const double x3 : {wall.to[1], wall.from[1]}) {
+          const double reach = direction2 * x2 + direction3 * x3;
+          if (most >= 0.0 && reach <= most) continue;
+          most = std::max(reach, 0.0);
+          found = {x2, x3};
+        }
+    return found;
+  }
+  SectionPoint farthest_against(double direction2, double direction3) const override {
+    return farthest(-direction2, -direction3);
+  }
+
+  LargestStress largest_von_mises(const NormalStress& normal, const ShearLoad& load) const override {
+    LargestVonMises largest(kEqualOnWalls);
+    for (const Wall& wall : walls_)
+      for (const double side : {0.5, -0.5}) add_face(largest, wall, side * wall.thickness, normal, load);
+    return largest.found();
+  }
+
+ private:
+  static constexpr double kOnEdge = 1e-12;  // of the length of a wall: rounding of coordinates
+
+  /// The part from..to of a rectangle, whose flow begins at `start` with what `before` hands over.
+  void add_wall(const WallRectangle& r, std::size_t axis, double start, double from, double to,
+                const WallRectangle* before = nullptr) {
+    const auto [i2, i3] = geometry().second_moment;
+    const double i23 = geometry().product_moment, determinant = i2 * i3 - i23 * i23;
+    Wall wall;
+    wall.along2 = axis == 0;
+    wall.from = from;
+    wall.to = to;
+    wall.middle = r.middle(1 - axis);
+    wall.thickness = r.length(1 - axis);
+    wall.twisting = (wall.along2 ? -2.0 : 2.0) / geometry().torsion_constant;
+    const auto flow = [&](double a2, double a3) {  // over the thickness
+      const double even = (wall.along2 ? a3 : a2) * wall.middle, slope = wall.along2 ? a2 : a3;
+      Parabola tau{even * start + 0.5 * slope * start * start, -even, -0.5 * slope};
+      if (before != nullptr)
+        tau.c0 -=
+            before->length(0) * before->length(1) * (a2 * before->middle(0) + a3 * before->middle(1)) / wall.thickness;
+      return tau;
+    };
+    wall.of_force2 = flow(i2 / determinant, -i23 / determinant);
+    wall.of_force3 = flow(-i23 / determinant, i3 / determinant);
+    walls_.push_back(wall);
+  }
+  /// A web or leg between its ends, a little away from what it meets there.
+  void add_upright(const WallRectangle& r, double start, const WallRectangle* before = nullptr) {
+    const double inset = kInset * r.length(1);
+    add_wall(r, 1, start, r.from[1] + inset, r.to[1] - inset, before);
+  }
+
+  std::vector<WallRectangle> rectangles_;
+  std::vector<Wall> walls_;
 };
 
 }  // namespace
 
 std::shared_ptr<const StressField> wall_stress_field(const SectionShape& shape) {
+  if (consists_of_rectangles(shape.kind)) return std::make_shared<RectangleStressField>(shape);
   return std::make_shared<WallStressField>(shape);
 }
 

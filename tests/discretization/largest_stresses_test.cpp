@@ -27,6 +27,13 @@ SectionPoint random_point(const SectionShape& s, const SectionStresses& stresses
     } else if (edge && (!straight || s.kind == SectionShapeKind::ellipse)) {
       p = {a * std::cos(test::kPi * u), b * std::sin(test::kPi * u)};
     }
+    if (consists_of_rectangles(s.kind)) {  // from the middle of width and height to the centroid
+      const std::vector<WallRectangle> walls = section_rectangles(s);
+      const double left = walls.front().from[0];
+      double low = walls.front().from[1];
+      for (const WallRectangle& wall : walls) low = std::min(low, wall.from[1]);
+      p = {p[0] + left + a, p[1] + low + b};
+    }
     if (stresses.contains(p)) return p;
   }
 }
@@ -59,6 +66,10 @@ void expect_attained(const SectionStresses& stresses, const SectionForces& force
 std::vector<NamedShape> shapes() {
   std::vector<NamedShape> all = test::solid_shapes(0.3);
   for (const NamedShape& s : test::walled_shapes()) all.push_back(s);
+  using Kind = SectionShapeKind;
+  all.push_back({"T", test::stress_shape(Kind::t_section, 0.3, {0.1, 0.2, 0.01, 0.006})});
+  all.push_back({"L", test::stress_shape(Kind::l_section, 0.3, {0.1, 0.2, 0.01})});
+  all.push_back({"U", test::stress_shape(Kind::u_section, 0.3, {0.1, 0.2, 0.01, 0.006})});
   return all;
 }
 

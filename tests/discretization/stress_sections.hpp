@@ -147,6 +147,10 @@ inline Integrals integrate(const SectionShape& s, const PointFunction& f) {
       add_rectangle(gauss_panels({-half2, -reach2, reach2, half2}), flange, f, sum);
     for (const auto& web : {gauss_panels({-half2, -reach2}), gauss_panels({reach2, half2})})
       add_rectangle(web, gauss_panels({-reach3, reach3}), f, sum);
+  } else if (consists_of_rectangles(s.kind)) {
+    for (const WallRectangle& wall : section_rectangles(s))
+      add_rectangle(gauss_panels({wall.from[0], wall.middle(0), wall.to[0]}),
+                    gauss_panels({wall.from[1], wall.middle(1), wall.to[1]}), f, sum);
   } else {
     add_round(s, f, sum);
   }

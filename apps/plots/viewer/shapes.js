@@ -30,6 +30,30 @@ function outlineOfI() {
   return [...left, ...right].map(([along2, along3]) => corner(along2, along3, [0, 0]));
 }
 
+/** Outlines of T, L and U, counter-clockwise, and rectangles (left, right, lower, upper) that fill them; from the middle of their
+ * width and height. */
+const RECTANGULAR = {
+  T: { outline: "-b+t -b+u -w+u -w-t w-t w+u b+u b+t", areas: ["-b b u t", "-w w -t u"] },
+  U: { outline: "-b+t -b-t b-t b-u i-u i+u b+u b+t", areas: ["-b b u t", "-b b -t -u", "-b i -u u"] },
+  L: { outline: "-b+t -b-t b-t b-u k-u k+t", areas: ["-b b -t -u", "-b k -u t"] },
+};
+
+function rectangularMeshes(kind) {
+  const [word, turn, ...center] = kind.split(" "); // "T upright 0 0.2": its centroid over width and height
+  const upwards = turn === "mirrored" ? -1 : 1;
+  const along2 = { b: [0.5, 0, 0, 0], w: [0, 0, 0, 0.5], i: [-0.5, 0, 0, 1], k: [-0.5, 0, 1, 0] };
+  const along3 = { t: [0, 0.5, 0, 0], u: [0, 0.5, -1, 0] };
+  const place = (factors, text, shift) => factors[text.at(-1)].map((value, i) => (text[0] === "-" ? -value : value) - shift[i]);
+  const at = (second, third) => corner(place(along2, second, [+center[0], 0, 0, 0]),
+    place(along3, third, [0, upwards * center[1], 0, 0]).map((value) => upwards * value), [0, 0]);
+  const { outline, areas } = RECTANGULAR[word];
+  const corners = outline.split(" ").map((text) => at(...text.match(/^(-?.)([+-].)$/).slice(1)));
+  const end = new Mesh();
+  for (const [left, right, lower, upper] of areas.map((area) => area.split(" ")))
+    end.area([at(left, lower), at(right, lower), at(right, upper), at(left, upper)]);
+  return { side: new Mesh().side(upwards < 0 ? corners.reverse() : corners), end };
+}
+
 class Mesh {
   constructor() {
     this.vertices = []; // along2 (4), along3 (4), normal along axes 2, 3, 1, end of the piece (0 or 1)
@@ -93,6 +117,7 @@ function meshesOf(kind, sides) {
     const web = rectangle([0, 0, 0, 0.5], [0, 0.5, -1, 0]);
     return { side: new Mesh().side(outlineOfI()), end: new Mesh().area(flange(1)).area(flange(-1)).area(web) };
   }
+  if (RECTANGULAR[kind.split(" ")[0]]) return rectangularMeshes(kind);
   const outline = round(sides);
   const end = kind === "tube" ? new Mesh().ring(outline, round(sides, 1)) : new Mesh().area(outline);
   return { side: new Mesh().side(outline, true), end };

@@ -271,6 +271,10 @@ class Run:
             wanted[name] = parameters
         return "".join(wanted._xml("quantities", ""))
 
+    def sections(self):
+        """{name: (6, 6) stiffness in the order EA, GA2, GA3, GIt, EI2, EI3} of all sections: imported ones and profiles, too."""
+        return {name: np.array(stiffness) for name, stiffness in self._core.sections().items()}
+
     # --- along members -------------------------------------------------------------------------------------------------
     @cached_property
     def members(self):
@@ -385,7 +389,7 @@ class MemberResults:
         return np.clip(share, 0.0, 1.0)
 
     def stress(self, s, step=-1):
-        """Von Mises stress, largest over the section; nan where the section is not given by its shape. s: a number or an array."""
+        """Von Mises stress, largest over the section; nan where the section has neither a shape nor stress points. s: a number or an array."""
         return self._along("von Mises stress", s, step)
 
     def utilisation(self, s, step=-1):

@@ -1,0 +1,228 @@
+// The catalogue of profiles: each of its rows against its own dimensions and against printed tables.
+#include "scene_text.hpp"
+
+#include "discretization/scene/section_shape.hpp"
+#include "tests/support/numbers.hpp"
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+namespace mixbeam::profiles_test {
+namespace {
+
+constexpr double kRounding = 1e-12;  // relative; dimensions come from millimetres by a division
+
+std::string with_profile(const std::string& name, const std::string& units = "cm, kN", const std::string& more = "",
+                         const std::string& inside = "") {
+  return "Scene: {Units: \"" + units + "\", Sections: {beam: {Profile: " + name + ", Material: {E: 21000, nu: 0.3}, " +
+         inside +
+         "}}, Points: {A: [0, 0, 0], B: [100, 0, 0]}, Members: {m: {Start: A, End: B}}, Supports: {clamp: {Point: "
+         "A}}, " +
+         more + "}";
+}
+
+Section profile(const std::string& name, const std::string& units = "cm, kN") {
+  return scene_from(with_profile(name, units)).sections.at(0);
+}
+
+/// A number as a table prints it: A in cm^2, second moments in cm^4.
+struct Printed {
+  std::string name, area, about2, about3, torsion;
+};
+
+/// Half of the last digit, of integers beyond four digits of the fourth; and what a tie may round to.
+double half_digit(const std::string& text) {
+  const auto point = text.find('.');
+  const int places = point == std::string::npos ? 0 : static_cast<int>(text.size() - point) - 1;
+  const int beyond = point == std::string::npos ? std::max(0, static_cast<int>(text.size()) - 4) : 0;
+  return 0.51 * std::pow(10.0, beyond - places);
+}
+
+void expect_printed(double value, const std::string& text, const std::string& what) {
+  EXPECT_NEAR(value, std::stod(text), half_digit(text)) << what;
+}
+
+/// Printed in EN 10365 (A, Iy, Iz, It).
+const std::vector<Printed> kRolled = {
+    {"IPE 80", "7.64", "80.1", "8.49", "0.7"},       {"IPE 100", "10.3", "171", "15.9", "1.2"},
+    {"IPE 120", "13.2", "318", "27.7", "1.74"},      {"IPE 140", "16.4", "541", "44.9", "2.45"},
+    {"IPE 160", "20.1", "869", "68.3", "3.6"},       {"IPE 180", "23.9", "1317", "101", "4.79"},
+    {"IPE 200", "28.5", "1943", "142", "6.98"},      {"IPE 220", "33.4", "2772", "205", "9.07"},
+    {"IPE 240", "39.1", "3892", "284", "12.9"},      {"IPE 270", "45.9", "5790", "420", "15.9"},
+    {"IPE 300", "53.8", "8356", "604", "20.1"},      {"IPE 330", "62.6", "11770", "788", "28.1"},
+    {"IPE 360", "72.7", "16270", "1043", "37.3"},    {"IPE 400", "84.5", "23130", "1318", "51.1"},
+    {"IPE 450", "98.8", "33740", "1676", "66.9"},    {"IPE 500", "116", "48200", "2142", "89.3"},
+    {"IPE 550", "134", "67120", "2668", "123"},      {"IPE 600", "156", "92080", "3387", "165"},
+    {"HEA 100", "21.2", "349", "134", "5.24"},       {"HEA 120", "25.3", "606", "231", "5.99"},
+    {"HEA 140", "31.4", "1033", "389", "8.13"},      {"HEA 160", "38.8", "1673", "616", "12.2"},
+    {"HEA 180", "45.3", "2510", "925", "14.8"},      {"HEA 200", "53.8", "3692", "1336", "21.0"},
+    {"HEA 220", "64.3", "5410", "1955", "28.5"},     {"HEA 240", "76.8", "7763", "2769", "41.6"},
+    {"HEA 260", "86.8", "10450", "3668", "52.4"},    {"HEA 280", "97.3", "13670", "4763", "62.1"},
+    {"HEA 300", "112.5", "18260", "6310", "85.2"},   {"HEA 320", "124.4", "22930", "6985", "108"},
+    {"HEA 340", "133.5", "27690", "7436", "127"},    {"HEA 360", "142.8", "33090", "7887", "149"},
+    {"HEA 400", "159.0", "45070", "8564", "189"},    {"HEA 450", "178.0", "63720", "9465", "244"},
+    {"HEA 500", "197.5", "86970", "10370", "309"},   {"HEA 550", "211.8", "111900", "10820", "352"},
+    {"HEA 600", "226.5", "141200", "11270", "398"},  {"HEA 650", "241.6", "175200", "11720", "448"},
+    {"HEA 700", "260.5", "215300", "12180", "514"},  {"HEA 800", "285.8", "303400", "12640", "597"},
+    {"HEA 900", "320.5", "422100", "13550", "737"},  {"HEA 1000", "346.8", "553800", "14000", "822"},
+    {"HEB 100", "26.0", "450", "167", "9.25"},       {"HEB 120", "34.0", "864", "318", "13.8"},
+    {"HEB 140", "43.0", "1509", "550", "20.1"},      {"HEB 160", "54.3", "2492", "889", "31.2"},
+    {"HEB 180", "65.3", "3831", "1363", "42.2"},     {"HEB 200", "78.1", "5696", "2003", "59.3"},
+    {"HEB 220", "91.0", "8091", "2843", "76.6"},     {"HEB 240", "106.0", "11260", "3923", "103"},
+    {"HEB 260", "118.4", "14920", "5135", "124"},    {"HEB 280", "131.4", "19270", "6595", "144"},
+    {"HEB 300", "149.1", "25170", "8563", "185"},    {"HEB 320", "161.3", "30820", "9239", "225"},
+    {"HEB 340", "170.9", "36660", "9690", "257"},    {"HEB 360", "180.6", "43190", "10140", "292"},
+    {"HEB 400", "197.8", "57680", "10820", "356"},   {"HEB 450", "218.0", "79890", "11720", "440"},
+    {"HEB 500", "238.6", "107200", "12620", "538"},  {"HEB 550", "254.1", "136700", "13080", "600"},
+    {"HEB 600", "270.0", "171000", "13530", "667"},  {"HEB 650", "286.3", "210600", "13980", "739"},
+    {"HEB 700", "306.4", "256900", "14440", "831"},  {"HEB 800", "334.2", "359100", "14900", "946"},
+    {"HEB 900", "371.3", "494100", "15820", "1137"}, {"HEB 1000", "400.0", "644700", "16280", "1254"}};
+
+TEST(Profiles, RolledOnesHaveThePrintedAreaAndSecondMoments) {
+  for (const Printed& row : kRolled) {
+    const Section s = profile(row.name);
+    expect_printed(s.axial_stiffness / 21000.0, row.area, row.name + " A");
+    expect_printed(s.bending_stiffness[0] / 21000.0, row.about2, row.name + " I about 2");
+    expect_printed(s.bending_stiffness[1] / 21000.0, row.about3, row.name + " I about 3");
+    const double torsion = s.torsional_stiffness / (21000.0 / 2.6);
+    EXPECT_NEAR(torsion, std::stod(row.torsion), 4e-3 * torsion) << row.name;  // printed with two or three digits
+    SectionShape sharp = sharp_shape(*s.shape);                                // the twin: without fillets it is not so
+    EXPECT_LT(section_geometry(sharp).area, std::stod(row.area) - half_digit(row.area)) << row.name;
+  }
+}
+
+/// Printed in EN 10210-2 (A, Iyy, Izz, It).
+TEST(Profiles, HollowOnesHaveThePrintedAreaAndSecondMoments) {
+  const std::vector<Printed> printed = {
+      {"SHS 100x100x5", "18.7", "279", "279", "439"},    {"SHS 150x150x6.3", "35.8", "1223", "1223", "1909"},
+      {"SHS 200x200x8", "60.8", "3709", "3709", "5778"}, {"RHS 100x60x5", "14.7", "189", "83.6", "188"},
+      {"RHS 200x100x8", "44.8", "2234", "739", "1804"},  {"RHS 300x200x10", "94.9", "11819", "6278", "12908"},
+      {"CHS 60.3x4", "7.07", "28.2", "28.2", "56.3"},    {"CHS 114.3x5", "17.2", "257", "257", "514"},
+      {"CHS 168.3x6.3", "32.1", "1053", "1053", "2107"}, {"CHS 219.1x8", "53.1", "2960", "2960", "5919"}};
+  for (const Printed& row : printed) {
+    const Section s = profile(row.name);
+    expect_printed(s.axial_stiffness / 21000.0, row.area, row.name + " A");
+    expect_printed(s.bending_stiffness[0] / 21000.0, row.about2, row.name + " I about 2");
+    expect_printed(s.bending_stiffness[1] / 21000.0, row.about3, row.name + " I about 3");
+    expect_printed(s.torsional_stiffness / (21000.0 / 2.6), row.torsion, row.name + " It");
+  }
+}
+
+std::string file_text() {
+  std::ostringstream text;
+  text << std::ifstream(std::string(MIXBEAM_SOURCE_DIR) + "/discretization/reading/profiles.csv").rdbuf();
+  return text.str();
+}
+
+/// Every row can be used; hollow ones say their dimensions in their names, and the others are among the printed ones.
+TEST(Profiles, EachRowIsWhatItsNameSays) {
+  std::map<std::string, int> kinds;
+  CsvFile("profiles.csv", file_text()).for_each([&](const CsvRecord& record) {
+    const std::string& name = record.cells.at(0);
+    if (name == "name") return;
+    const SectionShape s = *profile(name, "mm, N").shape;
+    const std::string kind = name.substr(0, 3), sizes = name.substr(4);
+    ++kinds[kind];
+    double a = 0.0, b = 0.0, t = 0.0;
+    if (kind == "CHS") {
+      ASSERT_EQ(std::sscanf(sizes.c_str(), "%lfx%lf", &a, &t), 2) << name;
+      EXPECT_TRUE(s.kind == SectionShapeKind::tube && s.size2 == a && s.wall == t) << name;
+    } else if (kind == "SHS" || kind == "RHS") {
+      ASSERT_EQ(std::sscanf(sizes.c_str(), "%lfx%lfx%lf", &a, &b, &t), 3) << name;
+      EXPECT_TRUE(s.kind == SectionShapeKind::box && s.size3 == a && s.size2 == b && s.wall == t) << name;
+      EXPECT_NEAR(s.fillet, 1.5 * t, 1e-6) << name;
+      EXPECT_EQ(s.inner_fillet, t) << name;
+      EXPECT_EQ(kind == "SHS", a == b) << name;
+    } else {
+      const auto same = [&](const Printed& row) { return row.name == name; };
+      EXPECT_EQ(std::count_if(kRolled.begin(), kRolled.end(), same), 1) << name;
+    }
+  });
+  EXPECT_EQ(kinds, (std::map<std::string, int>{
+                       {"IPE", 18}, {"HEA", 24}, {"HEB", 24}, {"CHS", 168}, {"SHS", 91}, {"RHS", 195}}));
+}
+
+TEST(Profiles, ComeInTheUnitOfTheScene) {
+  const double millimetres = profile("IPE 300", "mm, N").axial_stiffness;
+  const std::map<std::string, double> units = {{"m, N", 1e6}, {"cm, kN", 1e2}, {"in, lbf", 25.4 * 25.4}};
+  for (const auto& [unit, factor] : units)
+    EXPECT_NEAR(profile("IPE 300", unit).axial_stiffness * factor, millimetres, kRounding * millimetres) << unit;
+  EXPECT_EQ(profile("ipe300", "mm, N").axial_stiffness, millimetres);
+  EXPECT_EQ(profile("IPE 300", "mm, N").shape->size3, 300.0);
+}
+
+TEST(Profiles, MistakesAreNamed) {
+  expect_text_refused(with_profile("IPE 310"), {"beam / Profile", "\"IPE 310\"", "did you mean \"IPE 3"});
+  expect_text_refused(with_profile("HE 200 B"), {"beam / Profile", "not in the catalogue", "IPE, HEA, HEB"});
+  expect_text_refused(with_profile("IPE 300", "yd, lbf"), {"beam / Profile", "in mm", "\"yd\"", "\"in\""});
+  expect_text_refused(with_profile("IPE 300", "cm, kN", "", "Width: 3, "), {"beam / Width", "beside \"Profile\""});
+  expect_text_refused(with_profile("IPE 300", "cm, kN", "", "EA: 3, "), {"beam / EA", "beside \"Profile\""});
+  const std::string bare = "Scene: {Sections: {beam: {Profile: IPE 300, ";
+  expect_text_refused(bare + "}}}", {"beam / Material", "missing"});
+  const std::string rest =
+      "Material: {E: 1, nu: 0}}}, Points: {A: [0,0,0], B: [1,0,0]}, Members: {m: {Start: A, End: B}}, "
+      "Supports: {c: {Point: A}}}";
+  expect_text_refused(bare + rest, {"beam / Profile", "\"Units\" of the scene is missing"});
+}
+
+TEST(Profiles, FilletsMeetAtMost) {
+  SectionShape i;
+  i.kind = SectionShapeKind::i_section;
+  i.size2 = 2.0, i.size3 = 3.0, i.wall = 0.3, i.web = 0.2, i.youngs_modulus = 1.0;
+  i.fillet = 0.9;
+  EXPECT_NO_THROW(make_section("i", i));
+  i.fillet = 0.91;
+  EXPECT_THROW(make_section("i", i), std::invalid_argument);
+  SectionShape box = i;
+  box.kind = SectionShapeKind::box;
+  box.fillet = 1.0;
+  box.inner_fillet = 0.7;
+  EXPECT_NO_THROW(make_section("box", box));
+  box.inner_fillet = 0.71;
+  EXPECT_THROW(make_section("box", box), std::invalid_argument);
+}
+
+/// Rounded until nothing straight is left, a square tube is a round one.
+TEST(Profiles, RoundedBoxBecomesATube) {
+  SectionShape box;
+  box.kind = SectionShapeKind::box;
+  box.size2 = box.size3 = 2.0, box.wall = 0.1, box.youngs_modulus = 1.0;
+  box.fillet = 1.0, box.inner_fillet = 0.9;
+  SectionShape tube = box;
+  tube.kind = SectionShapeKind::tube;
+  const SectionGeometry a = section_geometry(box), b = section_geometry(tube);
+  EXPECT_NEAR(a.area, b.area, kRounding * b.area);
+  EXPECT_NEAR(a.second_moment[0], b.second_moment[0], kRounding * b.second_moment[0]);
+  EXPECT_NEAR(a.torsion_constant, b.torsion_constant, 2e-3 * b.torsion_constant);  // thin: by its middle line
+}
+
+/// A catalogue of one's own beside that of the program.
+TEST(Profiles, OwnTablesExtendTheCatalogue) {
+  std::string folder = (std::filesystem::temp_directory_path() / "mixbeam_profiles_XXXXXX").string();
+  ASSERT_NE(mkdtemp(folder.data()), nullptr);
+  const auto read = [&](const std::string& table, const std::string& name) {
+    std::ofstream(folder + "/own.csv", std::ios::binary) << table;
+    return described_by(parsed(with_profile(name, "mm, N", "Import: {Profiles File: own.csv}"), folder + "/"))
+        .sections.at(0);
+  };
+  const std::string head = "name,shape,width,height,wall\n";
+  EXPECT_EQ(read(head + "my angle,L,50,60,5\n", "my angle").shape->size3, 60.0);
+  EXPECT_EQ(read(head + "my angle,L,50,60,5\n", "IPE 80").shape->size3, 80.0);
+  const auto refused = [&](const std::string& table, const std::vector<std::string>& parts) {
+    expect_in(message_of([&] { read(table, "my angle"); }), parts);
+  };
+  refused(head + "my angle,L,50,60\n", {"own.csv:2", "Wall", "missing"});
+  refused(head + "my angle,L,50,60,-5\n", {"own.csv:2:", "wall", "-5"});
+  refused(head + "my angle,LL,50,60,5\n", {"own.csv:2:", "shape", "\"LL\""});
+  refused(head + "my angel,L,50,60,5\n", {"beam / Profile", "did you mean \"my angel\"?"});
+  refused(head + "IPE300,L,50,60,5\n", {"own.csv:2:", "in the catalogue already"});
+  refused("name,shape,breadth\n", {"own.csv:1:", "\"breadth\""});
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace mixbeam::profiles_test
