@@ -37,6 +37,7 @@ void share_processors(Application& app, std::size_t jobs) {
 void set_up(Application& app, const CommandLine& line) {
   set_up_run(app, line, *line.scene_file, mixbeam_definition());
   warn_of_scene(app);
+  app.quiet = app.quiet || chosen_cases(app.scene, line.load_case).size() > 1;
   if (line.jobs > 1) share_processors(app, jobs_of(line, chosen_cases(app.scene, line.load_case)));
   const std::filesystem::path scene(*line.scene_file);
   app.output = line.output ? std::filesystem::path(*line.output) : std::filesystem::path("results") / scene.stem();
@@ -112,7 +113,6 @@ int run_command(const Arguments& arguments) {
       choose_mesh(app);
       std::ostringstream reports;  // of several cases: the envelope comes first
       if (cases.size() > 1) app.reports = &reports;
-      app.quiet = app.quiet || cases.size() > 1;
       const auto tell = [&] {
         app.out() << reports.str();
         app.reports = nullptr;
