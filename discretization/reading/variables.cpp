@@ -126,12 +126,16 @@ double Variables::value_of(const std::string& name, Named& named) {
 
 double Variables::variable(const std::string& name) {
   if (const auto found = named_.find(name); found != named_.end()) return value_of(name, found->second);
+  if (points_.empty()) read_points();
+  const bool is_point = contains(points_, name);
   std::vector<std::string> known = formula_functions();
   known.insert(known.begin(), names_.begin(), names_.end());
   throw std::invalid_argument(
       "unknown name \"" + excerpt(name) +
       "\"; allowed: " + (names_.empty() ? "no variables, the scene has none" : "the variables " + quoted_list(names_)) +
-      ", functions, pi, e, deg" + did_you_mean(name, known));
+      ", functions, pi, e, deg" +
+      (is_point ? "; coordinates of a point are x('" + name + "'), y('" + name + "'), z('" + name + "')"
+                : did_you_mean(name, known)));
 }
 
 double Variables::coordinate(int axis, const std::string& point) {
@@ -170,7 +174,12 @@ void Variables::read_points() {
 
 ParameterValue Variables::value(const ParameterValue& written, ParameterType type, const Refusal& refusal) {
   std::vector<double> numbers;
-  for (const std::string& text : texts_of(written)) numbers.push_back(number(text, type, refusal));
+  for (const std::string& text : texts_of(written)) {
+    double plain = 0.0;
+    if (is_array(type) && !is_formula(text) && !parse_number(text, plain).empty())
+      throw refusal("value \"" + excerpt(text) + "\" in an array; allowed: a number, or a formula that begins with =");
+    numbers.push_back(number(text, type, refusal));
+  }
   switch (type) {
     case ParameterType::integer:
       return static_cast<int>(numbers.front());

@@ -104,7 +104,8 @@ TEST(Variables, ErrorsTellPlaceFormulaAndNearestName) {
   expect_text_refused(with_variables("a: \"=1/0\"", tip), {"Variables / a", "=1/0", "inf", "finite"});
   expect_text_refused(with_variables("a: 1", "[\"=a*\", 0, 0]"), {"scene.yaml:4:", "Points / B", "=a*", "no formula"});
   expect_text_refused(with_variables("a: 1", "[\"=x('C')\", 0, 0]"), {"Points / B", "\"C\"", "\"A\", \"B\""});
-  expect_text_refused(with_variables("a: 1", "[\"=a\", two, 0]"), {"Points / B", "two"});
+  expect_text_refused(with_variables("a: 1", "[\"=a\", -a, 0]"), {"Points / B", "\"-a\"", "begins with ="});
+  expect_text_refused(with_variables("a: 1, b: \"=x(B)\"", tip), {"Variables / b", "x('B')"});
   expect_text_refused(with_variables("t: 1", tip), {"Variables / t", "means something else", "\"lambda\""});
   expect_text_refused(with_variables("sin: 1", tip), {"Variables / sin", "means something else"});
   expect_text_refused(with_variables("\"span m\": 1", tip), {"Variables / span m", "a letter"});
