@@ -135,8 +135,7 @@ py::tuple watched(py::object callback, const Prepare& prepare, const Solve& solv
 py::tuple run(const SceneText& scene, const std::optional<std::string>& load_case, const std::string& output,
               const std::optional<int>& threads, bool durable, bool force, py::object callback) {
   return watched(
-      std::move(callback),
-      [&] { return std::make_unique<SolvedRun>(parsed(scene), Turn::threads(threads), force); },
+      std::move(callback), [&] { return std::make_unique<SolvedRun>(parsed(scene), Turn::threads(threads), force); },
       [&](SolvedRun& solved) {
         const std::filesystem::path results(output);
         if (results.has_parent_path()) prepare_output_folder(results.parent_path());
@@ -257,7 +256,7 @@ PYBIND11_MODULE(_core, module) {
   module.def("read", read_file);
   module.def("yaml_of", yaml_of);
   module.def("declarations", declarations);
-  module.def("nearest", nearest_name);
+  module.def("did_you_mean", did_you_mean);
   module.def("number_hint", number_hint);
   module.def("check", check);
   module.def("undeformed", undeformed);

@@ -321,22 +321,9 @@ struct Mechanisms {
   }
 };
 
-/// A clamp at this point, as one writes it.
-std::string example_of_support(const std::string& point, InputLanguage language) {
-  const std::string inside = "in \"Scene\" a list \"Supports\", like ";
-  if (language == InputLanguage::yaml) return inside + "Supports: {base: {Point: " + excerpt(point) + "}}";
-  if (language == InputLanguage::python) return "scene.supports[\"base\"] = dict(point=\"" + excerpt(point) + "\")";
-  return inside +
-         R"(<ParameterList name="Supports"><ParameterList name="base"><Parameter name="Point" type="string" )" +
-         "value=\"" + excerpt(point) + R"("/></ParameterList></ParameterList>)";
-}
-
 }  // namespace
 
 std::string check_supports(const Scene& scene, const ParameterSource& source, const ParameterPath& path) {
-  if (scene.supports.empty() && !scene.points.empty())
-    throw source.error(child(path, "Supports"), "no support: the whole structure can move freely; needed: " +
-                                                    example_of_support(scene.points.front().name, source.language()));
   std::string skipped;
   Mechanisms mechanisms;
   for (const RigidAssembly& assembly : rigid_assemblies(scene)) {

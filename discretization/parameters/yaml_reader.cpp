@@ -369,8 +369,8 @@ XmlParameters parse_yaml(const std::string& text, const std::string& file, const
   }
   if (tree.size() == 0)
     throw InputError(file + ":1: the file is empty; allowed: lists by their names, like \"Scene:\"");
-  YamlFiller(tree, whole, result).fill_root(spec);
-  if (mistakes == Mistakes::thrown) result.source.collect([] {});
+  const bool goes_on = result.source.attempt([&] { YamlFiller(tree, whole, result).fill_root(spec); });
+  if (mistakes == Mistakes::thrown || !goes_on) result.source.collect([] {});
   return result;
 }
 

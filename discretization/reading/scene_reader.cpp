@@ -19,6 +19,16 @@ namespace {
 
 constexpr std::size_t kLongestUnit = 16;  // letters: labels of axes have no more room
 
+/// A clamp at this point, as one writes it.
+std::string example_of_support(const std::string& point, InputLanguage language) {
+  const std::string inside = "in \"Scene\" a list \"Supports\", like ";
+  if (language == InputLanguage::yaml) return inside + "Supports: {base: {Point: " + excerpt(point) + "}}";
+  if (language == InputLanguage::python) return "scene.supports[\"base\"] = dict(point=\"" + excerpt(point) + "\")";
+  return inside +
+         R"(<ParameterList name="Supports"><ParameterList name="base"><Parameter name="Point" type="string" )" +
+         "value=\"" + excerpt(point) + R"("/></ParameterList></ParameterList>)";
+}
+
 }  // namespace
 
 ListSpec scene_spec() {
@@ -63,8 +73,12 @@ Scene read_scene(Teuchos::ParameterList& scene_list, const ParameterSource& sour
     SceneReader reader(scene_list, {source, path}, variables);
     scene = reader.read();
     if (remarks.notes != nullptr) *remarks.notes = reader.notes();
-    if (source.has_mistakes()) return;
+    source.require_none();
     try {
+      if (scene.supports.empty())
+        throw source.error(child(path, "Supports"),
+                           "no support: the whole structure can move freely; needed: " +
+                               example_of_support(scene.points.front().name, source.language()));
       check_supports(scene, source, path);
     } catch (const InputError& error) {
       if (remarks.loose == nullptr) throw;
@@ -79,6 +93,11 @@ SceneReader::SceneReader(const List& list, const InputPlace& place, Variables& v
     : list_(list), place_(place), variables_(variables) {}
 
 Scene SceneReader::read() {
+  place_.source().collect([this] { read_lists(); });
+  return std::move(scene_);
+}
+
+void SceneReader::read_lists() {
   scene_.name = place_.source().root_name();
   if (list_.isParameter("Accuracy")) scene_.accuracy = list_.get<double>("Accuracy");
   const ParameterSource& source = place_.source();
@@ -106,7 +125,6 @@ Scene SceneReader::read() {
     apply_imperfection(list_.sublist("Imperfection"), place_["Imperfection"], scene_);
   notes_ = read_conditions(list_, place_, scene_, copies);
   if (!source.has_mistakes()) check_points_are_used();
-  return std::move(scene_);
 }
 
 void SceneReader::read_units() {

@@ -42,6 +42,7 @@ class SceneReader {
   };
 
   // scene_reader.cpp
+  void read_lists();
   void read_units();
   void read_sections();
   void read_points();

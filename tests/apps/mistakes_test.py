@@ -103,7 +103,7 @@ IN_PYTHON = (
     ("scene.members['a'] = dict(begin='foot', end='tip', section='tube')", "Scene / Members / a: .*did you mean 'start'"),
     ("scene.members['a'] = dict(start='foot', end='tipp', section='tube')",
      '^scene mast: "Scene / Members / a / End": value "tipp" is not a point.*did you mean "tip"'),
-    ("scene.sections['tube'] = mixbeam.Circle(radius=0.03, E=210e9, nu=0.3)", "did you mean 'diameter'"),
+    ("scene.sections['tube'] = mixbeam.Circle(radius=0.03, E=210e9, nu=0.3)", "did you mean 'diameter', twice the radius"),
     ("scene.supports.clear()", r'no support.*scene.supports\["base"\] = dict\(point="foot"\)'),
     ("scene.loads['w'] = dict(point='tip', force=(0, 0, 1))", "did you mean 'point_loads'"),
     ("scene.point_loads['w'] = dict(point='tip', force=-500)", r'"Scene / Point Loads / w / Force".*, like \[0, 0, 1\]'),

@@ -120,8 +120,8 @@ class Scenes(InFolder):
     def test_messages_of_yaml_speak_of_its_maps_and_values(self):
         wrong = (("Scene: 3\n", r"^wrong.yaml:1:1: YAML path .Scene.: a value; allowed: a map "),
                  ("Analysis: {}\n", "missing map; needed: "),
-                 ("Scene:\n  Points:\n    a: {x: 1}\n", "^wrong.yaml:3:5: .*: a map; allowed: one value per "),
-                 ("Scene:\n  Sectoins: {}\n", "^wrong.yaml:2:.*: unknown name of a map; .*Sections"))
+                 ("Scene:\n  Points:\n    a: {x: 1}\n", "(?m)^wrong.yaml:3:5: .*: a map; allowed: one value per "),
+                 ("Scene:\n  Sectoins: {}\n", "(?m)^wrong.yaml:2:.*: unknown name of a map; .*Sections"))
         for text, said in wrong:
             Path("wrong.yaml").write_text(text)
             with self.assertRaisesRegex(mixbeam.InputError, said) as raised:

@@ -29,6 +29,6 @@ class ConvergenceError(RuntimeError):
 
 def unknown(what, name, known):
     """An UnknownName that says what was looked for and which known names are near."""
-    near = _core.nearest(name, known)
-    hint = f"; did you mean {near!r}?" if near else f"; allowed: {', '.join(known[:MOST_NAMES])}" if known else ""
+    near = _core.did_you_mean(name, known).replace('"', "'")
+    hint = near or (f"; allowed: {', '.join(known[:MOST_NAMES])}" if known else "")
     return UnknownName(f"{what}: nothing of the name {name!r}{hint}")
