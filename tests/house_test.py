@@ -1,5 +1,5 @@
 """Rules of the house that no compiler checks: equations cited in the sources stand in apps/docs/theory.md, and includes
-keep the order of folders and rooms."""
+keep the order of folders and rooms, comments begin with a verb or a noun."""
 import pathlib
 import re
 import sys
@@ -72,6 +72,30 @@ def offset_faults(sources):
             if not path.startswith("kernels/") and path != "discretization/mesh/structure.cpp" and offset in text]
 
 
+# Rooms whose comments have been read for words; the others follow when they are read.
+ROOMS_READ = ("kernels/", *(f"discretization/{room}/" for room in "geometry mesh checks constraints linear_system assembly state"
+                            " results".split()),
+              *(f"nonlinear/{room}/" for room in "parameters linear multilevel diagnosis".split()),
+              *(f"apps/{room}/" for room in "common/tables common/session common/studies fork helix thread_scaling".split()))
+NO_SUBJECT = re.compile(r"(?:What|Of|As|Those|The same|By what)\b|.*?[.] What (?:is|are|has|have|was|were)\b")
+
+
+def word_faults(sources):
+    """Comments that begin with no verb and no noun, but with `what` or `of`."""
+    faults = []
+    for path, text in sources.items():
+        if not path.startswith(ROOMS_READ):
+            continue
+        before = None
+        for number, line in enumerate(text.splitlines(), 1):
+            comment = re.match(r'(\s*|[^"]*)//[/<]* (.*)', line)
+            begins = comment and not (before and comment[1].strip() == "")
+            if begins and NO_SUBJECT.match(comment[2]):
+                faults.append(f"{path}:{number}: {comment[2]}")
+            before = comment
+    return faults
+
+
 def sources_of(folders):
     files = (file for folder in folders for file in sorted((ROOT / folder).rglob("*")))
     return {str(file.relative_to(ROOT)): file.read_text() for file in files
@@ -121,6 +145,13 @@ class House(unittest.TestCase):
         self.assertEqual(offset_faults(sources_of(PRODUCT)), [])
         self.assertEqual(offset_faults({"nonlinear/run/a.cpp": "x = block.interior_offset + e;",
                                         "kernels/a.cpp": "interior_offset"}), ["nonlinear/run/a.cpp uses interior_offset"])
+
+    def test_comments_begin_with_a_verb_or_a_noun(self):
+        self.assertEqual(word_faults(sources_of(PRODUCT)), [])
+        good = "/// Solves the system.\n/// Of two solutions the smaller one counts.\nint i;  // number\n  /// Number of rows.\n"
+        self.assertEqual(word_faults({"kernels/a.hpp": good}), [])
+        for bad in ("/// What is left.", "int i;  ///< Of all rows.", "  // As in solve().", "/// Rows. What is zero is left out."):
+            self.assertEqual(len(word_faults({"kernels/a.hpp": bad, "apps/a.cpp": bad})), 1, bad)
 
 
 if __name__ == "__main__":

@@ -62,12 +62,12 @@ constexpr int kSamplesPerElement = 17;
 /// Places of each reference element at which displacements are compared, less one: enough to see the error inside
 /// elements.
 constexpr int kIntervalsPerReferenceElement = 16;
-/// Of an observed rate; the coarsest meshes are left out.
+/// Tolerance of an observed rate; the coarsest meshes are left out.
 constexpr double kRateTolerance = 0.15;
 /// A rate means something as long as the error is well above what round-off and Newton's tolerance leave.
 constexpr double kSmallestError = 1e-11;
-/// What the second-order extrapolation of the two finest polygons may miss the limit by: the rest of fourth order with
-/// 12 sides in a quarter of a circle, (pi/24)^4 = 3e-4, times displacements and constants of order 1.
+/// Distance by which the second-order extrapolation of the two finest polygons may miss the limit: the rest of fourth
+/// order with 12 sides in a quarter of a circle, (pi/24)^4 = 3e-4, times displacements and constants of order 1.
 constexpr double kPolygonLimitTolerance = 3e-4;
 /// Both paths are solved to 1e-11 of the scaled residual, and lengths of the scene are of order 1.
 constexpr double kMirrorTolerance = 1e-10;

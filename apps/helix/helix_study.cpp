@@ -22,7 +22,7 @@ constexpr int kGoalIterations = 4;
 
 /// "Exact up to the floating point accuracy": what the scene's residual tolerance of 1e-12 leaves, as a share of L.
 constexpr double kExact = 1e-12;
-/// The same for angles up to two full turns, in radians.
+/// Tolerance of angles up to two full turns, in radians.
 constexpr double kExactRotation = 1e-11;
 
 /// Between vertices no polynomial of degree k can do better than k + 1.
@@ -109,7 +109,7 @@ class HelixStudy {
     return exact_.length() / (4.0 * std::sqrt(section.bending_stiffness[1] / section.axial_stiffness));
   }
 
-  /// The same rod of another slenderness: its radius changes, E and G stay, and the moment that winds it grows with EI.
+  /// Changes the slenderness of the rod: its radius changes, E and G stay, and the moment that winds it grows with EI.
   Scene variant(double of_slenderness, int order, int elements) const {
     return with_mesh(with_side(app_.scene, slenderness() / of_slenderness), order, elements);
   }
@@ -200,7 +200,7 @@ class HelixStudy {
         }
   }
 
-  /// What is exact on every mesh: the tip, and the rotations of all vertices.
+  /// Reports the values that are exact on every mesh: the tip, and the rotations of all vertices.
   void report_exact_values() {
     app_.out() << "\nLargest deviation from the exact helix over all meshes, and what the worst mesh took (position / "
                   "L, angles in radians)\n";

@@ -12,7 +12,7 @@ namespace {
 
 std::filesystem::path with_ending(std::filesystem::path stem, const std::string& ending) { return stem += ending; }
 
-/// Of a quantity in a case; none (nan) where there is no state.
+/// Value of a quantity in a case; none (nan) where there is no state.
 double value_of(const CaseResult& result, std::size_t quantity) {
   return result.values.written.empty() ? std::numeric_limits<double>::quiet_NaN() : result.values.written[quantity];
 }

@@ -23,7 +23,7 @@ constexpr double kGroupTolerance = 1.0 / (kLikeness * kLikeness);
 /// Leaves the path of a group as soon as one step of it fails.
 struct StepFailed {};
 
-/// What a path of one structure alone can follow.
+/// Whether a path can only be followed for one structure alone.
 bool has_path_of_its_own(const AnalysisParameters& analysis) {
   return analysis.control || analysis.trace || analysis.branch != Branch::primary || analysis.snap == Snap::jump;
 }

@@ -44,7 +44,7 @@ class BatchSolver {
   bool solve_all(GroupedCases& cases, const std::function<void(std::size_t group)>& solved);
 
   const std::vector<CaseResult>& results() const { return results_; }
-  /// As they are now, for other threads than the one that solves: final as far as they are solved.
+  /// Copies the results as they are now, for other threads than the one that solves: final as far as they are solved.
   std::vector<CaseResult> results_so_far() const {
     const std::lock_guard<std::mutex> lock(*results_mutex_);
     return results_;

@@ -17,7 +17,7 @@ inline constexpr double kLikeness = 2.0;
 /// neighbours grow.
 inline constexpr int kElementsPerGroup = 40'000;
 
-/// What decides which cases are alike.
+/// Properties that decide which cases are alike.
 struct CaseLikeness {
   std::vector<long> structure{};                     ///< stages, and numbers and kinds of all that a scene holds
   double length = 0.0, load = 0.0, stiffness = 0.0;  ///< load and EI / L^2 are forces

@@ -40,7 +40,7 @@ void write_undeformed(const std::function<XmlParameters()>& read, const Communic
                       const std::filesystem::path& folder, const std::string& name,
                       const std::optional<std::string>& load_case);
 
-/// What mixbeam accepts in a scene file: lists of the benchmark programs included.
+/// Defines the lists that mixbeam accepts in a scene file: those of the benchmark programs included.
 const ApplicationDefinition& mixbeam_definition();
 /// Declaration of its scene files; made once.
 const ListSpec& mixbeam_root_spec();

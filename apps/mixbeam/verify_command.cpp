@@ -94,7 +94,7 @@ void limit_process(std::uintmax_t file_bytes) {
   setrlimit(RLIMIT_CORE, &no_core);
 }
 
-/// What a process that has been started says on its stderr, to its end.
+/// Reads the stderr of a process that has been started, to its end.
 std::string all_of(int pipe_end) {
   std::string text;
   std::array<char, 4096> part{};

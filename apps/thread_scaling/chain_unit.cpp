@@ -105,7 +105,7 @@ struct BandSolver {
   }
 };
 
-/// Of this thread: threads of earlier kernels may still be waiting actively.
+/// Processor time of this thread: threads of earlier kernels may still be waiting actively.
 double processor_seconds() {
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);

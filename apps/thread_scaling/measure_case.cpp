@@ -21,8 +21,8 @@ namespace {
 constexpr int kLeastRounds = 3;
 
 constexpr std::array<const char*, 4> kPhasesOfElements = {"residual", "element tangent", "recover", "update"};
-/// Of an increment, there and back in turn. Small against one, so that every iteration is the same work; and not zero:
-/// factors of the same numbers are not made twice.
+/// Length of an increment, there and back in turn. Small against one, so that every iteration is the same work; and not
+/// zero: factors of the same numbers are not made twice.
 constexpr double kStep = 1e-3;
 
 /// One Newton iteration as the nonlinear solver makes it, timed phase by phase.
@@ -70,11 +70,10 @@ class IterationTimer {
     return phases;
   }
 
-  /// The same iteration's matrix gathered, factorised, solved and checked by KLU2 alone, which is built
-  /// when it is first asked for (memory).
+  /// Times KLU2 alone, which gathers, factorises, solves and checks the matrix of the same iteration, and which is
+  /// built when it is first asked for (memory).
   double time_sparse_solver() {
-    if (sparse_solver_ == nullptr)
-      sparse_solver_ = make_direct_tangent_solver(problem_.model, kKlu, tolerance_);
+    if (sparse_solver_ == nullptr) sparse_solver_ = make_direct_tangent_solver(problem_.model, kKlu, tolerance_);
     DofVector x(problem_.model.map());
     sparse_solver_->reset_factors();
     const RunWatch watch;

@@ -1,4 +1,4 @@
-/// What is measured: times of one case of the study and what is read from them, and the machine that they are judged
+/// Measured times of one case of the study and the numbers that follow from them, and the machine that they are judged
 /// by.
 #pragma once
 
@@ -13,7 +13,7 @@
 
 namespace mixbeam {
 
-/// What is measured together.
+/// A case that is measured together.
 struct ScalingCase {
   std::string kind;  ///< "spatial", "planar", or a kind of lattice
   int elements = 0, order = 0;
@@ -57,7 +57,7 @@ struct Measurement {
   double share_of_processor() const;
 };
 
-/// As bytes, between processes.
+/// Packs a measurement as bytes, between processes.
 std::string written(const Measurement& measurement);
 Measurement read_measurement(const std::string& bytes);
 
@@ -73,7 +73,7 @@ struct MeasuringPlan {
 Measurement measure_case(const Scene& scene, const SolverParameters& parameters, const Communicator& communicator,
                          const MeasuringPlan& plan);
 
-/// What the machine can do at most, measured in the same program that is judged by it.
+/// Ceilings of the machine, measured in the same program that is judged by them.
 struct MachineCeilings {
   double flops_per_second = 0.0;  ///< multiply-adds on full vector registers, two operations each
   double bytes_per_second = 0.0;  ///< a_i = b_i + s c_i from and to memory (McCalpin's triad: 24 bytes for each i)

@@ -58,7 +58,7 @@ bool is_lattice(const std::string& kind) {
   return std::find(kinds.begin(), kinds.end(), kind) != kinds.end();
 }
 
-/// The tables of the study, case by case; what is not known is not a number.
+/// Writes the tables of the study, case by case; unknown values are not numbers.
 class ScalingTables {
  public:
   ScalingTables(const Application& app, CeilingsByThreads ceilings)

@@ -10,7 +10,7 @@ namespace mixbeam {
 /// message. The copy has no threads: call it only while this process has started none. Not among several MPI ranks.
 std::string in_separate_process(const std::function<std::string()>& work);
 
-// Of this process, in bytes; not a number where the system does not tell.
+// Memory of this process, in bytes; not a number where the system does not tell.
 double resident_memory();
 double peak_resident_memory();
 

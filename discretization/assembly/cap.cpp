@@ -30,7 +30,7 @@ constexpr double kCapTimesElementsOfNetworks = 1e11;
 /// 1e-9 of its length does not need less.
 constexpr double kLeastCap = 1e3;
 
-/// Members of a network share forces by their stiffness, so that what the cap leaves out has to be solved for again
+/// Members of a network share forces by their stiffness, so that the compliance of the cap has to be solved for again
 /// with each tangent, up to twenty times: there the cap is higher, as far as rounding errors permit, which is above the
 /// stiffness of most members.
 constexpr double kRaiseOfNetworks = 1e3;
@@ -51,8 +51,8 @@ double cap_stiffness(const Model& model, const ResidualScales& scales, double ra
   return factor * std::max(bending, scales.force);
 }
 
-/// Stiffness and added compliance of a component; returns the ratio of the limit to what it cuts off, zero where it
-/// cuts off nothing.
+/// Stiffness and added compliance of a component; returns the ratio of the limit to the stiffness cut off, zero where
+/// it cuts off nothing.
 double cap_component(double limit, double compliance, double& added, double& stiffness) {
   added = std::max(0.0, 1.0 / limit - compliance);
   stiffness = added > 0.0 ? limit : 1.0 / compliance;

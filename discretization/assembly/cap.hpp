@@ -22,7 +22,8 @@ struct Cap {
 /// The usual cap at a state with these scales, times `raise`.
 Cap cap_for(const Model& model, const ResidualScales& scales, double raise = 1.0);
 
-/// What the cap leaves out of the linearised equations, theory (37): rows of (J - capped J) times an increment, scaled.
+/// Computes the rows that the cap leaves out of the linearised equations, theory (37): (J - capped J) times an
+/// increment, scaled.
 void cap_compliance_rows(const Model& model, const Cap& cap, const ResidualScales& scales, const MixedVector& increment,
                          MixedVector& rows);
 /// The largest of these rows. Collective.

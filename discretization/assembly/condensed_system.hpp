@@ -1,5 +1,5 @@
-/// The linear system of a tangent with its chains condensed to their ends: what is left of it is a matrix over the
-/// vertices where members meet, or that carry supports, joints, point loads, or line loads without potential.
+/// The linear system of a tangent with its chains condensed to their ends: a matrix over the vertices where members
+/// meet, or that carry supports, joints, point loads, or line loads without potential.
 #pragma once
 
 #include "discretization/assembly/planar_chains.hpp"
@@ -27,7 +27,7 @@ class CondensedSystem {
   /// pivot is so small that nothing can be relied on.
   bool condense(const Tangent& tangent);
   long negative_pivots() const { return negative_pivots_; }
-  /// As Tangent::project_on_free_motions.
+  /// Projects as Tangent::project_on_free_motions does.
   void project_on_free_motions(const KernelView<double*>& rows) const { tangent_->project_on_free_motions(rows); }
 
   /// First half of a solve: the right-hand side of the remaining system; x is half done.

@@ -1,5 +1,5 @@
-/// Where an entry of the mixed system stands in the structure, for messages: vertex or element, what its equation
-/// balances and what its unknown is. Slow, for a few entries only.
+/// Place of an entry of the mixed system in the structure, for messages: vertex or element, what its equation balances
+/// and what its unknown is. Slow, for a few entries only.
 #pragma once
 
 #include "discretization/assembly/tangent.hpp"
@@ -74,10 +74,10 @@ std::vector<EndAngle> end_angles_of_members(const Model& model, const Evaluation
 /// `point "tip"`, `member "beam" at 0.25 of its length`, `element 3 of member "beam"`.
 std::string text_of(const EquationPlace& place);
 
-/// What is not fulfilled: `balance of forces, x`, `strain from force, axial`.
+/// Names the equation that is not fulfilled: `balance of forces, x`, `strain from force, axial`.
 std::string equation_text(const EquationPlace& place);
 
-/// What moves or acts: `displacement x`, `force, axial`.
+/// Names the unknown: `displacement x`, `force, axial`.
 std::string unknown_text(const EquationPlace& place);
 
 }  // namespace mixbeam

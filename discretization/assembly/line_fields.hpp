@@ -8,7 +8,7 @@
 
 namespace mixbeam {
 
-/// Sizes at a load factor, of what is on this rank.
+/// Sizes at a load factor, of the loads on this rank.
 struct LineFieldMagnitude {
   double force = 0.0;      ///< largest component of a load per length times the length of its member
   double couple = 0.0;     ///< likewise
@@ -38,7 +38,7 @@ class LineFields {
   /// Writes the sum of the fields, each times its factor, into these rows.
   void add_up(const Structure& structure, const std::vector<double>& factors, const KernelView<double* [3]>& sum) const;
   LineFieldMagnitude magnitude(double load_factor) const;
-  /// From here on amplitudes run as the clock does.
+  /// Lets amplitudes run as the clock does from here on.
   void follow(const std::shared_ptr<const LoadClock>& clock) {
     for (Field& field : fields_) field.amplitude.follow(clock);
   }

@@ -45,7 +45,7 @@ class Model {
   const Scene& scene() const { return *scene_; }
   /// The share of this rank.
   const Mesh& mesh() const { return mesh_; }
-  /// All of it, made anew on several ranks: for what is seldom asked.
+  /// All of it, made anew on several ranks: for rare questions.
   std::shared_ptr<const Mesh> whole_mesh() const;
   const Structure& structure() const { return structure_; }
   const ModelOptions& options() const { return options_; }
@@ -82,9 +82,9 @@ class Model {
 
   /// Wall time that evaluations took so far.
   PhaseTimes& times() const { return times_; }
-  /// Memory that evaluations use again. What one of them leaves there decides no number of another one.
+  /// Memory that evaluations use again. No number depends on the contents that another evaluation left there.
   Workspace& workspace() const { return *workspace_; }
-  /// Of vectors, which evaluations would use again.
+  /// Frees the memory of vectors that evaluations would use again.
   void release_idle_arrays() const {
     vectors_->vertex.release_idle();
     vectors_->interior.release_idle();

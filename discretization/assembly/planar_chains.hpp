@@ -1,5 +1,5 @@
-/// Chains of elements in a plane, condensed to their ends with three unknowns per vertex: what CondensedSystem does in
-/// space. What remains becomes spatial again, so that supports, joints and loads need not know of the plane.
+/// Chains of elements in a plane, condensed to their ends with three unknowns per vertex, as CondensedSystem does in
+/// space. The remaining system becomes spatial again, so that supports, joints and loads need not know of the plane.
 #pragma once
 
 #include "discretization/assembly/tangent.hpp"
@@ -19,13 +19,13 @@ class PlanarChains {
 
   /// First half of a solve; `rows` spatial (6 * local vertex + component).
   void condense_rows(const KernelView<const double*>& rows);
-  /// What runs that remain add to the rows of their end vertices, spatial.
+  /// Rows that the remaining runs add to those of their end vertices, spatial.
   const KernelView<double* [12]>& arrived() const { return arrived_; }
   /// Second half: all of x from its entries at vertices that remain.
   void expand(const KernelView<double*>& x);
 
-  /// As CondensedSystem::chain_error on this rank, and chain_residual unless `residual` has no entries. `sizes`:
-  /// largest of all ranks in x; `run_forces`: spatial, at vertices that remain.
+  /// Measures the error as CondensedSystem::chain_error does on this rank, and as chain_residual unless `residual` has
+  /// no entries. `sizes`: largest of all ranks in x; `run_forces`: spatial, at vertices that remain.
   double error(const KernelView<const double*>& rows, const KernelView<const double*>& x, const LargestParts& sizes,
                const KernelView<const double*>& run_forces, const KernelView<double*>& residual) const;
 

@@ -1,5 +1,5 @@
 /// The mixed residual of a state, and the reference values that make it dimensionless, theory (39), so that the same
-/// tolerance means the same accuracy for any units, slenderness and load: rows are divided by what is large in the
+/// tolerance means the same accuracy for any units, slenderness and load: rows are divided by the large terms of the
 /// present state, not by a fixed stiffness.
 #pragma once
 
@@ -8,7 +8,7 @@
 
 namespace mixbeam {
 
-/// What a state and its loads look like in size (maxima over all ranks).
+/// Sizes of a state and its loads (maxima over all ranks).
 struct StateMagnitude {
   double force = 0.0;         ///< largest |N| component
   double moment = 0.0;        ///< largest |M| component
@@ -45,7 +45,7 @@ double compatibility_norm(const Model& model, const MixedVector& scaled_residual
 struct EvaluationPoint {
   State state{};
   double load_factor = 0.0;
-  ResidualScales scales{};                         ///< what the rows are divided by
+  ResidualScales scales{};                         ///< divisors of the rows
   KernelView<double* [3]> line_fields {};          ///< at the load factor (StructureViews::field_value)
   std::shared_ptr<const CarriedForces> carried{};  ///< by supports and joints: the rows do not show them
   KernelView<double*> end_angles{};                ///< (local element): relative rotation between element and vertices

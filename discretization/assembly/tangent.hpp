@@ -7,7 +7,7 @@ namespace mixbeam {
 
 struct TangentArrays;
 
-/// What is asked of a tangent.
+/// Properties of a tangent that the caller chooses.
 struct TangentKind {
   bool in_space = false;         ///< also for a state in the plane of the scene: to see motions that leave it
   bool counts_interior = false;  ///< for interior_count()
@@ -43,7 +43,7 @@ class Tangent {
 
   /// Adds up the elements, loads, supports and joints in a matrix over all vertices (whole_matrix). Collective.
   void gather(const VertexMatrix& matrix) const;
-  /// The same over some of the vertices, from the links between them.
+  /// Gathers some of the vertices, from the links between them.
   void gather(const VertexMatrix& matrix, const LinkMatrices<kSpatialDofs>& links) const;
   /// Model::project_on_free_motions at the state of the tangent.
   void project_on_free_motions(const KernelView<double*>& rows) const {

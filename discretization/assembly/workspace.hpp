@@ -1,12 +1,12 @@
 /// Memory behind the evaluations of a model, for residual.cpp, cap.cpp and tangent.cpp alone: fresh pages of the system
-/// cost more than what is computed in them.
+/// cost more than the computations in them.
 #pragma once
 
 #include "discretization/assembly/cap.hpp"
 
 namespace mixbeam {
 
-/// What a tangent keeps of the elements.
+/// Numbers of the elements that a tangent keeps.
 struct TangentArrays {
   ElementEquations elements;  ///< condensed tangents and responses; rows are those of the workspace
   PlanarTangents planar;
@@ -33,8 +33,8 @@ struct Workspace {
 
 /// Rows of the elements, summed at the vertices.
 void gather_rows(const Model& model, const KernelView<double*>& rows);
-/// The same in a plane: two elements of a chain hold each other by the force that acts on the end of the one and,
-/// with the opposite sign, on the start of the other.
+/// Gathers the rows of a plane: two elements of a chain hold each other by the force that acts on the end of the one
+/// and, with the opposite sign, on the start of the other.
 void gather_planar_rows(const Model& model, const KernelView<double*>& rows);
 
 }  // namespace mixbeam

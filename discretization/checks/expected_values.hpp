@@ -1,4 +1,4 @@
-/// Expected answers that a scene file carries along, and the comparison with what was computed.
+/// Expected answers that a scene file carries along, and the comparison with the computed ones.
 #pragma once
 
 #include "discretization/parameters/source.hpp"
@@ -34,7 +34,7 @@ struct ExpectedValue {
   std::string load_case{};  ///< in which it is compared; empty: the scene has none
   /// The value belongs to the n-th critical point of the path, from 1; none: to a step.
   std::optional<int> critical_point{};
-  /// Of the quantity "stable": "true", "false", "neutral" or "unknown"; empty: a number is expected.
+  /// value of the quantity "stable": "true", "false", "neutral" or "unknown"; empty: a number is expected
   std::string word{};
   bool is_asked = false;  ///< `quantity` is a number of the list "Quantities"
 };

@@ -1,4 +1,4 @@
-/// A structure as rigid parts that joints connect: what can move without any strain.
+/// A structure as rigid parts that joints connect, which move without any strain.
 #pragma once
 
 #include "discretization/scene/scene.hpp"

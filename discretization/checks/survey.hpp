@@ -1,4 +1,4 @@
-/// What the warnings about a scene have in common: its sizes, and the list that they are collected in.
+/// Sizes of a scene, and the list that its warnings are collected in.
 #pragma once
 
 #include "discretization/geometry/reference_curve.hpp"
@@ -19,7 +19,7 @@ struct SceneSurvey {
   const Section& section_of(const Member& member) const { return *sections.at(member.section); }
   /// Reference length of the member's shortest and longest element.
   std::array<double, 2> element_lengths(std::size_t member) const;
-  /// Of the element at the start (0) or end (1) of the member.
+  /// Length of the element at the start (0) or end (1) of the member.
   double end_element_length(std::size_t member, int end) const;
 
   const Scene& scene;

@@ -110,7 +110,7 @@ void mark_fixed_rows(const VertexJoint& joint, const KernelView<unsigned char*>&
 /// become zero.
 void join_rows(const VertexJoint& joint, const State& state, const KernelView<double*>& rows);
 
-/// What the master's moment row takes of the slave's spatial rows.
+/// Moment of the slave's spatial rows in the master's moment row.
 Vec moment_on_master(const VertexJoint& joint, const State& state, const Vec& force, const Vec& moment);
 
 /// Adds the spring and writes the constraint rows, after join_rows.
@@ -151,7 +151,8 @@ class ConstraintRows {
   /// Derivatives of the constraints with respect to the load factor, after project().
   void set_slopes(double load_factor, const KernelView<double*>& rows) const;
 
-  /// From the spatial rows of a state, as project() gets them: the tangent has terms of these forces.
+  /// Returns the forces that joints carry, from the spatial rows of a state as project() gets them: the tangent has
+  /// terms of these forces.
   CarriedForces carried(const State& state, const KernelView<double*>& rows) const;
 
   /// The derivative of the equations from that of the spatial rows.
@@ -159,10 +160,10 @@ class ConstraintRows {
 
   /// State::turns of `to`, to which `from` has moved by less than a turn; those of this rank.
   void follow(const State& from, State& to) const;
-  /// The same of another state, all others zero.
+  /// Copies the turns of another state, all others zero.
   void keep_turns(const State& from, State& to) const;
-  /// Those of a state in equilibrium whose turns are zero so far: what is missing in the rows of its springs, unscaled
-  /// rows as set() leaves them, is stiffness times whole turns.
+  /// Counts the turns of a state in equilibrium whose turns are zero so far: its springs lack stiffness times whole
+  /// turns in their unscaled rows, as set() leaves them.
   void count(const KernelView<double*>& rows, State& state) const;
   bool counts() const { return counted_angles_ > 0; }
   int counted_angles() const { return counted_angles_; }

@@ -1,6 +1,6 @@
-/// What acts on vertices beside the elements and needs no condition in place of an equilibrium: loads, springs to the
-/// ground. Residual, tangent, potential, reactions and chains ask for it here alone, so that another one (an obstacle,
-/// a mass in a field) is a class and a line in external_energies().
+/// Energies that act on vertices beside the elements and need no condition in place of an equilibrium: loads, springs
+/// to the ground. Residual, tangent, potential, reactions and chains ask for them here alone, so that another one (an
+/// obstacle, a mass in a field) is a class and a line in external_energies().
 #pragma once
 
 #include "discretization/constraints/constraint_rows.hpp"
@@ -21,7 +21,7 @@ class ExternalEnergy {
   virtual bool is_support() const { return false; }
   /// Adds its gradient to the rows (6 * owned vertex + component): the negative of forces and moments on the vertices.
   virtual void add_rows(const State& state, double load_factor, const KernelView<double*>& rows) const = 0;
-  /// The same of the derivative of the gradient with respect to the load factor.
+  /// Adds the derivative of the gradient with respect to the load factor.
   virtual void add_slopes(const State& state, double load_factor, const KernelView<double*>& rows) const = 0;
   /// The derivative of the rows, less half of what a moment on the vertex adds to it by theory (44).
   virtual void add_tangent(const State& state, double load_factor, const MatrixRows& rows) const = 0;

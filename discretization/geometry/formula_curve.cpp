@@ -23,7 +23,7 @@ constexpr double kRoundingLevel = 1e-15;
 // Formulas with cancellation end in noise above it: accepted when it is flat from the middle on, and not larger.
 constexpr double kNoiseLevel = 1e-12;
 constexpr double kFlat = 4.0;
-// Looks at the whole range, which what is 1e-4 of it wide does not escape, and what they miss by [of the coordinates].
+// Probes the whole range, densely enough for a bump of 1e-4 of its width, and what they miss by [of the coordinates].
 constexpr int kLooks = 16384;
 constexpr double kPassedBy = 1e-10;
 // Coefficients up to this multiple of the last ones say nothing.
@@ -35,7 +35,7 @@ constexpr std::size_t kMostPieces = 1000;  // some ten oscillations each: more o
 constexpr double kSmallestJump = 1e-9;
 constexpr double kSmallestKink = 1e-5;
 
-/// cos(pi m / (2 kSamples)), what the discrete cosine transform is made of.
+/// cos(pi m / (2 kSamples)), the numbers of the discrete cosine transform.
 class CosineTable {
  public:
   CosineTable() {

@@ -1,4 +1,4 @@
-/// Motions that keep all distances: shifts, rotations, reflections; and what they make of points and members.
+/// Motions that keep all distances: shifts, rotations, reflections, applied to points and members.
 #pragma once
 
 #include "discretization/scene/scene.hpp"

@@ -11,7 +11,7 @@
 
 namespace mixbeam {
 
-/// What determines an arc together with its start point (and end point, see the functions below).
+/// Data that determine an arc together with its start point (and end point, see the functions below).
 struct ArcDefinition {
   enum class Given {
     point,   ///< a point on the arc between start and end

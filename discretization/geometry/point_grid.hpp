@@ -46,13 +46,13 @@ class PointGrid {
     return cell;
   }
   static std::uint64_t key(const Cell& cell) {
-    std::uint64_t mixed = 0;
+    std::uint64_t hash = 0;
     for (const std::int64_t index : cell) {
-      mixed ^= static_cast<std::uint64_t>(index) + 0x9e3779b97f4a7c15U + (mixed << 6U) + (mixed >> 2U);
-      mixed *= 0xff51afd7ed558ccdU;
-      mixed ^= mixed >> 33U;
+      hash ^= static_cast<std::uint64_t>(index) + 0x9e3779b97f4a7c15U + (hash << 6U) + (hash >> 2U);
+      hash *= 0xff51afd7ed558ccdU;
+      hash ^= hash >> 33U;
     }
-    return mixed;
+    return hash;
   }
 
   double cell_;

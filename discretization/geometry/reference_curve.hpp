@@ -75,7 +75,7 @@ ReferenceCurve make_reference_curve(const Member& member, const Vector3& start, 
 
 /// Unit vector along `curve.axis`.
 Vector3 axis_direction(const Curve& curve);
-/// From the nearest point of the axis to `position`; its length is the radius. Arc and helix.
+/// Returns the vector from the nearest point of the axis to `position`; its length is the radius. Arc and helix.
 Vector3 radius_vector(const Curve& curve, const Vector3& position);
 /// Whether the curve defines where it ends: arc, helix, parametric curve. Line and spline end at their end point.
 bool defines_end(const Curve& curve);

@@ -25,16 +25,16 @@ class VertexMatrix {
   const Teuchos::RCP<DofMatrix>& matrix() const { return matrix_; }
   /// Local vertices that have rows, in their order.
   const KernelView<int*>& vertices() const { return vertices_; }
-  /// Where a local vertex stands among rows and columns, -1 where it has none.
+  /// Place of a local vertex among rows and columns, -1 if it has none.
   int place(int local_vertex) const { return place_(local_vertex); }
   MatrixRows rows() const { return {matrix_->getLocalMatrixHost(), place_}; }
 
   /// Sums of the matrices of all links; nothing else remains.
   void gather(const LinkMatrices<kSpatialDofs>& links) const;
-  /// What runs add to the rows of the vertices at their ends (run, 12), summed into `rows` (6 * local vertex +
-  /// component) at all vertices that have rows here. Runs are the links from `first_run` on.
+  /// Sums the rows that runs add to the vertices at their ends (run, 12) into `rows` (6 * local vertex + component) at
+  /// all vertices that have rows here. Runs are the links from `first_run` on.
   void sum_at_ends(const KernelView<double* [12]>& arrived, int first_run, const KernelView<double*>& rows) const;
-  /// The same for the forces that runs exert: sum of their matrices times x, less what arrived.
+  /// Sums the forces that runs exert: their matrices times x, less the rows that arrived.
   void run_forces(const LinkMatrices<kSpatialDofs>& links, const KernelView<double* [12]>& arrived, int first_run,
                   const KernelView<const double*>& x, const KernelView<double*>& rows) const;
 

@@ -12,13 +12,13 @@ class ElementView {
  public:
   ElementView(const Structure& structure, const ElementBlock& block, int e, const StateViews* state = nullptr)
       : structure_(&structure), block_(&block), state_(state), e_(e) {}
-  /// Of a local element.
+  /// Views a local element.
   ElementView(const Structure& structure, const State& state, int local)
       : ElementView(structure, structure.block_of(local), 0, &state.views) {
     e_ = local - block_->first_element;
   }
 
-  /// The same element in another state.
+  /// Views the same element in another state.
   ElementView in(const StateViews& state) const { return {*structure_, *block_, e_, &state}; }
 
   const ElementBlock& block() const { return *block_; }
@@ -98,7 +98,7 @@ void for_each_element(const Structure& structure, const State& state, const Acti
   for_each_element(structure, &state.views, action);
 }
 
-/// The same on all threads: actions must not depend on each other.
+/// Visits elements on all threads: actions must not depend on each other.
 template <class Action>
 void for_each_element_on_threads(const char* label, const Structure& structure, const StateViews& state,
                                  const Action& action) {
@@ -107,7 +107,7 @@ void for_each_element_on_threads(const char* label, const Structure& structure, 
                          [&](int e) { action(ElementView(structure, block, e, &state)); });
 }
 
-/// The same for those that this rank answers for: each element of the mesh on one rank.
+/// Visits the elements that this rank answers for: each element of the mesh on one rank.
 template <class Action>
 void for_each_owned_element(const Structure& structure, const State& state, const Action& action) {
   for_each_element(structure, state, [&](const ElementView& element) {

@@ -128,7 +128,7 @@ struct Mesh {
            1;
   }
   int index_of_element(int number) const { return number - first_element[member_of_element(number)]; }
-  /// Of all members.
+  /// Length of all members.
   double total_length() const;
   const MeshMember& member_of(const MeshElement& element) const { return members[element.member]; }
   double element_length(const MeshElement& element) const { return member_of(element).element_length(element.index); }

@@ -14,7 +14,7 @@ namespace mixbeam {
 
 constexpr int kVertexDofs = 6;
 
-/// What all vectors of a model have in common.
+/// Data shared by all vectors of a model.
 struct VectorPool {
   // arrays of vectors that are not in use
   ViewPool<DofVector::dual_view_type::t_dev> vertex;
@@ -58,7 +58,7 @@ class MixedVector {
   double maximum_norm() const;  ///< the same for any number of threads and ranks
   double one_norm() const;
   double inner_product(const MixedVector& other) const;
-  /// Of the rows of vertices alone, each times that of `weights`.
+  /// Product of the rows of vertices alone, each times that of `weights`.
   double vertex_product(const MixedVector& weights, const MixedVector& other) const;
   GlobalOrdinal global_length() const;               ///< collective when it is first asked for
   bool same_values(const MixedVector& other) const;  ///< on every rank
@@ -120,7 +120,7 @@ LargestParts largest_parts(const Teuchos::Comm<int>& comm, const KernelView<cons
 
 /// Largest of a value over all ranks; not-a-number on any rank wins.
 double maximum_over_ranks(const Teuchos::Comm<int>& comm, double value);
-/// The same for each of `count` values, in one message.
+/// Takes the maxima of `count` values in one message.
 void maxima_over_ranks(const Teuchos::Comm<int>& comm, double* values, int count);
 
 }  // namespace mixbeam

@@ -53,8 +53,8 @@ struct FittedRotation {
   std::array<Vec3<double>, kMaximumOrder> psi{};  ///< Legendre coefficients, [0] = 0
   double mean = HUGE_VAL;                         ///< of psi as it was left: rounding, unless they turn too far
 };
-/// Those nearest to given rotations at the points `xi`, whose weights sum up to 2: moves Lambda_lo, at first `start`,
-/// by the mean of the logarithms until it vanishes.
+/// Fits rotations to given ones at the points `xi`, whose weights sum up to 2: moves Lambda_lo, at first `start`, by
+/// the mean of the logarithms until it vanishes.
 FittedRotation fit_rotation(const Quaternion<double>& start, const std::vector<Quaternion<double>>& rotation,
                             const std::vector<double>& xi, const std::vector<double>& weight, int order);
 

@@ -33,7 +33,7 @@ SectionConstants section_constants(const Section& section) {
   return c;
 }
 
-/// A stiffness this much above the softest is rigid beside it: what is softer decides how a structure bends.
+/// A stiffness this much above the softest is rigid beside it: softer ones decide how a structure bends.
 constexpr double kStiffnessRange = 1e4;
 
 /// Springs may be softer still, but they need not be what decides: of the reference that sections have they leave this

@@ -83,7 +83,7 @@ State allocate_state(const Structure& structure);
 
 /// Arrays for rows of all elements, of residuals or condensed ones: they share their numbers.
 ElementEquations allocate_rows(const Structure& structure);
-/// Arrays for the tangents of all elements and what the recovery of their interiors needs.
+/// Arrays for the tangents of all elements and the recovery of their interiors.
 ElementEquations allocate_tangents(const Structure& structure);
 
 }  // namespace mixbeam

@@ -1,5 +1,5 @@
 /// Arrays that come and go with every iteration are used again instead of given back: fresh pages of the system cost
-/// more than what is computed in them.
+/// more than the computations in them.
 #pragma once
 
 #include <Kokkos_Core.hpp>

@@ -14,7 +14,7 @@ namespace mixbeam {
 
 namespace {
 
-/// A moment that is a smaller share of what the layer would have is that of a hinge.
+/// A moment below this share of that of the layer is that of a hinge.
 constexpr double kHinge = 1e-6;
 /// Beyond this angle the formula 2 sin(theta / 2) is no longer that of a layer that ends in the chord. [radian]
 constexpr double kLargestTurn = 2.0;

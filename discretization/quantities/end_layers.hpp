@@ -28,7 +28,7 @@ struct EndLayer {
   double vertex_arc_length() const { return sample.arc_length; }
 };
 
-/// Of all elements, on every rank. Hinged ends have none: no moment, no layer. Collective.
+/// Finds the layers of all elements, on every rank. Hinged ends have none: no moment, no layer. Collective.
 std::vector<EndLayer> end_layers(const Model& model, const State& state);
 
 }  // namespace mixbeam

@@ -19,8 +19,8 @@ namespace {
 /// parabola. So much more is allowed for before a peak is left out of the search.
 constexpr double kPeakOverSecondDifference = 2.0;
 
-/// Peaks whose upper bound exceeds the best sample by less than this (relative) are skipped: a tenth of what is
-/// promised, and more than Newton's method leaves of a force that is the same in ten thousand elements.
+/// Peaks whose upper bound exceeds the best sample by less than this (relative) are skipped: a tenth of the promised
+/// error, and more than Newton's method leaves of a force that is the same in ten thousand elements.
 constexpr double kNegligible = 1e-9;
 
 /// Each parabola over the one before it. Through samples of distance h it finds the value of a peak to h^4.

@@ -24,7 +24,7 @@ struct MemberExtreme {
   int side = 0;             ///< -1: at the end of an element, 1: at its start, 0: inside
 };
 
-/// What is looked for, and along which members (indices in the scene of the model).
+/// Extreme that is looked for, and along which members (indices in the scene of the model).
 struct ExtremeRequest {
   std::vector<int> members{};
   FieldAlongMember field{};

@@ -1,5 +1,4 @@
-/// What a user asks of a run: numbers by name, in every completed step, for tables, files, summaries, checks and
-/// limits.
+/// Numbers that a user asks of a run by name, in every completed step, for tables, files, summaries, checks and limits.
 #pragma once
 
 #include "discretization/checks/expected_values.hpp"
@@ -15,7 +14,7 @@
 
 namespace mixbeam {
 
-/// What is made of several places, or of all of a member.
+/// Reduction of several places, or of all of a member.
 enum class Take {
   each,         ///< one number (or vector) for each place
   sum,          ///< over the places

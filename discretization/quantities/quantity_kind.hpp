@@ -12,7 +12,7 @@ namespace mixbeam {
 
 struct QuantityState;
 
-/// Where a quantity is taken.
+/// Place at which a quantity is taken.
 enum class QuantitySource {
   motion,     ///< vector, at points and along members
   triad,      ///< the same, of nine numbers
@@ -45,7 +45,7 @@ struct QuantityKind {
 };
 
 const std::vector<QuantityKind>& quantity_kinds();
-/// Of a name that exists.
+/// Finds the kind of a name that exists.
 const QuantityKind& quantity_kind(const std::string& name);
 
 /// "normal stress" (the largest over the section, with its sign), "shear stress", "von Mises stress", "utilisation"

@@ -1,4 +1,4 @@
-/// Where a quantity is taken: what the words of a user stand for in a scene.
+/// Places of quantities: resolves the words of a user in a scene.
 #pragma once
 
 #include "discretization/parameters/input_place.hpp"
@@ -18,7 +18,7 @@ struct QuantityPlace {
   std::string point{};                 ///< name; empty: a place along a member
   int member = -1;                     ///< in the scene
   double position = 0.0;               ///< arc length over length of the member
-  std::optional<double> arc_length{};  ///< what was asked for in place of that share [length]
+  std::optional<double> arc_length{};  ///< the arc length that was asked for in place of that share [length]
 };
 
 class QuantityPlaces {
@@ -26,9 +26,9 @@ class QuantityPlaces {
   /// The scene must outlive it.
   explicit QuantityPlaces(const Scene& scene);
 
-  /// What `text` (a point, MEMBER@s, MEMBER@p%, or a pattern of either) stands for. Throws InputError at `place`.
+  /// Resolves `text` (a point, MEMBER@s, MEMBER@p%, or a pattern of either). Throws InputError at `place`.
   std::vector<QuantityPlace> places(const std::string& text, const InputPlace& place) const;
-  /// Those of places() on a member, for what belongs to a section: a point must have one member only.
+  /// Resolves `text` to places on members, for quantities of a section: a point must have one member only.
   std::vector<QuantityPlace> places_in_members(const std::string& text, const InputPlace& place) const;
   /// Members that a name or pattern stands for.
   std::vector<int> members(const std::string& text, const InputPlace& place) const;

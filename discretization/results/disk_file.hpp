@@ -1,4 +1,4 @@
-/// The only way to a file of results: every open, write, sync, rename and close is checked, and what was not completed
+/// The only way to a file of results: every open, write, sync, rename and close is checked, and an incomplete one
 /// leaves nothing behind. HDF5 writes through it as well (guarded_file.hpp).
 #pragma once
 
@@ -12,7 +12,7 @@
 
 namespace mixbeam {
 
-/// A system call on a file failed; the message says what was tried and what the system said, not the name of the file.
+/// A system call on a file failed; the message has the call and the system's answer, not the name of the file.
 class DiskError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -67,7 +67,7 @@ class DiskFile {
   int descriptor_;
 };
 
-/// What was renamed or removed in the folder of a file survives a power cut. Throws DiskError.
+/// Makes renames and removals in the folder of a file survive a power cut. Throws DiskError.
 void sync_folder_of(const std::filesystem::path& path);
 
 /// A file that is written under a hidden name and takes its own when it is complete. Without that, nothing is left of
@@ -81,7 +81,7 @@ class Replacement {
   Replacement& operator=(const Replacement&) = delete;
 
   const std::filesystem::path& path() const { return path_; }
-  /// Where to write.
+  /// Path to write to.
   const std::filesystem::path& hidden_path() const { return hidden_; }
   /// Gives the file, which must be complete or grow under its name, that name. `durable`: first waits until it is on
   /// the disk, and then until its name is. Throws DiskError.
@@ -95,9 +95,9 @@ class Replacement {
 /// Puts `text` into a file of this name in one indivisible operation. Throws FileError.
 void replace_file(const std::filesystem::path& path, const std::string& text, bool durable);
 
-/// What takes the next piece of a text.
+/// Receives the next piece of a text.
 using TextSink = std::function<void(const std::string&)>;
-/// The same for a text that is too long to be held in memory: `write` hands it over piece by piece.
+/// Replaces a file by a text that is too long to be held in memory: `write` hands it over piece by piece.
 void replace_file(const std::filesystem::path& path, const std::function<void(const TextSink&)>& write, bool durable);
 
 /// When a file replaces one that bears its name already.

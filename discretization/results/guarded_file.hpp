@@ -1,6 +1,6 @@
-/// A file as the HDF5 library sees it: what it reads has been checked against the seal, and what it writes stays in
-/// memory until it is written out in whole blocks, checked. So the library never sees damaged bytes, nor a full disk,
-/// both of which may crash it.
+/// A file as the HDF5 library sees it: its reads have been checked against the seal, and its writes stay in memory
+/// until they are written out in whole blocks, checked. So the library never sees damaged bytes, nor a full disk, both
+/// of which may crash it.
 #pragma once
 
 #include "discretization/results/seal.hpp"

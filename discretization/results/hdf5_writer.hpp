@@ -69,13 +69,13 @@ class File {
 
   operator hid_t() const { return handle_; }
 
-  /// Closes it and throws what went wrong meanwhile (Error, DiskError, DamageError): what the library hears of a write
-  /// is always success, for after a failure it can neither be trusted to close files nor to end. What was written is in
+  /// Closes it and throws the errors that occurred meanwhile (Error, DiskError, DamageError): the library is always
+  /// told of success, for after a failure it can neither be trusted to close files nor to end. The bytes written are in
   /// `content`, to be flushed.
   void close();
 
  private:
-  /// What calls of the library meet.
+  /// Medium of the library's calls.
   struct Medium {
     GuardedFile* content = nullptr;
     std::exception_ptr problem{};
@@ -89,7 +89,7 @@ class File {
 /// How the values of an attribute or a dataset may be stored: each by the types that this program writes.
 enum class Stored : unsigned { integers = 1, reals = 2, numbers = 3, texts = 4, anything = 7 };
 
-/// What is open to be read.
+/// A dataset that is open to be read.
 struct StoredValues {
   Handle id, type, space;
   std::vector<hsize_t> shape{};  ///< empty: one value
@@ -101,7 +101,7 @@ struct StoredValues {
 /// shapes of other kinds.
 StoredValues open_attribute(hid_t object, const std::string& name, Stored declared);
 StoredValues open_dataset(hid_t group, const std::string& name, Stored declared);
-/// Of one that is open.
+/// Describes a dataset that is open.
 StoredValues values_of(Handle dataset, const std::string& name, Stored declared);
 
 /// Throws Error where a call has failed: "cannot <action>: " and the library's reason.
@@ -133,7 +133,7 @@ std::size_t count_links(hid_t group);
 /// Throws Error where that cannot be determined.
 bool has_link(hid_t group, const std::string& name);
 
-/// What a group holds, by name, ascending. Throws Error for links but hard ones.
+/// An object of a group, by name, ascending. Throws Error for links but hard ones.
 struct ObjectLink {
   std::string name{};
   std::uint64_t address = 0;  ///< of the object in the file: tells objects apart
@@ -154,10 +154,10 @@ std::vector<std::string> read_texts(hid_t group, const std::string& name);
 /// Reads and forgets, to find out whether that can be done.
 void read_attributes(hid_t object);
 void read_all(const StoredValues& dataset, const std::string& name);
-/// Of one of links_of(parent): a group, a dataset or what is neither.
+/// Opens one of links_of(parent): a group, a dataset or neither.
 Handle open_object(hid_t parent, const std::string& name);
 bool is_group(hid_t object);
-/// Where the numbers of a dataset lie in the file, and how many bytes they are; zeros unless they lie in one piece.
+/// Place of the numbers of a dataset in the file, and how many bytes they are; zeros unless they lie in one piece.
 std::pair<std::uint64_t, std::uint64_t> data_place(const StoredValues& dataset);
 /// Row by row, of so many columns; one column is a dataset of one dimension.
 std::vector<double> read_dataset(hid_t group, const std::string& name, std::size_t columns,

@@ -10,7 +10,7 @@
 
 namespace mixbeam {
 
-/// For what a single process does, with or without MPI.
+/// Communicator for the work of a single process, with or without MPI.
 Communicator one_rank();
 
 /// Runs `action` on every rank. Empty when it threw nothing anywhere; otherwise, on every rank, what the first rank on
@@ -23,7 +23,7 @@ struct RankNumber {
   int rank = 0, ranks = 1;
 };
 
-/// The ranks that work on one file of results. What fails on one of them throws the same ResultFileError, with the name
+/// The ranks that work on one file of results. An error on one of them throws the same ResultFileError, with the name
 /// of the file, on all. Collective, all of it.
 class FileRanks {
  public:

@@ -1,5 +1,5 @@
 /// The layout of a result file: every group, attribute and small dataset, written and read side by side. The large
-/// datasets are in result_tables.hpp. What the names mean: apps/docs/results.md.
+/// datasets are in result_tables.hpp. Meaning of the names: apps/docs/results.md.
 #pragma once
 
 #include "discretization/results/hdf5_writer.hpp"
@@ -41,13 +41,13 @@ void write_acting(hid_t file, const Acting& acting);
 void write_step(hid_t file, const StepRecord& record);
 /// Names of the groups of all steps, in their order.
 std::vector<std::string> step_groups(hid_t file);
-/// Of the group of that name.
+/// Reads the group of that name.
 PathPoint read_point(hid_t step, const std::string& name);
 RecordedStability read_stability(hid_t step);
 std::optional<RecordedJump> read_jump(hid_t step);
-/// Of a step or a critical point.
+/// Reads the state of a step or a critical point.
 StateSnapshot read_state(hid_t group);
-/// Without fields at samples and monitored quantities.
+/// Reads critical points without fields at samples and monitored quantities.
 std::vector<RecordedCriticalPoint> read_critical_points(hid_t step);
 
 std::vector<MonitoredSeries> read_monitor(hid_t file);

@@ -1,6 +1,6 @@
 /// The result file of a run: HDF5 for programs, with an XDMF description beside it for ParaView and VisIt.
 ///
-/// Layout: apps/docs/results.md. What a record holds, under which name: state/record_fields.hpp.
+/// Layout: apps/docs/results.md. Contents and names of a record: state/record_fields.hpp.
 ///
 /// A run may be killed at any moment: see published_file.hpp.
 ///
@@ -34,8 +34,8 @@ struct WritingOptions {
 };
 
 /// Writes the steps of one run. Every rank owns one: each writes the rows that it holds of the large datasets, rank 0
-/// everything else, and all of them see the same folder. What fails on one rank throws the same ResultFileError on
-/// every rank. Not for concurrent threads.
+/// everything else, and all of them see the same folder. An error on one rank throws the same ResultFileError on every
+/// rank. Not for concurrent threads.
 class ResultFile {
  public:
   /// Starts an empty file, replacing one of that name. `path` must lie in an existing folder; its extension is free,

@@ -34,7 +34,7 @@ class ResultLock {
 
 using SharedResultLock = std::shared_ptr<const ResultLock>;
 
-/// Taken by rank 0, none on the others; what it throws is thrown on every rank. Collective.
+/// Takes it on rank 0, none on the others; throws the same on every rank. Collective.
 SharedResultLock lock_result(const std::filesystem::path& file, const Teuchos::Comm<int>& communicator);
 
 }  // namespace mixbeam

@@ -66,20 +66,20 @@ struct ResultTable {
 /// "000001" of step 1.
 std::string step_group_name(int step);
 
-/// What describes the members, from their first record. The tables refer to `members`, which must outlive them.
+/// Tables that describe the members, from their first record. They refer to `members`, which must outlive them.
 std::vector<ResultTable> tables_of_members(const SampledMembers& members);
 
 /// Stresses at each sample that a step may have.
 inline constexpr std::array<const char*, 4> kStressNames = {"largest_normal_stress", "largest_shear_stress",
                                                             "von_mises_stress", "utilisation"};
 
-/// Those that a step has: utilisation where some material has a strength.
+/// Names the stresses that a step has: utilisation where some material has a strength.
 std::vector<std::string> stresses_of_step(const StepRecord& record);
 
-/// Those of a step; they refer to `record`, which must outlive them.
+/// Tables of a step; they refer to `record`, which must outlive them.
 std::vector<ResultTable> tables_of_step(const StepRecord& record, RankNumber rank);
 
-/// What the description needs to know about one step.
+/// Numbers of one step for the description in XDMF.
 struct XdmfStep {
   int step = 0;  ///< shown as time, because the load factor need not grow
   double load_factor = 0.0;

@@ -40,12 +40,12 @@ struct Seal {
   std::uint64_t blocks() const { return (bytes + block - 1) / block; }
   /// Bytes of a block that are in the file.
   std::size_t bytes_of(std::uint64_t number) const;
-  /// Of list and end.
+  /// Bytes of list and end.
   std::uint64_t bytes_behind() const;
   /// New blocks are zeros.
   void resize(std::uint64_t new_bytes);
   bool holds(std::uint64_t number, const void* block_bytes) const;
-  /// Of all blocks.
+  /// Sums of all blocks.
   std::vector<BlockSum> all() const;
 };
 

@@ -1,4 +1,4 @@
-/// A result file read back: what a run is resumed from. Layout: apps/docs/results.md.
+/// A result file read back, from which a run is resumed. Layout: apps/docs/results.md.
 #pragma once
 
 #include "discretization/state/member_samples.hpp"
@@ -11,7 +11,7 @@
 
 namespace mixbeam {
 
-/// What a result file says about the run as a whole.
+/// Data of a result file about the run as a whole.
 struct ResultHeader {
   std::string scene_name;
   std::string scene_xml;                          ///< the input, word for word
@@ -44,13 +44,13 @@ class StoredRun {
   /// Whether a last step was chosen: the rest of the file does not count, and may be damaged.
   bool drops_the_rest() const { return drops_the_rest_; }
   bool has_all_series() const { return has_all_series_; }
-  /// Those that are missing, one row for each of steps().
+  /// Completes the series that are missing, one row for each of steps().
   void complete(const std::vector<MonitoredSeries>& series);
   const std::vector<SampledMember>& members() const { return members_; }
   /// Names and sizes of monitored quantities, and the number of the last step; no values.
   const StepSummary& layout() const { return layout_; }
 
-  /// Of each of steps(); "unknown" in files of versions that did not record it.
+  /// Stability of each of steps(); "unknown" in files of versions that did not record it.
   const std::vector<RecordedStability>& stability() const { return stability_; }
   /// State of the step at this position in steps().
   StateSnapshot state(std::size_t position) const;

@@ -1,5 +1,5 @@
-/// What acts on a structure, for result files and pictures: each support, joint and load with its place, patterns,
-/// wildcards and tables resolved; and the sections of its members.
+/// Supports, joints and loads of a structure, for result files and pictures: each with its place, patterns, wildcards
+/// and tables resolved; and the sections of its members.
 #pragma once
 
 #include "discretization/mesh/mesh.hpp"
@@ -19,7 +19,7 @@ struct ActingTable {
   std::map<std::string, std::string> lines{};
 };
 
-/// What varies along a member is sampled at this many places from its start to its end, evenly spread.
+/// Quantities that vary along a member are sampled at this many places from its start to its end, evenly spread.
 inline constexpr int kPlacesAlongMember = 9;
 
 struct Acting {
@@ -27,7 +27,7 @@ struct Acting {
   std::vector<ActingTable> tables{};  ///< those that have rows
 };
 
-/// Of a scene and its mesh. A point lies on the first member there that no joint moves against it.
+/// Lists all that acts in a scene and its mesh. A point lies on the first member there that no joint moves against it.
 Acting acting_on(const Scene& scene, const Mesh& mesh);
 
 }  // namespace mixbeam

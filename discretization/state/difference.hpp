@@ -1,4 +1,4 @@
-/// What estimates of the error need of states: how far apart two of one discretization are, and rotations inside
+/// States as estimates of the error need them: how far apart two of one discretization are, and rotations inside
 /// elements made more accurate by those of their vertices.
 #pragma once
 
@@ -18,13 +18,13 @@ struct ElementDifference {
 struct StateDifference {
   std::vector<ElementDifference> elements{};   ///< (local element)
   std::vector<Vector3> vertex_displacement{};  ///< (owned vertex), second state less first
-  // Of all ranks:
+  // Over all ranks:
   double largest_displacement = 0.0;  ///< |u| of the second state at any vertex or middle of an element
   double largest_change = 0.0;        ///< of the displacement of a vertex
   int farthest_vertex = 0;            ///< whose it is, the first of equal ones
 };
 
-/// The same numbers for any number of ranks and threads. Collective.
+/// Measures the difference of two states: the same numbers for any number of ranks and threads. Collective.
 StateDifference difference(const Model& model, const State& first, const State& second);
 
 /// The increment that leads from one state to another, as Model::apply takes it: a function of their bits, and of how

@@ -27,7 +27,7 @@ class StateNumbers {
 
   Number* displacement(int vertex) const { return arrays_[0] + 3 * static_cast<size_t>(vertex); }
   Number* rotation(int vertex) const { return arrays_[1] + 4 * static_cast<size_t>(vertex); }
-  /// Of an element of the mesh with its vertices.
+  /// Displacement of a vertex of an element of the mesh.
   Number* displacement(const MeshElement& element, int number, int end) const {
     return displacement(share_ == nullptr ? element.vertex[end] : view(number).vertex(end));
   }
@@ -57,7 +57,7 @@ using Coefficients = std::array<Vec, kMaximumOrder + 1>;  ///< of P_0 .. P_k
 /// Value of a polynomial where the Legendre polynomials have the values P.
 Vec value_at(const Coefficients& coefficients, int degree, const double* P);
 
-/// The fields of one element, in polynomials. What an order does not have is zero.
+/// The fields of one element, in polynomials. Coefficients that an order does not have are zero.
 struct ElementPolynomials {
   Vec start{};                     ///< displacement there
   Coefficients slope{};            ///< u' = du/ds, degree k - 1
@@ -70,12 +70,13 @@ struct ElementPolynomials {
 ElementPolynomials polynomials_of(const Member& member, double length, const double* start, const double* end,
                                   const double* triad, const double* interior);
 
-/// The inverse, but for the displacements of the vertices. What the order of the member has no room for is cut off.
+/// Stores polynomials: the inverse, but for the displacements of the vertices. Coefficients that the order of the
+/// member does not have are cut off.
 void store_polynomials(const Member& member, const ElementPolynomials& element, double* triad, double* interior);
 
 /// N at xi in [-1, 1] through its Gauss points, material.
 Vec force_at(const ElementView& element, double xi);
-/// The same through its spatial components, which are smoother where the element turns.
+/// Force at xi through its spatial components, which are smoother where the element turns.
 Vec force_through_space_at(const ElementView& element, double xi);
 
 }  // namespace mixbeam

@@ -1,6 +1,5 @@
-/// The sampled configuration of a structure at one converged step: what the solver hands to result files, tables and
-/// plots. Plain data; nothing here knows how it was computed. Lengths, forces and moments in the scene's own consistent
-/// units.
+/// The sampled configuration of a structure at one converged step, for result files, tables and plots. Plain data;
+/// nothing here knows how it was computed. Lengths, forces and moments in the scene's own consistent units.
 #pragma once
 
 #include "discretization/scene/scene.hpp"
@@ -24,7 +23,7 @@ namespace mixbeam {
 /// columns.
 using TriadQuaternion = std::array<double, 4>;
 
-/// What a sampled member is, without its samples.
+/// Description of a sampled member, without its samples.
 struct SampledMember {
   std::string name{};            ///< the member's name in the scene
   int order = 0, elements = 0;   ///< of its mesh
@@ -48,7 +47,7 @@ struct MemberSamples : SampledMember {
   std::vector<Vector3> moment_strain;       ///< kappa, material (torsion, bending 2, bending 3), 1/length
   std::vector<Vector3> material_force;      ///< N, material
   std::vector<Vector3> material_moment;     ///< M, material
-  /// Of the section at each sample, where they are asked for (else empty): normal with its sign. NaN: a section that is
+  /// Largest stresses of the section at each sample, where they are asked for (else empty): normal with its sign. NaN: a section that is
   /// not given by its shape.
   std::vector<double> largest_normal_stress, largest_shear_stress, von_mises_stress;
   std::vector<double> utilisation;  ///< likewise: von Mises stress over strength. NaN: no strength is given
@@ -108,7 +107,7 @@ class SampledMembers {
   /// Null where no sample of the member is held.
   const MemberSamples* find(int number) const;
 
-  // Of the whole structure.
+  // Number of members of the whole structure.
   std::size_t members() const { return members_; }
   std::size_t samples() const { return samples_; }
   std::size_t elements() const { return elements_; }
@@ -137,7 +136,8 @@ struct MonitoredQuantity {
   std::vector<double> components;  ///< size 1 (scalar) or 3 (vector)
 };
 
-/// What a support, springs included, exerts on the structure. Spatial; the moment is that on the vertex itself.
+/// Reaction that a support, springs included, exerts on the structure. Spatial; the moment is that on the vertex
+/// itself.
 struct RecordedReaction {
   std::string point{};
   Vector3 force{}, moment{};
@@ -159,7 +159,7 @@ struct RecordedStability {
   bool has_potential = true;  ///< the loads have one; without, stability is never certain
 };
 
-/// From the last stable state on a path to another one, down the total potential.
+/// Jump from the last stable state on a path to another one, down the total potential.
 struct RecordedJump {
   double from = 0.0, to = 0.0;  ///< load factors between which the stable path ends
   double released = 0.0;        ///< energy [force * length], theory (66)
@@ -244,7 +244,7 @@ struct LargestAlong {
   double error = 0.0;  ///< estimated, where that is known
 };
 
-/// What a report says of stresses and strains.
+/// Stresses and strains of a report.
 struct StressSummary {
   std::vector<StressedMember> members{};  ///< at most kMostStressed, the largest von Mises stress first
   LargestAlong strain{};                  ///< the largest over its limit, see Section::largest_strain
@@ -282,7 +282,7 @@ struct StepRecord : StepSummary {
   std::shared_ptr<const Acting> acting{};                 ///< what acts on the structure; of the first record of a run
 };
 
-/// All but the members and the fields at samples, vertices and elements: what a step takes few bytes for.
+/// All but the members and the fields at samples, vertices and elements: few bytes for each step.
 StepRecord without_rows(const StepRecord& record);
 RecordedCriticalPoint without_rows(const RecordedCriticalPoint& point);
 

@@ -42,7 +42,7 @@ struct SectionAlong {
 class StressedSections {
  public:
   StressedSections(const Scene& scene, const Mesh& mesh);
-  /// Of a member (index in the scene), until the next one is asked for.
+  /// Stresses of a member (index in the scene), until the next one is asked for.
   const SectionAlong& of(std::size_t member);
 
  private:

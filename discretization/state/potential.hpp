@@ -11,9 +11,9 @@ namespace mixbeam {
 /// a length; collective.
 double potential_energy(const Model& model, const State& state, double load_factor);
 
-/// What is set free between two equilibria, theory (66): the work that loads, supports and eigenstrains do on a
-/// straight way from one to the other, less what the structure stores of it. Zero to third order in a step along a
-/// path. Collective.
+/// Energy released between two equilibria, theory (66): the work that loads, supports and eigenstrains do on a straight
+/// way from one to the other, less what the structure stores of it. Zero to third order in a step along a path.
+/// Collective.
 double released_energy(const Model& model, const State& first, double first_load_factor, const State& second,
                        double second_load_factor);
 

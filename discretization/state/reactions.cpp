@@ -231,7 +231,7 @@ Balance BalanceSums::over_all_ranks() const {
                         sums.curve_moment};
   for (int part = 0; part < 5; ++part) store_vector(parts[part], &all[3 * part]);
   sum_over_ranks(comm, all.data(), all.size());
-  // what is at work inside counts too: prescribed motions leave no load, and internal forces may cancel in the supports
+  // internal forces count too: prescribed motions leave no load, and internal forces may cancel in the supports
   const ResidualScales scales = scales_of(model_, state_, load_factor_);
   const double force = maximum_over_ranks(comm, std::max(sums.largest_force, scales.force));
   const double moment =

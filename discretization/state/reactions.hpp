@@ -1,4 +1,4 @@
-/// What holds a structure: the forces and moments of its supports, and whether they balance the loads.
+/// Forces and moments of the supports, and whether they balance the loads.
 #pragma once
 
 #include "discretization/assembly/residual.hpp"

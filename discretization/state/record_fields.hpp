@@ -38,7 +38,7 @@ constexpr Field<Record, Value> field(const char* name, Value Record::*member, Ke
   return {name, member, "", "", kept, nullptr};
 }
 
-/// Of each kind of record, a tuple of its fields in the order in which they are written.
+/// Lists the fields of each kind of record as a tuple, in the order in which they are written.
 template <class Record>
 inline constexpr std::tuple<> kFields;
 
@@ -52,7 +52,7 @@ inline constexpr auto kFields<StepSummary> =
                field("force_energy", &StepSummary::force_energy, "force * length", "of force strains"),
                field("moment_energy", &StepSummary::moment_energy, "force * length", "of moment strains")};
 
-/// What a path needs to go on; see also kFieldsAlongPath.
+/// Numbers that a path needs to go on; see also kFieldsAlongPath.
 template <>
 inline constexpr auto kFields<PathPoint> =
     std::tuple{field("step_size", &PathPoint::step_size, "", "as the control of step sizes gave it"),
@@ -67,7 +67,7 @@ inline constexpr auto kFieldsAlongPath =
                field("direction", &PathPoint::direction, "", "sign of the change of the load factor"),
                field("negative", &PathPoint::negative, "", "eigenvalues below zero; -1: not counted"),
                field("branched", &PathPoint::branched, "", "1: the path has left the primary one")};
-/// Where loads have formulas only.
+/// Fields present where loads have formulas only.
 inline constexpr auto kFieldsOfPiece =
     std::tuple{field("piece", &PathPoint::piece, "", "load factor at which the piece begins"),
                field("parameter", &PathPoint::parameter, "", "of the step in the piece")};

@@ -1,5 +1,5 @@
-/// What a run needs to go on after a completed step as if it had never stopped, to the last bit. Plain numbers that do
-/// not depend on ranks and threads.
+/// State of a run after a completed step, from which it goes on as if it had never stopped, to the last bit. Plain
+/// numbers that do not depend on ranks and threads.
 #pragma once
 
 #include <cmath>
@@ -42,7 +42,7 @@ inline RowShare all_rows(std::size_t rows) {
   return share;
 }
 
-/// As many rows for each rank, but for rounding: for tables that every rank knows.
+/// Gives each rank as many rows, but for rounding: for tables that every rank knows.
 inline RowShare even_share(std::size_t rows, int rank, int ranks) {
   const auto bound = [&](int r) { return rows / ranks * r + rows % ranks * r / ranks; };
   RowShare share{rows};
@@ -70,7 +70,7 @@ struct StateSnapshot {
   bool empty() const { return vertex_rotation.empty(); }
 };
 
-/// What one rank holds of a state: these rows of its arrays, one after the other.
+/// Rows of a state's arrays that one rank holds, one after the other.
 struct StateShare {
   StateSnapshot held{};
   RowShare vertices{}, elements{}, interior{};
@@ -85,7 +85,7 @@ inline StateShare whole(StateSnapshot state) {
   return {std::move(state), vertices, elements, interior};
 }
 
-/// Where a load path stands after a completed step: with the state, all that the steps to come depend on.
+/// Place of a load path after a completed step: with the state, all that the steps to come depend on.
 struct PathPoint {
   int step = 0;                                 ///< number of the step, 0: the state at the start of the path
   int stage = 1;                                ///< in which it lies, or which it ends

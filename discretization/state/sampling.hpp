@@ -55,7 +55,8 @@ inline constexpr int kPointsByOrder = 0;
 /// elements that start at one of its vertices. Rank 0 has descriptions of all members.
 SampledMembers sample_own_elements(const Scene& scene, const Model& model, const State& state, int points_per_element);
 
-/// The same, complete on rank 0; other ranks return the members without samples. For small structures. Collective.
+/// Samples members completely on rank 0; other ranks return the members without samples. For small structures.
+/// Collective.
 std::vector<MemberSamples> sample_members(const Scene& scene, const Model& model, const State& state,
                                           int points_per_element);
 
@@ -74,7 +75,7 @@ StrainEnergy strain_energy(const Model& model, const State& state);
 std::array<double, 6> vertex_motion(const Model& model, const State& state, int vertex);
 /// Its undeformed position, likewise.
 Vector3 reference_position(const Model& model, int vertex);
-/// Of any vertex. Collective.
+/// Largest displacement of any vertex. Collective.
 double largest_displacement(const Model& model, const State& state);
 
 }  // namespace mixbeam

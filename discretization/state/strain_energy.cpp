@@ -24,9 +24,9 @@ StrainEnergy general_element_energy(const ElementView& element) {
   gauss_rule(n, points, weights);
   for (int q = 0; q < n; ++q) {
     const Vec force = element.force(q);
-    const double mixed = dot(force, section.force_moment(q) * moment_at(points[q]));
-    energy.force += quarter * weights[q] * (dot(force, section.force_force(q) * force) + mixed);
-    energy.moment += quarter * weights[q] * mixed;
+    const double coupled = dot(force, section.force_moment(q) * moment_at(points[q]));
+    energy.force += quarter * weights[q] * (dot(force, section.force_force(q) * force) + coupled);
+    energy.moment += quarter * weights[q] * coupled;
   }
   gauss_rule(k + 1, points, weights);
   for (int q = 0; q <= k; ++q) {

@@ -63,8 +63,8 @@ template <int N>
 void condense_runs(const ChainLevel& level, const LinkMatrices<N>& matrices, const ChainFactors& factors,
                    const ChainPivots& pivots);
 
-/// The same for a right-hand side `rows` (N * vertex + component): at eliminated vertices x becomes V^-1 of what has
-/// arrived there; `arrived` (run, 2 N) is what each run adds to the rows of its end vertices.
+/// Condenses a right-hand side `rows` (N * vertex + component): at eliminated vertices x becomes V^-1 of the rows
+/// summed there; `arrived` (run, 2 N) is added by each run to the rows of its end vertices.
 template <int N>
 void condense_rows(const ChainLevel& level, int elements, const KernelView<const double*>& rows,
                    const ChainFactors& factors, const KernelView<double * [2 * N]>& arrived,

@@ -66,17 +66,17 @@ struct CondensedElement {
     }
     if (own_gradient) add_moment_compliance(in, kinematics, tables, layout, section, gradient);
     for (int end = 0; end < 2; ++end) {
-      const EndRotation<K, Real> joint(end, in, kinematics, layout, reference);
-      if (own_gradient) add_end_gradient(end, joint, gradient);
-      add_end_tangent(end, joint, moment_rows, system);
+      const EndRotation<K, Real> end_rotation(end, in, kinematics, layout, reference);
+      if (own_gradient) add_end_gradient(end, end_rotation, gradient);
+      add_end_tangent(end, end_rotation, moment_rows, system);
     }
     if constexpr (General) moment_rows.add_compliance(section, tables, kinematics.length);
     condense_moments(moment_rows, gradient.moment_row, section, kinematics.length, system);
     add_gradient();
   }
 
-  /// What recovery needs, by store(first, count, numbers). General: rows of all increments, response of N (pointwise),
-  /// M (by mode), psi, beta (spatial) and w. Plain: ResponseLayout.
+  /// Stores the numbers that recovery needs, by store(first, count, numbers). General: rows of all increments, response
+  /// of N (pointwise), M (by mode), psi, beta (spatial) and w. Plain: ResponseLayout.
   template <class Store>
   KOKKOS_FORCEINLINE_FUNCTION void store_response(const ElementTables<K>& tables, const InteriorLayout& layout,
                                                   const ElementKinematics<K, Real>& kinematics, const Section& section,
@@ -178,7 +178,7 @@ struct ReducedIncrement {
   Vec3<Real> slope_0, vertex_spin[2];
   Vec3<Real> interior[Blocks::kInterior];
 
-  /// From displacements and spins of both vertices (u_a, theta_a and u_b, theta_b; spatial).
+  /// Reduces displacements and spins of both vertices (u_a, theta_a and u_b, theta_b; spatial).
   KOKKOS_FORCEINLINE_FUNCTION ReducedIncrement(const ElementKinematics<K, Real>& kinematics, const Real* a,
                                                const Real* b)
       : slope_0(Real(1.0 / kinematics.length) * transpose_times(kinematics.triad, load_vector(b) - load_vector(a))),
@@ -251,14 +251,14 @@ KOKKOS_FORCEINLINE_FUNCTION void add_moment_row_change(const ElementInput<Real>&
       for (int j = 0; j <= K; ++j) row[j] += P[j] * change;
     }
   for (int end = 0; end < 2; ++end) {
-    const EndRotation<K, Real> joint(end, in, kinematics, layout, reference);
+    const EndRotation<K, Real> end_rotation(end, in, kinematics, layout, reference);
     Vec3<Real> turn = d.vertex_spin[end] - d.spin();
     if constexpr (K > 1) {
       Vec3<Real> psi{{Real(0.0), Real(0.0), Real(0.0)}};
       for (int j = 1; j < K; ++j) psi += end_value(end, j) * d.psi(j);
-      turn = transpose_times(joint.rotation.exp, turn - joint.rotation.tangent * psi);
+      turn = transpose_times(end_rotation.rotation.exp, turn - end_rotation.rotation.tangent * psi);
     }
-    const Vec3<Real> change = joint.inverse_tangent * turn;
+    const Vec3<Real> change = end_rotation.inverse_tangent * turn;
     for (int j = 0; j <= K; ++j) row[j] += signed_end_value(end, j) * change;
   }
 }

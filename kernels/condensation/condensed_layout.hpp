@@ -34,9 +34,9 @@ struct TangentLayout {
   KOKKOS_INLINE_FUNCTION static constexpr int reduced(int i) {
     return i < N ? i : (i < N + kMoved ? i - N : i - kMoved);
   }
-  /// Where entry (i, j) of the reduced matrix stands.
+  /// Place of entry (i, j) of the reduced matrix.
   KOKKOS_INLINE_FUNCTION static constexpr int place(int i, int j) { return i > j ? triangle(i, j) : triangle(j, i); }
-  /// Where entry (i, j) of the full matrix stands, and whether it is the negative of what stands there.
+  /// Place of entry (i, j) of the full matrix, and whether its negative is stored there.
   KOKKOS_INLINE_FUNCTION static constexpr int place_of_full(int i, int j) { return place(reduced(i), reduced(j)); }
   KOKKOS_INLINE_FUNCTION static constexpr bool is_negative(int i, int j) { return (i < kMoved) != (j < kMoved); }
 };
@@ -63,9 +63,9 @@ KOKKOS_INLINE_FUNCTION void expand_symmetric_tangent(const double* numbers, doub
 /// vertices in the element frame (columns 0..8); column 9 is the constant part, from the interior residual.
 constexpr int kResponseColumns = 10;
 
-/// What the tangent of a plain element keeps for the recovery of its interior: rows of kResponseColumns for w, psi_j
-/// and slope_j in the element frame, then right-hand sides and stiffnesses. N and M follow from these and the state.
-/// Their rows would more than double what is kept, and memory is what limits the tangent of low orders. An element with
+/// Numbers that the tangent of a plain element keeps for the recovery of its interior: rows of kResponseColumns for w,
+/// psi_j and slope_j in the element frame, then right-hand sides and stiffnesses. N and M follow from these and the
+/// state. Their rows would more than double the memory, which is the limit for tangents of low orders. An element with
 /// a general section keeps a row for each of its increments (InteriorLayout).
 struct ResponseLayout {
   int order = 0, force_points = 0;

@@ -180,8 +180,8 @@ KOKKOS_FUNCTION __attribute__((noinline)) void solve_one_lane(const FullSystem<K
     }
 }
 
-/// As solve_with_row_pivoting for symmetric systems side by side: without pivoting, but for the lanes that need it.
-/// `signs` (null, or W of them): of those lanes; all others are positive definite.
+/// Solves symmetric systems side by side like solve_with_row_pivoting: without pivoting, but for the lanes that need
+/// it. `signs` (null, or W of them): of those lanes; all others are positive definite.
 template <int K, int W>
 KOKKOS_FORCEINLINE_FUNCTION void solve_in_lanes(const ReducedSystem<K, Pack<W>>& system,
                                                 InteriorResponse<K, Pack<W>>& response,

@@ -1,6 +1,6 @@
-/// What loads along an element add to its tangent: theory (25), by the convention of theory (21). They have no
-/// potential in general, so these blocks are not symmetric and come after the symmetric part is complete. Eigenstrains
-/// and dead forces do not depend on the state: no tangent.
+/// Tangent of loads along an element: theory (25), by the convention of theory (21). They have no potential in general,
+/// so these blocks are not symmetric and come after the symmetric part is complete. Eigenstrains and dead forces do not
+/// depend on the state: no tangent.
 #pragma once
 
 #include "kernels/condensation/tangent.hpp"

@@ -34,7 +34,7 @@ struct GeneralMomentRows {
     }
   }
 
-  /// What N of one force point leaves in the rows of M. P: degrees 0..k-1, of which alone it sees M.
+  /// Adds the coupling of N of one force point to the rows of M. P: degrees 0..k-1, of which alone it sees M.
   KOKKOS_INLINE_FUNCTION void couple(const ForcePoint<K, Real>& point, const Vec3<Real>& strain_error,
                                      const ForceRows<Real, Mat3<Real>>& force, const Mat3<Real>& force_moment,
                                      const double* P) {

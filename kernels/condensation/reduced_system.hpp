@@ -1,4 +1,4 @@
-/// What remains of an element after N and M are eliminated: theory (29).
+/// Equations of an element after N and M are eliminated: theory (29).
 #pragma once
 
 #include "kernels/condensation/condensed_layout.hpp"
@@ -58,7 +58,7 @@ struct InteriorResponse {
   }
 };
 
-/// What is left for slope_0 and both vertex spins.
+/// Equations of slope_0 and both vertex spins.
 template <class Real = double>
 struct VertexSystem {
   Mat3<Real> matrix[3][3];  ///< a symmetric system has its lower triangle only

@@ -82,15 +82,16 @@ KOKKOS_FORCEINLINE_FUNCTION void solve_with_row_pivoting(const FullSystem<K>& sy
 /// A pivot below this multiple of the largest one, rows scaled to entries of one, may owe its sign to rounding.
 constexpr double kUncertainPivot = 1e-13;
 
-/// What an element adds to J0 of theory (47): eigenvalues below zero of its interior while its vertices stand still.
+/// Contribution of an element to J0 of theory (47): eigenvalues below zero of its interior while its vertices are
+/// fixed.
 struct InteriorSigns {
   int negative = 0;        ///< without a potential: their parity alone
   bool uncertain = false;  ///< a pivot is zero within rounding
 };
 
-/// Of a symmetric matrix in the first N rows and columns of `a`, which is overwritten. Sylvester's law of inertia with
-/// the pivots of Bunch and Parlett: blocks of two, which have one eigenvalue of either sign, where no diagonal entry is
-/// large enough.
+/// Counts the signs of a symmetric matrix in the first N rows and columns of `a`, which is overwritten. Sylvester's law
+/// of inertia with the pivots of Bunch and Parlett: blocks of two, which have one eigenvalue of either sign, where no
+/// diagonal entry is large enough.
 template <int N, int M>
 InteriorSigns count_negative(double (*a)[M]) {
   constexpr double kBunchParlett = 0.6403882032022076;  // (1 + sqrt(17)) / 8
@@ -150,7 +151,7 @@ InteriorSigns count_negative(double (*a)[M]) {
 /// Loads without a potential that are small, or zero, leave a matrix that is taken as symmetric (see Stability).
 constexpr double kInteriorAsymmetry = 1e-9;
 
-/// Of the interior of a system. `has_potential` false: it need not be symmetric.
+/// Counts the signs of the interior of a system. `has_potential` false: it need not be symmetric.
 template <int K>
 __attribute__((noinline)) InteriorSigns interior_signs(const FullSystem<K>& system, bool has_potential) {
   constexpr int n = FullSystem<K>::kInteriorSize;

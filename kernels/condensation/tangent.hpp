@@ -8,7 +8,7 @@
 
 namespace mixbeam {
 
-/// What a force point leaves behind for the response of N, theory (26).
+/// Rows that a force point leaves for the response of N, theory (26).
 template <class Real, class Stiffness>
 struct ForceRows {
   Mat3<Real> exp, tangent;
@@ -173,27 +173,29 @@ KOKKOS_FORCEINLINE_FUNCTION void add_moment_tangent(const MomentPoint<K, Real>& 
 /// tau = T^T dpsi and tildes pulled back by exp(psi)^T; its second-order expansion gives the antisymmetric parts beside
 /// the Hessian of the log. The psi blocks follow from those of the spins by T exp^T = T^T.
 template <int K, class Real, class Rows>
-KOKKOS_FORCEINLINE_FUNCTION void add_end_tangent(int end, const EndRotation<K, Real>& joint, Rows& rows,
+KOKKOS_FORCEINLINE_FUNCTION void add_end_tangent(int end, const EndRotation<K, Real>& end_rotation, Rows& rows,
                                                  ReducedSystem<K, Real>& system) {
   using Blocks = ReducedBlocks<K>;
-  const Mat3<Real> slope = inverse_tangent_transpose_derivative(joint.phi, joint.moment, joint.coefficient);
-  const Mat3<Real> hessian = symmetric_part(slope * joint.inverse_tangent);
-  const Mat3<Real>& exp = joint.rotation.exp;
+  const Mat3<Real> slope =
+      inverse_tangent_transpose_derivative(end_rotation.phi, end_rotation.moment, end_rotation.coefficient);
+  const Mat3<Real> hessian = symmetric_part(slope * end_rotation.inverse_tangent);
+  const Mat3<Real>& exp = end_rotation.rotation.exp;
   const Mat3<Real> spun = K > 1 ? symmetric_times_transpose(exp * hessian, exp) : hessian;
-  const Vec3<Real> moment = K > 1 ? exp * joint.spin_moment : joint.spin_moment;
-  const Mat3<Real> mixed = spun - hat(Real(0.5) * moment);
+  const Vec3<Real> moment = K > 1 ? exp * end_rotation.spin_moment : end_rotation.spin_moment;
+  const Mat3<Real> coupling = spun - hat(Real(0.5) * moment);
   system.add(Blocks::spin(), Blocks::spin(), spun);
   system.add(Blocks::vertex(end), Blocks::vertex(end), spun);
-  system.add(Blocks::vertex(end), Blocks::spin(), -1.0 * transpose(mixed));
-  const Mat3<Real> row_vertex = K > 1 ? times_transpose(joint.inverse_tangent, exp) : joint.inverse_tangent;
+  system.add(Blocks::vertex(end), Blocks::spin(), -1.0 * transpose(coupling));
+  const Mat3<Real> row_vertex =
+      K > 1 ? times_transpose(end_rotation.inverse_tangent, exp) : end_rotation.inverse_tangent;
   rows.add_end(end, row_vertex);
   if constexpr (K > 1) {
-    const Mat3<Real>& tangent = joint.rotation.tangent;
+    const Mat3<Real>& tangent = end_rotation.rotation.tangent;
     const Mat3<Real> tangent_transposed = transpose(tangent);
-    const Mat3<Real> psi_spin = tangent_transposed * mixed, vertex_psi = -1.0 * transpose(psi_spin);
-    const Mat3<Real> psi_psi =
-        symmetric_times_transpose(tangent_transposed * spun, tangent_transposed) -
-        symmetric_part(tangent_map_derivative(joint.rotation.psi, joint.spin_moment, joint.rotation.c));
+    const Mat3<Real> psi_spin = tangent_transposed * coupling, vertex_psi = -1.0 * transpose(psi_spin);
+    const Mat3<Real> psi_psi = symmetric_times_transpose(tangent_transposed * spun, tangent_transposed) -
+                               symmetric_part(tangent_map_derivative(
+                                   end_rotation.rotation.psi, end_rotation.spin_moment, end_rotation.rotation.c));
     const Mat3<Real> row_psi = row_vertex * tangent;
     for (int i = 1; i < K; ++i) {
       const double value = end_value(end, i);
@@ -205,8 +207,8 @@ KOKKOS_FORCEINLINE_FUNCTION void add_end_tangent(int end, const EndRotation<K, R
   }
 }
 
-/// sum_j (2j + 1) s_j m_j over the moment rows, s_j their signed values at one end: what a vertex spin sees of the
-/// rows.
+/// sum_j (2j + 1) s_j m_j over the moment rows, s_j their signed values at one end: the rows as a vertex spin sees
+/// them.
 template <int K, class Sum, class Row>
 KOKKOS_FORCEINLINE_FUNCTION void sum_at_end(int end, const Row& row, Sum& sum) {
   for (int j = 0; j <= K; ++j) sum += ((2 * j + 1) * signed_end_value(end, j)) * row(j);
@@ -298,7 +300,7 @@ KOKKOS_FORCEINLINE_FUNCTION void symmetric_tangent(const Mat3<Real> (*local)[3],
     }
 }
 
-/// The same as the 12 x 12 matrix, not expected to be symmetric.
+/// Writes the tangent as the 12 x 12 matrix, not expected to be symmetric.
 KOKKOS_INLINE_FUNCTION void full_tangent(const Mat (*local)[3], const Mat& triad, double length, double* tangent) {
   const double inverse = 1.0 / length;
   const Mat uu = (inverse * inverse) * turned_block<false>(local, triad, 0, 0), minus_uu = -1.0 * uu;

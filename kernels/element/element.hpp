@@ -236,16 +236,16 @@ KOKKOS_FORCEINLINE_FUNCTION void add_moment_gradient(const MomentPoint<K, Real>&
 
 /// Terms of the ends in theory (17) and theory (18).
 template <int K, class Real>
-KOKKOS_FORCEINLINE_FUNCTION void add_end_gradient(int end, const EndRotation<K, Real>& joint,
+KOKKOS_FORCEINLINE_FUNCTION void add_end_gradient(int end, const EndRotation<K, Real>& end_rotation,
                                                   ElementGradient<K, Real>& g) {
-  const Vec3<Real> spun = K > 1 ? joint.rotation.exp * joint.spin_moment : joint.spin_moment;
+  const Vec3<Real> spun = K > 1 ? end_rotation.rotation.exp * end_rotation.spin_moment : end_rotation.spin_moment;
   g.vertex_spin[end] = spun;
   g.spin += -spun;
   if constexpr (K > 1) {
-    const Vec3<Real> turning = joint.rotation.tangent * joint.spin_moment;
+    const Vec3<Real> turning = end_rotation.rotation.tangent * end_rotation.spin_moment;
     for (int j = 1; j < K; ++j) g.psi[j] += (-end_value(end, j)) * turning;
   }
-  for (int j = 0; j <= K; ++j) g.moment_row[j] += (joint.sign * end_value(end, j)) * joint.phi;
+  for (int j = 0; j <= K; ++j) g.moment_row[j] += (end_rotation.sign * end_value(end, j)) * end_rotation.phi;
 }
 
 template <int K, class Real>
@@ -272,8 +272,7 @@ KOKKOS_FORCEINLINE_FUNCTION void add_moment_compliance(const ElementInput<Real>&
           kinematics.length / (2 * j + 1) * section.moment_compliance[i] * in.interior[layout.moment(j) + i];
 }
 
-/// The same for a general section: sum of w P_j S_MM M over the moment points and of w P_j S_MN N over the force
-/// points.
+/// Moments of a general section: sum of w P_j S_MM M over the moment points and of w P_j S_MN N over the force points.
 template <int K, class Real>
 KOKKOS_INLINE_FUNCTION void add_moment_compliance(const ElementInput<Real>& in,
                                                   const ElementKinematics<K, Real>& kinematics,
@@ -312,9 +311,9 @@ KOKKOS_FORCEINLINE_FUNCTION void element_gradient(const ElementInput<Real>& in,
   }
   add_moment_compliance(in, kinematics, tables, layout, section, g);
   for (int end = 0; end < 2; ++end) {
-    const EndRotation<K, Real> joint(end, in, kinematics, layout, reference);
-    add_end_gradient(end, joint, g);
-    const Real angle = norm(joint.phi);
+    const EndRotation<K, Real> end_rotation(end, in, kinematics, layout, reference);
+    add_end_gradient(end, end_rotation, g);
+    const Real angle = norm(end_rotation.phi);
     g.largest_end_angle = select(angle > g.largest_end_angle, angle, g.largest_end_angle);
   }
 }

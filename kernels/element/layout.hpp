@@ -130,7 +130,7 @@ struct SectionNumbers {
 };
 static_assert(sizeof(SectionNumbers<double>) == SectionNumbers<double>::kCount * sizeof(double));
 
-/// The same and what else is kept of a section.
+/// Constants of a section, with all else that is kept of it.
 struct SectionConstants : SectionNumbers<double> {
   double force_cap_compliance[3];  ///< compliance of the tangent less the true one: zero where the cap is not reached
   double moment_cap_compliance[3];

@@ -1,4 +1,4 @@
-/// Loads along an element and strains without stress, theory (14): what they add to its gradient, theory (19). Points
+/// Loads along an element and strains without stress, theory (14), and their part of its gradient, theory (19). Points
 /// are independent, so fields may vary in any way; k + 1 points integrate polynomial loads of degree k + 1 exactly.
 #pragma once
 
@@ -58,7 +58,7 @@ KOKKOS_INLINE_FUNCTION void add_dead_couple(const Real* values, const ElementKin
   }
 }
 
-/// The same for c = Lambda_E C, C material: T(psi)^T exp(psi) C = T(psi) C.
+/// Couple c = Lambda_E C, C material: T(psi)^T exp(psi) C = T(psi) C.
 template <int K, class Real>
 KOKKOS_INLINE_FUNCTION void add_follower_couple(const Real* values, const ElementKinematics<K, Real>& kinematics,
                                                 const ElementTables<K>& tables, ElementGradient<K, Real>& g) {

@@ -1,5 +1,5 @@
-/// What the rows of the mixed residual are divided by, theory (40), so that the same tolerance means the same accuracy
-/// for any units, slenderness and load.
+/// Scales by which the rows of the mixed residual are divided, theory (40), so that the same tolerance means the same
+/// accuracy for any units, slenderness and load.
 #pragma once
 
 #include "kernels/element/layout.hpp"
@@ -14,7 +14,7 @@ struct ResidualScales {
   double rotation = 1.0;   ///< M rows: a relative rotation
   double length = 1.0;     ///< rows of prescribed displacements
   double amplitude = 1.0;  ///< how far the structure has moved: strain and rotation before they allow for rounding
-  /// What the rounding errors of displacements leave of a strain over a length, divided by the tolerance.
+  /// Error of a strain over a length by the rounding of displacements, divided by the tolerance.
   double displacement_noise = 0.0;
 
   // Rows of one element of length h: integrals over it, so that short and long elements of a mesh must not share one

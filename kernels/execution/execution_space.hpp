@@ -1,4 +1,4 @@
-// Where kernels run, and on how many threads: the one place that knows which back ends Kokkos was built with.
+// Execution space of all kernels and its number of threads: the one place that knows the back ends of Kokkos.
 #pragma once
 
 #include <Kokkos_Core.hpp>

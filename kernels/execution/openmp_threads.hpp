@@ -80,8 +80,8 @@ class OpenMPThreads {
 
 namespace openmp_threads {
 
-// Carries an exception from a thread to the caller. Of several, the one at the lowest index wins: the one that a loop
-// on a single thread would have thrown.
+// Carries an exception from a thread to the caller. If several throw, the one at the lowest index wins: the one that a
+// loop on a single thread would have thrown.
 class FirstException {
  public:
   template <class Work>

@@ -1,6 +1,6 @@
-/// Several numbers side by side in one vector register: what a kernel computes with instead of `double` when it works
-/// on several elements at once. Every operation acts on all lanes; where lanes need different branches, both are
-/// computed and select() takes one for each lane.
+/// Several numbers side by side in one vector register, which replace `double` in a kernel that works on several
+/// elements at once. Every operation acts on all lanes; where lanes need different branches, both are computed and
+/// select() takes one for each lane.
 #pragma once
 
 #include <Kokkos_Core.hpp>
@@ -99,7 +99,7 @@ struct Pack {
 /// One number in place of several.
 template <int W>
 struct Pack<W, true> {
-  /// What comparisons give: all bits or none, as in a lane.
+  /// Result of comparisons: all bits or none, as in a lane.
   struct Mask {
     long long bits = 0;
     KOKKOS_FORCEINLINE_FUNCTION explicit operator bool() const { return bits != 0; }
@@ -156,7 +156,7 @@ bool any(const typename Pack<W>::Mask& mask) {
   return bits != 0;
 }
 
-// The same names for one number, so that a kernel is written once.
+// Gives one number the same names, so that a kernel is written once.
 template <class Scalar>
 KOKKOS_FORCEINLINE_FUNCTION Scalar select(bool condition, const Scalar& a, const Scalar& b) {
   return condition ? a : b;

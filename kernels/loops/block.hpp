@@ -23,7 +23,7 @@ struct StateViews {
   KernelView<double*> interior;                 ///< InteriorLayout of each element, block after block
 };
 
-/// What the kernels write and the assembler gathers.
+/// Arrays that the kernels write and the assembler gathers.
 struct ElementEquations {
   KernelView<double* [12]> residual;  ///< (element, u_a theta_a u_b theta_b): gradient, spatial
   /// (element, force in the plane on its end, minus that on its start; moments of start and end): gradient of elements
@@ -47,7 +47,7 @@ struct StructureViews {
   KernelView<double* [3]> field_value {};  ///< (row, ElementBlock::field_row): line fields at a load factor
 };
 
-/// Where the numbers of an element of a block begin in an array that holds those of one element after the other.
+/// Places of the numbers of each element of a block in an array that holds one element after the other.
 struct ElementPlaces {
   size_t first = 0, stride = 0;
   KOKKOS_INLINE_FUNCTION size_t operator()(int e) const { return first + static_cast<size_t>(e) * stride; }
@@ -101,8 +101,9 @@ void evaluate_tangent(const ElementBlock& block, const StructureViews& structure
 void condense_right_hand_side(const ElementBlock& block, const StructureViews& structure, const StateViews& state,
                               const KernelView<const double*>& rhs_interior, const ElementEquations& equations);
 
-/// What the capped stiffness of the tangent leaves out of the linearised equations: rows of J d - J_capped d for an
-/// interior increment d, (S_capped - S) dN in the N rows and its integral with dM in the M rows, zero in all others.
+/// Computes the rows of the linearised equations that the capped stiffness of the tangent leaves out: J d - J_capped d
+/// for an interior increment d, (S_capped - S) dN in the N rows and its integral with dM in the M rows, zero in all
+/// others.
 void cap_compliance_rows(const ElementBlock& block, const StructureViews& structure,
                          const KernelView<const double*>& increment, const KernelView<double*>& rows);
 
@@ -115,8 +116,8 @@ double largest_cap_row(const ElementBlock& block, const StructureViews& structur
 void recover_interior(const ElementBlock& block, const StateViews& state, const ElementEquations& equations,
                       const KernelView<const double* [6]>& vertex_increment, const KernelView<double*>& increment);
 
-/// Of the first `count` vertices, theory (34): displacement + scale * increment, rotations multiplied from the left by
-/// exp(scale * dtheta).
+/// Moves the first `count` vertices, theory (34): displacement + scale * increment, rotations multiplied from the left
+/// by exp(scale * dtheta).
 void apply_vertex_increment(int count, const StateViews& from, const KernelView<const double* [6]>& increment,
                             double scale, const StateViews& to);
 

@@ -32,7 +32,7 @@ struct ElementGather {
 
   /// First number of element e in arrays of increments and of interior residuals.
   KOKKOS_INLINE_FUNCTION size_t increment_of(int e) const { return block.increments_at()(e); }
-  /// The same in what the tangent keeps of the interiors.
+  /// Place of the element in the numbers that the tangent keeps of the interiors.
   KOKKOS_INLINE_FUNCTION size_t response_of(int e) const {
     return block.response_offset + static_cast<size_t>(e) * response_size;
   }

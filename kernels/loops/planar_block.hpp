@@ -22,7 +22,7 @@ struct PlanarOrientation {
   bool third_is_normal;
 };
 
-/// Numbers of each element of an order in PlanarBlock: constants, and what the tangent keeps for the recovery.
+/// Numbers of each element of an order in PlanarBlock: constants, and numbers that the tangent keeps for the recovery.
 constexpr int planar_constants_size(int order) { return 6 + 3 * order; }
 constexpr int planar_response_size(int order) { return 5 * (6 * order - 1); }
 
@@ -44,7 +44,7 @@ PlanarBlock make_planar_block(const ElementBlock& block, const PlaneAxes& axes, 
 
 using PlanarTangents = KernelView<double* [kPlanarTangent]>;  ///< (element, TangentLayout in a plane)
 
-/// As evaluate_residual, for states in the plane; vertex rows to planar_rows.
+/// Evaluates the residual as evaluate_residual does, for states in the plane; vertex rows to planar_rows.
 void evaluate_planar_residual(const ElementBlock& block, const PlanarBlock& planar, const StructureViews& structure,
                               const StateViews& state, const ElementEquations& equations);
 
@@ -53,7 +53,7 @@ void evaluate_planar_tangent(const ElementBlock& block, const PlanarBlock& plana
                              const StateViews& state, const PlanarTangents& tangents,
                              const ElementEquations& equations);
 
-/// As condense_right_hand_side; rows of `rhs_interior` out of the plane are ignored.
+/// Condenses as condense_right_hand_side does; rows of `rhs_interior` out of the plane are ignored.
 void condense_planar_right_hand_side(const ElementBlock& block, const PlanarBlock& planar,
                                      const StructureViews& structure, const StateViews& state,
                                      const KernelView<const double*>& rhs_interior, const PlanarTangents& tangents,

@@ -1,4 +1,4 @@
-/// What the loops over elements in a plane read and write: between the spatial layout of states and increments and the
+/// Gathers and scatters for loops over elements in a plane: between the spatial layout of states and increments and the
 /// numbers of the plane, several elements side by side.
 #pragma once
 
@@ -27,7 +27,7 @@ KOKKOS_FORCEINLINE_FUNCTION void expand(const PlaneAxes& axes, const Vec2<Real>&
   for (int i = 0; i < 3; ++i) v[i] = a.x * axes.p[i] + a.y * axes.q[i];
 }
 
-/// Vectors of three components, material ones by the orientation of each element, and what they are in the plane.
+/// Vectors of three components, material ones by the orientation of each element, and their components in the plane.
 template <int K, int W>
 struct PackInPlane {
   using Real = Pack<W>;

@@ -128,7 +128,7 @@ KOKKOS_FORCEINLINE_FUNCTION Pack<W> angle_of(const PlaneRotor<Pack<W>>& a) {
   return angle;
 }
 
-/// The same angle in [-pi, pi], for |angle| < 3 pi.
+/// Angle taken to [-pi, pi], for |angle| < 3 pi.
 template <class Real>
 KOKKOS_FORCEINLINE_FUNCTION Real shorter_way(const Real& angle) {
   return angle - select(angle > Real(kPi), Real(2.0 * kPi), Real(0.0)) +

@@ -23,7 +23,7 @@ inline double dot(const Vector3& a, const Vector3& b) { return a[0] * b[0] + a[1
 inline Vector3 cross(const Vector3& a, const Vector3& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
-/// Without overflow or underflow of the squares.
+/// Norm without overflow or underflow of the squares.
 inline double norm(const Vector3& a) { return std::hypot(a[0], a[1], a[2]); }
 inline double distance(const Vector3& a, const Vector3& b) { return norm(difference(a, b)); }
 /// In absolute value.

@@ -29,7 +29,7 @@ struct PlanarSolution {
   Real end_moment[2][kPlanarColumns];
 };
 
-/// What one element needs of its points between building and recovery.
+/// Numbers of the points of one element, needed between building and recovery.
 template <int K, class Real>
 struct PlanarPoints {
   PlanarPoint<Real> point[K];
@@ -137,7 +137,7 @@ KOKKOS_FORCEINLINE_FUNCTION void planar_system(const PlanarState<K, Real>& state
 /// A pivot below this fraction of the bending stiffness in it loses too many digits without exchange of rows: the
 /// geometric stiffness of a compressed element has cancelled it.
 constexpr double kPlanarPivot = 1e-3;
-/// The same for the determinant of the compliance of f, where stiffnesses that differ by the cap (1e5) leave a
+/// Smallest pivot of the determinant of the compliance of f, where stiffnesses that differ by the cap (1e5) leave a
 /// ratio of their size.
 constexpr double kPlanarCompliancePivot = 1e-9;
 
@@ -197,7 +197,7 @@ KOKKOS_FORCEINLINE_FUNCTION Real solve_planar(const Real& length, const PlanarSy
   return least;
 }
 
-/// The same for one element with exchange of rows, angle modes and f together.
+/// Solves one element with exchange of rows, angle modes and f together.
 template <int K>
 KOKKOS_INLINE_FUNCTION void solve_planar_with_pivoting(double length, const PlanarSystem<K, double>& system,
                                                        PlanarSolution<K, double>& solution) {

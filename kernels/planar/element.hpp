@@ -59,8 +59,8 @@ struct PlanarState {
   PlanarSection<Real> section;
 };
 
-/// What follows from the ends: `element`, `vertex`, `reference`: Lambda_lo, Lambda_V and Lambda_0; displacements of the
-/// vertices in the plane.
+/// Quantities that follow from the ends: `element`, `vertex`, `reference`: Lambda_lo, Lambda_V and Lambda_0;
+/// displacements of the vertices in the plane.
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION void set_planar_ends(const PlaneRotor<Real>& element, const PlaneRotor<Real>* vertex,
                                                  const PlaneRotor<Real>* reference, const Vec2<Real>* displacement,

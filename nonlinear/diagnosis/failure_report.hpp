@@ -1,5 +1,5 @@
-/// Why no equilibrium was found, as data: what was tried, what went wrong where, how the structure stood before, and
-/// what to try next, the most promising first.
+/// The report of a path that ended without an equilibrium, as data: what was tried, what went wrong where, how the
+/// structure stood before, and what to try next, the most promising first.
 #pragma once
 
 #include "nonlinear/newton/beam_problem.hpp"
@@ -10,7 +10,7 @@
 
 namespace mixbeam {
 
-/// What most likely stops the path.
+/// Most likely cause that stops the path.
 enum class FailureCause {
   load_not_finite,  ///< a load or prescribed motion has no value
   steps_used_up,    ///< nothing failed, or not for good: no more steps were permitted
@@ -102,7 +102,7 @@ struct FailureReport {
   std::vector<Advice> next{};
 };
 
-/// Where a path has ended.
+/// End of a path.
 struct PathEnd {
   const State& state;  ///< last equilibrium
   int step = 0;
@@ -111,11 +111,11 @@ struct PathEnd {
   bool steps_used_up = false;
 };
 
-/// From the attempts that `problem` has kept, and from the equations at the last equilibrium. Collective; throws
-/// nothing: what cannot be found out is said to be unknown.
+/// Reports the attempts that `problem` has kept and the equations at the last equilibrium. Collective; throws nothing:
+/// facts that cannot be found out are reported as unknown.
 FailureReport report_failure(BeamProblem& problem, const SolverParameters& parameters, const PathEnd& end);
 
-/// What to try for the cause and the facts of a report, in order. Part of report_failure().
+/// Advises what to try for the cause and the facts of a report, in order. Part of report_failure().
 std::vector<Advice> advice_for(const FailureReport& report, const BeamProblem& problem,
                                const SolverParameters& parameters);
 

@@ -1,6 +1,6 @@
-/// Do rounding errors decide who carries a force? Members that are stiff and redundant share forces by their strains,
-/// which are differences of numbers of size one: what the rounding of these differences, times the stiffness, makes of
-/// forces is added to the right ones without any residual to tell. Exactly rigid ones share them in any way at all.
+/// Finds forces that rounding errors share out. Members that are stiff and redundant share forces by their strains,
+/// which are differences of numbers of size one: the rounding of these differences, times the stiffness, is added to
+/// the right forces without any residual to tell. Exactly rigid ones share them in any way at all.
 #pragma once
 
 #include "nonlinear/newton/beam_problem.hpp"
@@ -22,7 +22,7 @@ struct UncertainForce {
 /// nothing is said. Collective.
 std::optional<UncertainForce> uncertain_force(BeamProblem& problem, const State& state, double load_factor);
 
-/// Of the largest force at work: half of the digits of a report.
+/// Share of the largest force at work: half of the digits of a report.
 inline constexpr double kUncertain = 1e-5;
 
 /// `member "tie": ...`, one sentence for people.

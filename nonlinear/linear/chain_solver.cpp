@@ -41,7 +41,9 @@ class WholeSolver : public TangentSolver {
     tangent.gather(matrix_);
     solver_->factorize();
   }
-  double solve(const DofVector& b, DofVector& x, double enough) override { return solver_->solve(b, x, enough); }
+  double solve(const DofVector& b, DofVector& x, double energy_reduction) override {
+    return solver_->solve(b, x, energy_reduction);
+  }
   std::optional<long> negative_eigenvalues() override { return solver_->negative_eigenvalues(); }
 
  private:
@@ -88,10 +90,10 @@ void ChainSolver::factorize(const Tangent& tangent) {
   }
 }
 
-void ChainSolver::solve_once(const DofVector& b, DofVector& x, double enough, double& remaining_error) {
+void ChainSolver::solve_once(const DofVector& b, DofVector& x, double energy_reduction, double& remaining_error) {
   system_.condense_rows(b, *remaining_b_, x);
   try {
-    remaining_error = remaining_->solve(*remaining_b_, *remaining_x_, enough);
+    remaining_error = remaining_->solve(*remaining_b_, *remaining_x_, energy_reduction);
   } catch (const LinearSolverError&) {  // the whole matrix may be solvable all the same
     if (iterates()) throw;
     remaining_error = std::numeric_limits<double>::infinity();
@@ -102,13 +104,13 @@ void ChainSolver::solve_once(const DofVector& b, DofVector& x, double enough, do
 }
 
 /// Backward error after at most one refinement in the chains.
-double ChainSolver::solve_condensed(const DofVector& b, DofVector& x, double enough) {
+double ChainSolver::solve_condensed(const DofVector& b, DofVector& x, double energy_reduction) {
   double remaining_error = 0.0, ignored = 0.0;
-  solve_once(b, x, enough, remaining_error);
+  solve_once(b, x, energy_reduction, remaining_error);
   double error = system_.chain_error(b, x);
-  if (remaining_error <= std::max(tolerance_, enough) && !(error <= tolerance_)) {
+  if (remaining_error <= std::max(tolerance_, energy_reduction) && !(error <= tolerance_)) {
     system_.chain_residual(b, x, *residual_);
-    solve_once(*residual_, *correction_, enough, ignored);
+    solve_once(*residual_, *correction_, energy_reduction, ignored);
     x.update(1.0, *correction_, 1.0);
     system_.condense_rows(b, *remaining_b_, *correction_);  // what arrives at the ends belongs to b again
     error = system_.chain_error(b, x);
@@ -116,10 +118,10 @@ double ChainSolver::solve_condensed(const DofVector& b, DofVector& x, double eno
   return std::max(error, remaining_error);
 }
 
-double ChainSolver::solve(const DofVector& b, DofVector& x, double enough) {
+double ChainSolver::solve(const DofVector& b, DofVector& x, double energy_reduction) {
   if (!uses_whole_) {
-    const double error = solve_condensed(b, x, enough);
-    if (error <= std::max(tolerance_, enough)) return error;
+    const double error = solve_condensed(b, x, energy_reduction);
+    if (error <= std::max(tolerance_, energy_reduction)) return error;
     factorize_whole();
   }
   return whole_->solve(b, x);

@@ -14,15 +14,17 @@ class TangentSolver : public Solver {
  public:
   /// Solves are with this tangent from now on, and it must not be gone by then. Throws LinearSolverError.
   virtual void factorize(const Tangent& tangent) = 0;
-  /// Of a motion x, what rounding of what chains leave may change in x . K x; where that is known. Collective.
+  /// Estimates how much the rounding of the rows left by chains may change x . K x for a motion x, where that is known.
+  /// Collective.
   virtual double rounding_of_form(const DofVector&) const { return 0.0; }
 };
 
 /// Solves what chains leave.
 using RemainingSolver = std::function<std::unique_ptr<LinearSolver>(const CondensedSystem& system)>;
 
-/// Where a chain has a pivot too small to rely on, what remains looks singular, or a solution does not pass its check,
-/// the tangent is solved as a whole instead, unless it is too large for factors. `method`: an Amesos2 name for both.
+/// Condenses chains and solves the remaining system. Falls back to factorising the whole tangent if a chain pivot is
+/// too small, the reduced matrix looks singular or a solution fails its check, unless the tangent is too large for
+/// factors. `method`: an Amesos2 name for both.
 class ChainSolver : public TangentSolver {
  public:
   /// `solver`: in place of the direct one that belongs to `method`.
@@ -30,7 +32,7 @@ class ChainSolver : public TangentSolver {
               const RemainingSolver& solver = {});
 
   void factorize(const Tangent& tangent) override;
-  double solve(const DofVector& b, DofVector& x, double enough = 0.0) override;
+  double solve(const DofVector& b, DofVector& x, double energy_reduction = 0.0) override;
   bool iterates() const override { return remaining_->iterates(); }
   void reset_factors() override { remaining_->reset_factors(); }
   void adopt_factors_of(Solver& other) override {
@@ -44,8 +46,8 @@ class ChainSolver : public TangentSolver {
   const CondensedSystem& system() const { return system_; }
 
  private:
-  double solve_condensed(const DofVector& b, DofVector& x, double enough);
-  void solve_once(const DofVector& b, DofVector& x, double enough, double& remaining_error);
+  double solve_condensed(const DofVector& b, DofVector& x, double energy_reduction);
+  void solve_once(const DofVector& b, DofVector& x, double energy_reduction, double& remaining_error);
   void factorize_whole();
 
   const Model& model_;
@@ -64,13 +66,13 @@ class ChainSolver : public TangentSolver {
 std::unique_ptr<TangentSolver> make_direct_tangent_solver(const Model& model, const std::string& method,
                                                           double residual_tolerance);
 
-/// Name of the method that condenses chains, and the solver of what they leave.
+/// Name of the method that condenses chains, and the solver of the remaining system.
 inline constexpr const char* kChains = "chains";
 inline constexpr const char* kSparseSolver = kAutomatic;
 /// Name of the method that iterates: see multilevel/network_solver.hpp.
 inline constexpr const char* kIterative = "iterative";
-/// What make_direct_solver() is asked for where a method of tangents meets a whole matrix. (A whole tangent needs a
-/// solver by name: kAutomatic means chains there.)
+/// Solver of a whole matrix for a method of tangents, for make_direct_solver(). (A whole tangent needs a solver by
+/// name: kAutomatic means chains there.)
 inline std::string sparse_solver_of(const std::string& method) {
   return method == kChains || method == kIterative ? kSparseSolver : method;
 }

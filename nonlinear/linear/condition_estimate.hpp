@@ -19,7 +19,7 @@ namespace mixbeam {
 /// Higham, ACM TOMS 14 (1988). Infinity when a factorisation or a solve fails. Collective.
 double condition_estimate(const Teuchos::RCP<const DofMatrix>& matrix, const std::string& method, double length);
 
-/// The same of the tangent at a state, in units of the length of the structure.
+/// Estimates the condition of the tangent at a state, in units of the length of the structure.
 double condition_of_tangent(const Model& model, const State& state, double load_factor, const std::string& method);
 
 }  // namespace mixbeam

@@ -25,8 +25,8 @@ class InertiaSolver {
 
   /// Analyses the structure of the matrix, whose values do not matter yet. Throws LinearSolverError.
   InertiaSolver(Kind kind, const SparseMatrix& structure);
-  /// Of the rows that each rank holds. All functions are then collective, errors occur on every rank, and vectors have
-  /// one column, each rank its rows.
+  /// Takes the rows that each rank holds. All functions are then collective, errors occur on every rank, and vectors
+  /// have one column, each rank its rows.
   InertiaSolver(Kind kind, const SparseMatrix& structure, SharedRows share);
   ~InertiaSolver();
   InertiaSolver(const InertiaSolver&) = delete;
@@ -36,11 +36,11 @@ class InertiaSolver {
   /// factorised last keep their factors: under dead loads the tangent at the end of a load step is the first one of the
   /// next.
   Signs factorize(const SparseMatrix& matrix);
-  /// Factors that are solved with alone need less: it factorises nothing afterwards.
+  /// Frees the matrix; only solves are allowed afterwards.
   void drop_matrix();
   /// How often values were not those factorised last.
   int factorizations() const;
-  /// Solves that take as long as a factorisation, about.
+  /// Cost of a factorisation in solves, approximately.
   double solves_for_factors() const;
   /// Replaces each column of `block` (column-major, one after the other) by A^-1 times it, or by A^-T.
   void solve(double* block, int columns, bool transposed = false);

@@ -34,7 +34,7 @@ class Amesos2Factors : public LinearSolver {
     PhaseTimer timer(times_, "numeric factorisation");
     solver_->numericFactorization();
   }
-  double solve(const DofVector& b, DofVector& x, double /*enough*/) override {
+  double solve(const DofVector& b, DofVector& x, double /*energy_reduction*/) override {
     solver_->solve(&x, &b);
     return 0.0;
   }
@@ -96,7 +96,7 @@ class DirectSolver : public LinearSolver {
     if (failed != 0) throw LinearSolverError("factorisation failed: " + (problem.empty() ? "see rank 0" : problem));
   }
 
-  double solve(const DofVector& b, DofVector& x, double /*enough*/) override {
+  double solve(const DofVector& b, DofVector& x, double /*energy_reduction*/) override {
     solve_once(b, x);
     double error = backward_error(*matrix_, x, b);
     if (!(error <= tolerance_)) {

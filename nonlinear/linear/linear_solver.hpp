@@ -23,9 +23,9 @@ class Solver {
   virtual ~Solver() = default;
 
   /// Solves A x = b and checks the result: its backward error must not exceed the tolerance, else one step of iterative
-  /// refinement is tried, then LinearSolverError is thrown. Returns that error. Where it is iterated, the share
-  /// `enough` of the error may be left, in energy, and the tolerance is no smaller.
-  virtual double solve(const DofVector& b, DofVector& x, double enough = 0.0) = 0;
+  /// refinement is tried, then LinearSolverError is thrown. Returns that error. An iteration may leave the share
+  /// `energy_reduction` of the error, in energy, and its tolerance is no smaller.
+  virtual double solve(const DofVector& b, DofVector& x, double energy_reduction = 0.0) = 0;
 
   /// Counts eigenvalues below zero, of a tangent without element interiors; none where the factors do not tell.
   /// Collective.
@@ -36,7 +36,7 @@ class Solver {
 
   /// Discards everything derived from earlier matrices, so that the next one alone decides every bit.
   virtual void reset_factors() {}
-  /// Takes what `other` has kept of its last matrix, where that serves a matrix over the same network; `other` must
+  /// Adopts the factors and spaces that `other` has kept of its last matrix over the same network; `other` must
   /// factorise before it solves again.
   virtual void adopt_factors_of(Solver& /*other*/) {}
 };
@@ -56,8 +56,8 @@ inline constexpr const char* kKlu = "KLU2";  ///< Amesos2's own
 
 /// A sparse direct solver for `matrix`, whose structure must not change. `method`: an Amesos2 name ("KLU2"), kMumps or
 /// kAutomatic.
-/// On several ranks MUMPS factorises large networks on all of them. What is smaller is gathered to rank 0 and
-/// factorised there, and so is what Amesos2 gets: its own gathering hands KLU2 a compressed column matrix, and that
+/// On several ranks MUMPS factorises large networks on all of them. Smaller ones are gathered to rank 0 and
+/// factorised there, and so are matrices for Amesos2: its own gathering hands KLU2 a compressed column matrix, and that
 /// path returns wrong solutions without a message in Trilinos 13.2 built with GCC 12.
 std::unique_ptr<LinearSolver> make_direct_solver(const Teuchos::RCP<DofMatrix>& matrix, const std::string& method,
                                                  double residual_tolerance, PhaseTimes& times);

@@ -13,7 +13,7 @@ namespace mixbeam {
 
 namespace {
 
-/// Rounding of the condensation leaves asymmetry of 1e-15; what this much leaves of an error one refinement removes.
+/// Rounding of the condensation leaves asymmetry of 1e-15; one refinement removes the error that this much leaves.
 constexpr double kSymmetryOfRounding = 1e-12;
 
 /// Iterations with the factors of an earlier matrix may cost this share of a factorisation: the rest pays for attempts
@@ -201,15 +201,15 @@ void NetworkFactors::factorize() {
   const auto kind = has_symmetry() ? InertiaSolver::Kind::symmetric : InertiaSolver::Kind::general;
   if (kind != kind_) factors_.reset();
   kind_ = kind;
-  left_ = factors_ == nullptr || !serves_next_ || !is_symmetric()
-              ? 0
-              : static_cast<int>(kShareOfFactorization * factors_->solves_for_factors());
-  is_earlier_ = left_ >= kLeastIterations;
+  iteration_budget_ = factors_ == nullptr || !reusable_ || !is_symmetric()
+                          ? 0
+                          : static_cast<int>(kShareOfFactorization * factors_->solves_for_factors());
+  is_earlier_ = iteration_budget_ >= kLeastIterations;
   if (!is_earlier_) factorize_now();
 }
 
 void NetworkFactors::factorize_now() {
-  is_earlier_ = serves_next_ = false;
+  is_earlier_ = reusable_ = false;
   if (factors_ == nullptr || factors_.use_count() > 1) {
     PhaseTimer timer(times_, "symbolic factorisation");
     factors_.reset();
@@ -219,7 +219,7 @@ void NetworkFactors::factorize_now() {
   const InertiaSolver::Signs signs = factors_->factorize(remaining_);
   if (signs.null > 0) throw LinearSolverError("the matrix is singular");
   if (is_symmetric() && diagonal_is_positive()) negative_ = signs.negative;
-  serves_next_ = is_symmetric() && signs.negative == 0;
+  reusable_ = is_symmetric() && signs.negative == 0;
 }
 
 void NetworkFactors::adopt_factors_of(Solver& solver) {
@@ -230,12 +230,11 @@ void NetworkFactors::adopt_factors_of(Solver& solver) {
   const auto same = [](const auto& a, const auto& b) {
     return a.extent(0) == b.extent(0) && std::equal(a.data(), a.data() + a.extent(0), b.data());
   };
-  if (!on_all_ranks(other.serves_next_ && same(here.row_map, there.row_map) && same(here.entries, there.entries)))
-    return;
+  if (!on_all_ranks(other.reusable_ && same(here.row_map, there.row_map) && same(here.entries, there.entries))) return;
   take_out(other.alone_);
   kind_ = other.kind_;
   factors_ = other.factors_;
-  serves_next_ = true;
+  reusable_ = true;
 }
 
 std::optional<long> NetworkFactors::negative_eigenvalues() {
@@ -281,10 +280,11 @@ bool NetworkFactors::iterate(std::vector<double>& b) {
   const KrylovEnd end = conjugate_gradients(
       Iteration{*this}, x, r, z, p, q, kReduction, [this](int iterations, double energy, double first) {
         iterations_ = iterations;
-        const bool is_hopeless = iterations >= kForecast && iterations * std::log(kReduction * kReduction) <
-                                                                (iterations + left_) * std::log(energy / first);
-        if (left_ <= 0 || is_hopeless) return false;
-        --left_;
+        const bool is_hopeless =
+            iterations >= kForecast && iterations * std::log(kReduction * kReduction) <
+                                           (iterations + iteration_budget_) * std::log(energy / first);
+        if (iteration_budget_ <= 0 || is_hopeless) return false;
+        --iteration_budget_;
         ++iterations_;
         return true;
       });
@@ -293,7 +293,7 @@ bool NetworkFactors::iterate(std::vector<double>& b) {
   return true;
 }
 
-double NetworkFactors::solve(const DofVector& b, DofVector& x, double /*enough*/) {
+double NetworkFactors::solve(const DofVector& b, DofVector& x, double /*energy_reduction*/) {
   const auto local = matrix_->getLocalMatrixHost();
   const KernelView<const double*> given = MixedVector::view_of(b);
   const KernelView<double*> found = MixedVector::view_of(x);

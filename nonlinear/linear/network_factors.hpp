@@ -7,29 +7,28 @@
 
 namespace mixbeam {
 
-/// Unknowns that have an equation of their own, as those that supports prescribe, are taken out: what remains is
-/// symmetric, and factorised as L D L^T, unless supports stand at an angle, joints take part, or loads have no
-/// potential; then as L U. The order of elimination and the structure of the factors are kept as long as the same
-/// unknowns are taken out. Where a factorisation costs as much as many solves, the factors of an earlier matrix without
-/// negative eigenvalues serve conjugate gradients as preconditioner, until they take too many iterations,
-/// reset_factors() is called or eigenvalues are asked for.
+/// Eliminates prescribed unknowns first. The remaining matrix is symmetric, and factorised as L D L^T, unless supports
+/// stand at an angle, joints take part, or loads have no potential; then as L U. The order of elimination and the
+/// structure of the factors are kept as long as the same unknowns are eliminated first. If a factorisation costs many
+/// solves, old factors without negative eigenvalues precondition conjugate gradients on the new matrix, until these
+/// take too many iterations, reset_factors() is called or eigenvalues are asked for.
 class NetworkFactors : public LinearSolver {
  public:
   NetworkFactors(const Teuchos::RCP<DofMatrix>& matrix, PhaseTimes& times);
 
   void factorize() override;
   /// Checks nothing, and returns zero.
-  double solve(const DofVector& b, DofVector& x, double enough = 0.0) override;
-  /// Where the matrix is symmetric and what is taken out has a positive diagonal.
+  double solve(const DofVector& b, DofVector& x, double energy_reduction = 0.0) override;
+  /// Known if the matrix is symmetric and the unknowns eliminated first have a positive diagonal.
   std::optional<long> negative_eigenvalues() override;
-  void reset_factors() override { serves_next_ = false; }
-  /// Where matrices have the same structure: factors of `other` serve as those of an earlier one would.
+  void reset_factors() override { reusable_ = false; }
+  /// Adopts the factors of a matrix of the same structure as if they were those of an earlier one.
   void adopt_factors_of(Solver& other) override;
-  /// Of the matrix factorised last: unknowns that are not taken out, and whether their matrix is symmetric.
+  /// Unknowns of the matrix factorised last that were not eliminated first, and whether their matrix is symmetric.
   int unknowns() const { return share_.rows.total(); }
   int factorizations() const { return factors_ == nullptr ? 0 : factors_->factorizations(); }
   bool is_symmetric() const { return kind_ == InertiaSolver::Kind::symmetric; }
-  /// Of the last solve by conjugate gradients.
+  /// Iterations of the last solve by conjugate gradients.
   int iterations() const { return iterations_; }
 
  private:
@@ -60,9 +59,9 @@ class NetworkFactors : public LinearSolver {
   InertiaSolver::Kind kind_ = InertiaSolver::Kind::symmetric;
   std::shared_ptr<InertiaSolver> factors_;  ///< as preconditioner shared with whoever has taken them over
   std::optional<long> negative_;
-  bool serves_next_ = false;  ///< factors_ may be the preconditioner of the next matrix
+  bool reusable_ = false;     ///< factors_ may be the preconditioner of the next matrix
   bool is_earlier_ = false;   ///< factors_ are those of an earlier matrix
-  int left_ = 0;              ///< iterations that are still cheaper than factors of the present matrix
+  int iteration_budget_ = 0;  ///< iterations that are still cheaper than factors of the present matrix
   int iterations_ = 0;
 };
 

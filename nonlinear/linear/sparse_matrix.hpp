@@ -42,7 +42,7 @@ struct SharedRows {
 
 /// The structure with the rows of all ranks on the first one, without rows on every other one. Collective.
 SparseMatrix gathered_structure(const SparseMatrix& here, const SharedRows& share);
-/// The same with values. Collective.
+/// Gathers the structure with its values. Collective.
 SparseMatrix gathered(const SparseMatrix& here, const SharedRows& share);
 
 /// Largest |A_ij - A_ji| / sqrt(max(|A_ii|, 1) max(|A_jj|, 1)): entries are numbers without unit.

@@ -1,5 +1,5 @@
-/// Groups of neighbouring nodes of a network, groups of those, and so on: what the coarse spaces of hierarchy.hpp are
-/// made of.
+/// Groups of neighbouring nodes of a network, groups of those, and so on: the parts of the coarse spaces of
+/// hierarchy.hpp.
 #pragma once
 
 #include "discretization/scene/scene.hpp"

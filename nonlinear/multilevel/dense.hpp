@@ -38,8 +38,8 @@ inline void add_times_vector(int m, int n, const double* __restrict__ a, const d
     for (int i = 0; i < m; ++i) y[i] += a[static_cast<size_t>(m) * j + i] * x[j];
 }
 
-/// Of columns side by side: sums = A^T z, and y += A x where x is given. Reads and writes in whole lanes: z must be
-/// zero and y have room up to kLanes - 1 numbers behind m, and what lies behind A must be finite.
+/// Multiplies columns side by side: sums = A^T z, and y += A x where x is given. Reads and writes in whole lanes: z
+/// must be zero and y have room up to kLanes - 1 numbers behind m, and the numbers behind A must be finite.
 template <int Columns, bool WithProduct, class Value>
 inline void add_columns(int m, const Value* a, const double* z, double* sums, const double* x, double* y) {
   Pack<kLanes> sum[Columns];

@@ -11,7 +11,7 @@ namespace mixbeam {
 /// collective where there are several ranks.
 class Halo {
  public:
-  /// Of one rank, which has all nodes.
+  /// Halo of one rank, which has all nodes.
   Halo() = default;
   /// `ghosts`: their numbers among the nodes of all ranks, ascending. Those of a rank are numbered behind those of the
   /// rank before it.

@@ -33,7 +33,7 @@ struct LinkBlocks {
   const double *first, *coupling, *second;  ///< K00, K01 (rows of the first node), K11
   int first_stride, second_stride, coupling_row, coupling_column;
 
-  /// The same link with that end of it, 0 or 1, as its first node.
+  /// Views the same link with that end of it, 0 or 1, as its first node.
   LinkBlocks seen_from(int end) const {
     return end == 0 ? *this
                     : LinkBlocks{second, coupling, first, second_stride, first_stride, coupling_column, coupling_row};
@@ -52,7 +52,7 @@ inline KernelView<double*> numbers(size_t count) {
   return KernelView<double*>(Kokkos::view_alloc("mixbeam::multilevel", Kokkos::WithoutInitializing), count);
 }
 
-/// The same, with zeros behind them for kernels that read in whole lanes.
+/// Allocates numbers with zeros behind them, for kernels that read in whole lanes.
 inline KernelView<double*> numbers_for_lanes(size_t count) {
   const KernelView<double*> all = numbers(count + kLanes);
   std::fill_n(all.data() + count, kLanes, 0.0);
@@ -115,7 +115,7 @@ class Level {
   const LinkEnds& coarse_ends() const { return coarse_ends_; }
   const Halo& coarse_halo() const { return coarse_halo_; }
 
-  // What follows is collective, but for scale_rows(), unscale() and what works on one rank's numbers alone.
+  // Collective, except scale_rows(), unscale() and the functions of one rank's numbers.
 
   /// New values. `unknown`: (node, ghosts too, and one more) first unknown; `self`: S, column-major, one block after
   /// the other. Throws NegativeCurvature.
@@ -123,10 +123,10 @@ class Level {
   /// Blocks off the diagonal from now on as single precision: of coarse levels they are the most that an iteration
   /// reads, and the preconditioner alone uses them.
   void round();
-  /// What a cycle does not read: of coarse levels the factors of nodes, of the coarsest its blocks too.
+  /// Frees numbers that a cycle does not read: of coarse levels the factors of nodes, of the coarsest its blocks too.
   void drop_scale() { inverse_ = {}; }
   void drop_values() { value_ = {}; }
-  /// What the next level is made of.
+  /// Data that the next level is made of.
   struct Coarse {
     std::vector<int> unknown;
     std::vector<size_t> block;        ///< (link): of its first number in `links`
@@ -178,7 +178,7 @@ class Level {
   size_t number_blocks();
   void build_coarse_links();
   void scale(const KernelView<double*>& self, const LinkSource& links);
-  /// What a slot says of its link; `room` is made large enough for `links`.
+  /// Blocks of the link in a slot; `room` is made large enough for `links`.
   LinkBlocks link_of(int node, int slot, const LinkSource& links, std::vector<double>& room) const;
   /// A block on the diagonal += that of a link's first node.
   void add_own(int node, const LinkBlocks& link, std::vector<double>& block) const;

@@ -10,8 +10,8 @@ namespace mixbeam {
 
 namespace {
 
-/// Stiffness of a vertex where a support at an angle prescribes its motion, over that of the links there: what the
-/// preconditioner gets wrong is the inverse of it.
+/// Stiffness of a vertex where a support at an angle prescribes its motion, over that of the links there: the error of
+/// the preconditioner is the inverse of it.
 constexpr double kAlmostRigid = 1e6;
 /// GMRES keeps so many vectors, each with what M^-1 makes of it, and then starts anew: 1 GB for a million unknowns.
 constexpr int kVectorsOfGmres = 60;

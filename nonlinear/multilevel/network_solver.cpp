@@ -134,17 +134,17 @@ bool NetworkSolver::iterate_with_spaces(const DofVector& b, DofVector& x, double
   }
 }
 
-double NetworkSolver::solve(const DofVector& b, DofVector& x, double enough) {
+double NetworkSolver::solve(const DofVector& b, DofVector& x, double energy_reduction) {
   if (method_ == Method::conjugate_gradients || method_ == Method::gmres) {
     try {
       std::string why = "the iterative solver does not reach the tolerance of the residual";
-      for (double reduction : {std::max(reduction_, enough), kSmallReduction}) {
+      for (double reduction : {std::max(reduction_, energy_reduction), kSmallReduction}) {
         if (!iterate_with_spaces(b, x, reduction)) {
           why = std::string(method_ == Method::gmres ? "GMRES" : "conjugate gradients") + " did not converge";
           break;
         }
         const double error = backward_error(*system_.matrix(), x, b);
-        if (error > std::max(tolerance_, enough)) continue;
+        if (error > std::max(tolerance_, energy_reduction)) continue;
         has_solved_ = true;
         return error;
       }

@@ -13,7 +13,7 @@ namespace mixbeam {
 /// converge, factors are taken; a LinearSolverError says why where they are too large.
 class NetworkSolver : public LinearSolver {
  public:
-  /// What is left of the error, in energy, where no other number is given: Newton's method converges as with factors.
+  /// Share of the error left, in energy, if no other number is given: Newton's method converges as with factors.
   static constexpr double kReduction = 1e-8;
 
   /// Factors with more entries are not taken: 8 GB.
@@ -23,14 +23,15 @@ class NetworkSolver : public LinearSolver {
                 double reduction = kReduction, double most_fallback_entries = kMostFallbackEntries);
 
   void factorize() override;
-  double solve(const DofVector& b, DofVector& x, double enough = 0.0) override;
+  double solve(const DofVector& b, DofVector& x, double energy_reduction = 0.0) override;
   bool iterates() const override { return true; }
-  /// Where factors were taken theirs; else what the solves with the last matrix have met: none, or at least one.
+  /// Counts by factors if there are some; else by the solves with the last matrix, which have met none, or at least
+  /// one.
   std::optional<long> negative_eigenvalues() override;
   void reset_factors() override { has_spaces_ = false; }
   void adopt_factors_of(Solver& other) override;
 
-  /// Of the last solve.
+  /// Iterations of the last solve.
   int iterations() const { return iterations_; }
   /// How often coarse spaces were made.
   int spaces_made() const { return spaces_made_; }
@@ -65,8 +66,8 @@ class NetworkSolver : public LinearSolver {
   bool conjugate_gradients(double reduction, int most_iterations);
   bool gmres(double reduction, int most_iterations);
   void multiply(const LevelVector& x, const LevelVector& y) const;
-  /// What a support at an angle makes of the spatial forces and moments of a vertex; and from its rows back to them,
-  /// with stiff springs in place of prescribed motions.
+  /// Turns the spatial forces and moments of a vertex to the axes of a support at an angle, and its rows back, with
+  /// stiff springs in place of prescribed motions.
   struct TurnedRows {
     int vertex = 0;  ///< among those that remain
     double projection[kVertexDofs][kVertexDofs] = {}, back[kVertexDofs][kVertexDofs] = {};
@@ -110,7 +111,7 @@ class NetworkSolver : public LinearSolver {
 inline constexpr double kMostFactorEntries = 1e8;
 /// Entries of the factors of what chains leave, roughly.
 double factor_entries(const CondensedSystem& system);
-/// The same from the neighbours of each vertex alone: (vertex, and one more) first of them.
+/// Counts the entries of factors from the neighbours of each vertex alone: (vertex, and one more) first of them.
 double factor_entries(const std::vector<int>& start, const std::vector<int>& next);
 /// Whether the factors of what chains leave would be so large that it is iterated with.
 bool is_large_network(const CondensedSystem& system);

@@ -1,4 +1,4 @@
-// Direct or iterative: what the factors of a network would take decides.
+// Chooses between direct and iterative: the size of a network's factors decides.
 #include "nonlinear/multilevel/block_rows.hpp"
 #include "nonlinear/multilevel/network_solver.hpp"
 

@@ -1,4 +1,4 @@
-/// What is asked about the path of a structure, whatever way it is computed.
+/// Questions about the path of a structure, whatever way it is computed.
 #pragma once
 
 #include "discretization/parameters/source.hpp"
@@ -16,7 +16,7 @@ struct Scene;
 /// Which of the paths that meet at the first bifurcation is followed.
 enum class Branch { primary, positive, negative };
 
-/// What happens where no stable state lies on the path at the next load.
+/// Behaviour where no stable state lies on the path at the next load.
 enum class Snap {
   follow,  ///< the path, through unstable states
   jump     ///< down the total potential to a stable state at that load
@@ -32,7 +32,7 @@ struct MonitoredComponent {
 /// Whether the discretization error of the state at the end of the path is estimated.
 enum class ErrorEstimation { automatic, on, off };
 
-/// Of which states the stresses along members are computed, for sections given by their shape.
+/// States of which the stresses along members are computed, for sections given by their shape.
 enum class StressesOf { automatic, every_step, none };
 
 struct AnalysisParameters {
@@ -59,8 +59,8 @@ inline constexpr int kMostCloseness = 3;
 /// Above this size the factorisations that stability needs take longer, and more memory, than the rest of a load step.
 inline constexpr int kVerticesForStability = 100'000;
 
-/// Above this number of elements only those who ask for it get an error estimate with a run: what it costs, about two
-/// Newton iterations and a second set of equations in memory, is of a size there that one wants to be asked.
+/// Above this number of elements a run estimates its error on request only: it costs about two Newton iterations and a
+/// second set of equations in memory.
 inline constexpr int kElementsForEstimate = 100'000;
 
 /// Up to this number of elements the stresses of the state at the end of a path are computed unasked: a few

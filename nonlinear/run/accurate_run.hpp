@@ -70,8 +70,8 @@ struct AccurateRun {
 /// The estimate must be below this share of the accuracy: it is within a factor of two of the error nearly always.
 inline constexpr double kShareOfAccuracy = 0.5;
 
-/// Solves a scene with an accuracy. `keeps_path`: the steps on the way are wanted, so the path is followed on the last
-/// mesh too; so it is where it has critical points or a displacement is controlled. Throws InputError. Collective.
+/// Solves a scene with an accuracy. The path is also followed on the last mesh if the caller wants its steps
+/// (`keeps_path`), if it has critical points, or under displacement control. Throws InputError. Collective.
 AccurateRun run_accurately(const Scene& scene, const SolverParameters& parameters, const Communicator& comm,
                            bool keeps_path, const AccurateRunObserver& observer = {});
 

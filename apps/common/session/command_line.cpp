@@ -25,7 +25,7 @@ int number_from(const std::string& option, const std::string& text, int least, i
                    std::to_string(least) + " to " + std::to_string(most));
 }
 
-/// What follows an option; another option there means that the value was forgotten.
+/// Returns the word that follows an option; another option there means that the value was forgotten.
 std::string value_after(int& i, int argc, const char* const* argv) {
   const std::string option = argv[i];
   std::string value = i + 1 < argc ? argv[i + 1] : "";

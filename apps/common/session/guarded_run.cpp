@@ -46,7 +46,7 @@ bool all_ranks_fail() {
 
 std::terminate_handler other_handler = nullptr;
 
-/// Where it cannot be caught: before main, in a destructor, on a thread. Nothing here allocates.
+/// Ends where the exception cannot be caught: before main, in a destructor, on a thread. Nothing here allocates.
 [[noreturn]] void end_without_memory() {
   try {
     if (const std::exception_ptr error = std::current_exception()) std::rethrow_exception(error);
@@ -76,7 +76,7 @@ int guarded_run(const Communicator& communicator, const std::string& program, co
     if (communicator->getRank() == 0) std::cerr << program << ": " << kind << ": " << what << "\n" << std::flush;
     return code;
   };
-  // What may have happened on one rank only: the others would wait for it for ever.
+  // Complains of errors that may have happened on one rank only: the others would wait for it for ever.
   const auto complain_alone = [&](const char* kind, const char* what, int code) {
     if (communicator->getSize() == 1) return complain(kind, what, code);
     std::cerr << program << ", rank " << communicator->getRank() << ": " << kind << ": " << what << "\n" << std::flush;

@@ -13,7 +13,7 @@ namespace {
 
 volatile std::sig_atomic_t requested = 0;
 
-/// What cannot be asked to stop, or takes longer to: then the program leaves. The last step is on disk.
+/// Time after which a program that cannot be asked to stop, or takes longer, leaves. The last step is on disk.
 constexpr unsigned kPatience = 2;  // seconds
 
 void leave(int) { _exit(kInterruptedExitCode); }

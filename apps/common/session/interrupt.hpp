@@ -8,13 +8,13 @@
 
 namespace mixbeam {
 
-/// What shells expect of a program that Ctrl-C ended.
+/// Code that shells expect of a program that Ctrl-C ended.
 inline constexpr int kInterruptedExitCode = 130;
 
-/// From now on both signals end the program at once: nothing is lost yet.
+/// Makes both signals end the program at once from now on: nothing is lost yet.
 void leave_on_interrupts();
 
-/// From now on to the end of the program they ask for an orderly end.
+/// Makes both signals ask for an orderly end from now to the end of the program.
 void watch_for_interrupts();
 
 /// Takes the limit of two seconds away from an orderly end that would lose its results, which are written as a whole.

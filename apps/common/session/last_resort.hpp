@@ -1,4 +1,4 @@
-/// What an interrupted program still does with results that are written as a whole.
+/// Completes results that are written as a whole when a program is interrupted.
 #pragma once
 
 #include <condition_variable>

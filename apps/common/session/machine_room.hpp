@@ -1,4 +1,4 @@
-/// What the machine has left of memory and disk. Linux; elsewhere everything counts as unlimited.
+/// Free memory and disk of the machine. Linux; elsewhere everything counts as unlimited.
 #pragma once
 
 #include <filesystem>

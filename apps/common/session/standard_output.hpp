@@ -16,8 +16,9 @@ class StandardOutput : private std::streambuf {
   StandardOutput(const StandardOutput&) = delete;
   StandardOutput& operator=(const StandardOutput&) = delete;
 
-  /// Of a program that would end with `code`: 2 in place of 0 where what it printed could not be written, which is said
-  /// on stderr. A reader that has gone (a pager, head) knows that it misses the rest: then only a warning is printed.
+  /// Exit code of a program that would end with `code`: 2 in place of 0 if its output could not be written, with a
+  /// message on stderr. A reader that has gone (a pager, head) knows that it misses the rest: then only a warning is
+  /// printed.
   int exit_code(int code, const std::string& program);
 
  private:

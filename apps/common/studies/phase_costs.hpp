@@ -1,5 +1,5 @@
-/// What the phases of an iteration cost for each element of a chain, in floating-point operations and in bytes that
-/// have to move.
+/// Costs of the phases of an iteration for each element of a chain, in floating-point operations and in bytes that have
+/// to move.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@ inline constexpr const char* kWholeIteration = "whole iteration";
 inline constexpr const char* kElementWork = "element work";    ///< residual, element tangent, recover, update
 inline constexpr const char* kLinearSolver = "linear solver";  ///< factorise, solve and check
 
-/// Those that are counted, in the order of the table phase_costs.inc.
+/// Counted phases, in the order of the table phase_costs.inc.
 inline constexpr std::array<const char*, 8> kCountedPhases = {
     "residual", "element tangent", "recover", "update", "condense chains", "solve", "check of the solve", "assemble"};
 

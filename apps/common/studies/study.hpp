@@ -1,4 +1,4 @@
-/// What the programs with a study share: their beginning and parameters, clocks, medians, tables of results.
+/// Common parts of the programs with a study: their beginning and parameters, clocks, medians, tables of results.
 #pragma once
 
 #include "apps/common/run/application.hpp"
@@ -12,12 +12,12 @@
 
 namespace mixbeam {
 
-/// From its making on.
+/// Measures the time since it was made.
 class RunWatch {
  public:
   /// Wall time.
   double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
-  /// Of all threads together: what others do on the machine does not lengthen it.
+  /// Processor time of all threads together: other work on the machine does not lengthen it.
   double processor_seconds() const { return static_cast<double>(std::clock() - processor_start_) / CLOCKS_PER_SEC; }
 
  private:
@@ -94,7 +94,7 @@ void require_point(const Application& app, const std::string& name);
 /// Equal load steps, this many for each stage, quietly; `observer` after each.
 Simulation solve_in_steps(Application& app, const Scene& scene, int steps, const RunObserver& observer = {});
 
-/// What measurements were made with, and what else is to be known of them: machine.csv.
+/// Writes the machine and the conditions of measurements: machine.csv.
 void write_machine(const Application& app, const std::vector<std::pair<std::string, std::string>>& more = {});
 
 }  // namespace mixbeam

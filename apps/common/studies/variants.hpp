@@ -1,5 +1,5 @@
-/// What studies ask of a scene, and the changes of a scene or of the solver's parameters that they make; each returns a
-/// changed copy.
+/// Questions of studies to a scene, and the changes of a scene or of the solver's parameters that they make; each
+/// returns a changed copy.
 #pragma once
 
 #include "discretization/checks/expected_values.hpp"
@@ -8,7 +8,7 @@
 
 namespace mixbeam {
 
-// Of a scene that was read, which names no others.
+// Position of a point in a scene that was read, which names no others.
 const Vector3& position_of(const Scene& scene, const std::string& point);
 
 const Section& section_of(const Scene& scene, const Member& member);

@@ -1,4 +1,4 @@
-/// Where the vertices of a deformed structure are, for comparison with exact solutions.
+/// Places of the vertices of a deformed structure, for comparison with exact solutions.
 #pragma once
 
 #include "kernels/math/rotation.hpp"
@@ -16,14 +16,14 @@ struct VertexPlace {
 
 inline Vec3<double> to_vec(const Vector3& v) { return {{v[0], v[1], v[2]}}; }
 
-/// Of a vertex of this rank's mesh.
+/// Place of a vertex of this rank's mesh.
 inline VertexPlace place_of(const Simulation& simulation, int vertex) {
   const auto motion = vertex_motion(simulation.model(), simulation.state(), vertex);
   return {to_vec(reference_position(simulation.model(), vertex)) + Vec3<double>{{motion[0], motion[1], motion[2]}},
           exp_quaternion(Vec3<double>{{motion[3], motion[4], motion[5]}})};
 }
 
-/// Of all vertices of this rank's mesh.
+/// Places of all vertices of this rank's mesh.
 inline std::vector<VertexPlace> vertex_places(const Simulation& simulation) {
   std::vector<VertexPlace> places;
   for (int vertex = 0; vertex < simulation.model().mesh().vertices(); ++vertex)
@@ -31,7 +31,7 @@ inline std::vector<VertexPlace> vertex_places(const Simulation& simulation) {
   return places;
 }
 
-/// Without overflow or underflow of the squares.
+/// Length without overflow or underflow of the squares.
 inline double length_of(const Vec3<double>& v) { return std::hypot(v[0], v[1], v[2]); }
 /// In radians.
 inline double angle_of(const Quaternion<double>& rotation) { return length_of(log_quaternion(rotation)); }

@@ -6,10 +6,10 @@
 
 namespace mixbeam {
 
-/// As printf writes it, whatever the length.
+/// Prints as printf writes it, whatever the length.
 std::string printed(const char* format, ...);
 
-/// The same, but zero has no sign.
+/// Prints likewise, but zero has no sign.
 template <class... Values>
 std::string formatted(const char* format, Values... values) {
   const auto without_sign_of_zero = [](auto value) {
