@@ -218,9 +218,7 @@ class PlaneCheck {
     return true;
   }
   bool holds(const ElementBlock& block) const {
-    if (block.general_section || block.force_integration != ForceIntegration::both_reduced ||
-        block.field_row.extent(0) > 0)
-      return false;
+    if (block.general_section || block.force_integration != ForceIntegration::both_reduced) return false;
     for (int e = 0; e < block.count; ++e)
       if (!holds(block, e)) return false;
     return true;
@@ -277,28 +275,28 @@ class PlaneCheck {
   }
 };
 
-bool keeps_to(const Vec& normal, const Mesh& mesh, const Structure& structure, const Conditions& conditions) {
+bool keeps_to(const Vec& normal, const Mesh& mesh, const Structure& structure, const LineFields& line_fields,
+              const Conditions& conditions) {
   const PlaneCheck check(normal);
   const auto all = [&](const auto& list) {
     return std::all_of(list.begin(), list.end(), [&](const auto& one) { return check.holds(one); });
   };
   return all(conditions.loads) && all(conditions.supports) && all(conditions.joints) && all(structure.blocks) &&
-         check.holds(mesh, structure.length);
+         line_fields.keep_in_plane(structure, normal, kInPlane) && check.holds(mesh, structure.length);
 }
 
 /// The plane that everything keeps to, with the normal along g2 or g3 of the first element: members lie in it and have
 /// g2 or g3 along its normal; forces and prescribed displacements are in it, moments and prescribed rotations about its
-/// normal, axes of supports and joints in it or along its normal. Sections are plain and constant, force strains
-/// integrated with k points, and there are no line loads or eigenstrains. None otherwise. Collective.
+/// normal, axes of supports and joints in it or along its normal; line loads are dead forces in it, eigenstrains leave
+/// members in it. Sections are plain and constant, force strains integrated with k points. None otherwise. Collective.
 std::optional<PlaneAxes> plane_of(const Teuchos::Comm<int>& comm, const Mesh& mesh, const Structure& structure,
                                   const LineFields& line_fields, const Conditions& conditions) {
-  if (!line_fields.empty()) return std::nullopt;
   const MeshElement& first = mesh.elements[0];
   const Mat triad = rotation_matrix(
       make_reference_element(mesh.member_of(first), first.index, 1, ForceIntegration::both_reduced).end_triad[0]);
   for (int axis : {2, 1}) {
     const PlaneAxes axes = axes_of(column(triad, axis));
-    const int mine = keeps_to(axes.n, mesh, structure, conditions) ? 1 : 0;
+    const int mine = keeps_to(axes.n, mesh, structure, line_fields, conditions) ? 1 : 0;
     int everywhere = mine;
     Teuchos::reduceAll(comm, Teuchos::REDUCE_MIN, mine, Teuchos::outArg(everywhere));
     if (everywhere != 0) return axes;
@@ -318,6 +316,8 @@ void Model::build_plane() {
   for (const ElementBlock& block : structure_.blocks) planar_blocks_.push_back(make_planar_block(block, *plane_));
   workspace_->rows.planar_rows = KernelView<double* [4]>(
       Kokkos::view_alloc("mixbeam::planar::rows", Kokkos::WithoutInitializing), structure_.local_elements());
+  if (!line_fields_.empty())
+    workspace_->rows.planar_loads = KernelView<double* [2]>("mixbeam::planar::loads", structure_.local_elements());
 }
 
 /// A motion of an element that leaves the plane moves one of its vertices out of it, or turns one, unless all are held.

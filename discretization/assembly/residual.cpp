@@ -235,7 +235,7 @@ void gather_rows(const Model& model, const KernelView<double*>& rows) {
       });
 }
 
-void gather_planar_rows(const Model& model, const KernelView<double*>& rows) {
+void gather_planar_rows(const Model& model, const KernelView<double* [2]>& loads, const KernelView<double*>& rows) {
   const Adjacency adjacency = model.adjacency();
   const KernelView<const double* [4]> element_rows = model.workspace().rows.planar_rows;
   const PlaneAxes axes = *model.plane();
@@ -243,10 +243,14 @@ void gather_planar_rows(const Model& model, const KernelView<double*>& rows) {
       "mixbeam::gather::planar_residual", Range(0, model.structure().owned_vertices), KOKKOS_LAMBDA(int v) {
         double p = 0.0, q = 0.0, moment = 0.0;
         for (int a = adjacency.start(v); a < adjacency.start(v + 1); ++a) {
-          const double* row = &element_rows(adjacency.element(a, 0), 0);
-          const int end = adjacency.element(a, 1);
+          const int element = adjacency.element(a, 0), end = adjacency.element(a, 1);
+          const double* row = &element_rows(element, 0);
           p += end == 0 ? -row[0] : row[0];
           q += end == 0 ? -row[1] : row[1];
+          if (loads.extent(0) > 0) {
+            p += loads(element, 0);
+            q += loads(element, 1);
+          }
           moment += row[2 + end];
         }
         double* out = &rows(static_cast<size_t>(kVertexDofs) * v);
@@ -278,7 +282,7 @@ void evaluate_elements(const Model& model, const State& state, const KernelView<
     else
       evaluate_residual(structure.blocks[b], views, state.views, equations);
   if (state.in_plane)
-    gather_planar_rows(model, out.vertex());
+    gather_planar_rows(model, equations.planar_loads, out.vertex());
   else
     gather_rows(model, out.vertex());
 }

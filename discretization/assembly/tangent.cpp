@@ -37,6 +37,7 @@ std::shared_ptr<TangentArrays> take_arrays(const Model& model) {
   const ElementEquations& rows = model.workspace().rows;
   (*found)->elements.condensed_residual = rows.residual;
   (*found)->elements.planar_rows = rows.planar_rows;
+  (*found)->elements.planar_loads = rows.planar_loads;
   return *found;
 }
 
@@ -83,16 +84,16 @@ void Tangent::evaluate() {
   }
   PhaseTimer timer(model_->times(), "assemble");
   const KernelView<double*> rows = MixedVector::view_of(condensed_rows());
-  gather_condensed_rows(rows);
+  gather_condensed_rows(arrays_->elements.planar_loads, rows);
   for (const auto& energy : model_->external()) energy->add_rows(point_.state, point_.load_factor, rows);
   model_->constraints().project(point_.state, rows);
   model_->constraints().set(point_.state, point_.load_factor, rows);
   holds_residual_ = true;
 }
 
-void Tangent::gather_condensed_rows(const KernelView<double*>& rows) const {
+void Tangent::gather_condensed_rows(const KernelView<double* [2]>& loads, const KernelView<double*>& rows) const {
   if (planar_)
-    gather_planar_rows(*model_, rows);
+    gather_planar_rows(*model_, loads, rows);
   else
     gather_rows(*model_, rows);
 }
@@ -115,7 +116,7 @@ void Tangent::condense(const MixedVector& scaled_rhs) {
       condense_right_hand_side(structure.blocks[b], structure_views(), point_.state.views, rhs.interior(),
                                arrays_->elements);
   const KernelView<double*> rows = MixedVector::view_of(condensed_rows());
-  gather_condensed_rows(rows);
+  gather_condensed_rows({}, rows);
   project_on_free_motions(rows);
   const KernelView<double*> given = rhs.vertex();
   const auto fixed = model_->fixed_rows();

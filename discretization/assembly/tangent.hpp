@@ -63,7 +63,7 @@ class Tangent {
   void evaluate_in_space() const;
   /// Sections with the cap, line fields of the point.
   StructureViews structure_views() const;
-  void gather_condensed_rows(const KernelView<double*>& rows) const;
+  void gather_condensed_rows(const KernelView<double* [2]>& loads, const KernelView<double*>& rows) const;
   void add_springs(const MatrixRows& rows) const;
 
   const Model* model_;

@@ -34,7 +34,7 @@ struct Workspace {
 /// Rows of the elements, summed at the vertices.
 void gather_rows(const Model& model, const KernelView<double*>& rows);
 /// Gathers the rows of a plane: two elements of a chain hold each other by the force that acts on the end of the one
-/// and, with the opposite sign, on the start of the other.
-void gather_planar_rows(const Model& model, const KernelView<double*>& rows);
+/// and, with the opposite sign, on the start of the other. `loads`: ElementEquations::planar_loads, empty: none.
+void gather_planar_rows(const Model& model, const KernelView<double* [2]>& loads, const KernelView<double*>& rows);
 
 }  // namespace mixbeam

@@ -15,7 +15,7 @@ class ExternalEnergy {
  public:
   virtual ~ExternalEnergy() = default;
 
-  /// Owned local vertices that it acts on: chains keep them.
+  /// Owned local vertices at which it may add to the tangent: chains keep them.
   virtual std::vector<int> vertices() const = 0;
   /// Whether it belongs to the supports: then its forces are reactions, not loads.
   virtual bool is_support() const { return false; }

@@ -29,6 +29,7 @@ struct ElementEquations {
   /// (element, force in the plane on its end, minus that on its start; moments of start and end): gradient of elements
   /// that move in a plane, before or after elimination of the interior
   KernelView<double* [4]> planar_rows;
+  KernelView<double* [2]> planar_loads;         ///< (element): line loads on each of its ends alike; empty without any
   KernelView<double*> interior_residual;        ///< increments layout of each element, block after block
   ResidualScales interior_scales;               ///< what interior_residual is divided by ...
   bool scales_interior = false;                 ///< ... if it is
@@ -46,6 +47,9 @@ struct StructureViews {
   KernelView<SectionConstants*> sections;  ///< (section in use)
   KernelView<double* [3]> field_value {};  ///< (row, ElementBlock::field_row): line fields at a load factor
 };
+
+/// Values of a line field that an element does not have, where one beside it has it.
+inline constexpr double kNoField[3 * ElementTables<kMaximumOrder>::kMaximumForcePoints] = {};
 
 /// Places of the numbers of each element of a block in an array that holds one element after the other.
 struct ElementPlaces {

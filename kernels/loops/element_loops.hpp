@@ -9,9 +9,6 @@
 
 namespace mixbeam {
 
-/// Values of a line field that an element does not have, where one beside it has it.
-inline constexpr double kNoField[3 * ElementTables<kMaximumOrder>::kMaximumForcePoints] = {};
-
 /// Views of one block. Captured by value: inside a kernel no View is copied.
 template <int K, bool General, int W>
 struct ElementGather {

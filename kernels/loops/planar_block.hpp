@@ -38,8 +38,8 @@ struct PlanarBlock {
   int packs() const { return static_cast<int>(constants.extent(0)); }
 };
 
-/// `block` has plain sections, k points for both parts of the force strain, no line fields; g2 or g3 of every element
-/// is normal to the plane, and so is its curvature.
+/// `block` has plain sections, k points for both parts of the force strain; g2 or g3 of every element is normal to the
+/// plane, and so is its curvature. Line fields are dead forces in the plane and eigenstrains that leave it in it.
 PlanarBlock make_planar_block(const ElementBlock& block, const PlaneAxes& axes, int lanes = kLanes);
 
 using PlanarTangents = KernelView<double* [kPlanarTangent]>;  ///< (element, TangentLayout in a plane)

@@ -134,7 +134,43 @@ struct PlanarGather {
     load_section(lanes, plane, s.section);
   }
 
+  KOKKOS_INLINE_FUNCTION bool has_fields() const {
+    return block.field_row.extent(0) > 0 && structure.field_value.extent(0) > 0;
+  }
+  /// What line fields add to the gradient, theory (19). Returns the load on each end that is the same on both.
+  KOKKOS_FUNCTION __attribute__((noinline)) Vec2<Real> add_fields(const Rows& lanes, const InPlane& plane,
+                                                                  const PlanarState<K, Real>& state,
+                                                                  PlanarGradient<K, Real>& g) const {
+    Real values[3 * (K + 1)], about[K + 1];
+    Vec2<Real> force[K + 1], on_each_end{0.0, 0.0};
+    if (load_field(lanes, LineField::dead_force, values)) {
+      for (int q = 0; q <= K; ++q) force[q] = project(plane.axes, values + 3 * q);
+      on_each_end = add_planar_force(force, state, tables, g);
+    }
+    if (load_field(lanes, LineField::eigenstrain, values))
+      for (int q = 0; q < K; ++q) g.strain_error[q] = g.strain_error[q] - plane.in_plane(values + 3 * q);
+    if (load_field(lanes, LineField::eigencurvature, values)) {
+      for (int q = 0; q <= K; ++q) about[q] = plane.normal(values + 3 * q);
+      subtract_planar_curvature(about, state.length, tables, g);
+    }
+    return on_each_end;
+  }
+
  private:
+  /// Zeros where an element has no such field; false where none has.
+  KOKKOS_INLINE_FUNCTION bool load_field(const Rows& lanes, LineField kind, Real* values) const {
+    const int column = static_cast<int>(kind);
+    bool some_have_it = false;
+    for (const int e : lanes.row) some_have_it = some_have_it || block.field_row(e, column) >= 0;
+    if (!some_have_it) return false;
+    const auto values_of = [&](int e) {
+      const int row = block.field_row(e, column);
+      return row < 0 ? kNoField : &structure.field_value(row, 0);
+    };
+    lanes.load(values_of, 3 * line_field_points(kind, K, K), values);
+    return true;
+  }
+
   KOKKOS_FORCEINLINE_FUNCTION void load_ends(const Rows& lanes, const InPlane& plane, const Real* constant,
                                              PlanarState<K, Real>& s) const {
     Real triad[4];

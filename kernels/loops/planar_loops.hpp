@@ -5,6 +5,14 @@
 
 namespace mixbeam {
 
+/// Loads along elements that act on both ends alike.
+template <int W>
+KOKKOS_FORCEINLINE_FUNCTION void store_loads(const RowsInLanes<W>& lanes, int first, const Vec2<Pack<W>>& on_each_end,
+                                             const KernelView<double* [2]>& loads) {
+  const Pack<W> numbers[2] = {on_each_end.x, on_each_end.y};
+  lanes.store(numbers, 0, 2, [&](int e) { return &loads(first + e, 0); });
+}
+
 template <int K, int W>
 struct PlanarResidualLoop {
   using Real = Pack<W>;
@@ -19,6 +27,7 @@ struct PlanarResidualLoop {
     PlanarGradient<K, Real> g;
     planar_gradient(state, gather.tables, g);
     const int first = gather.block.first_element;
+    if (gather.has_fields()) store_loads(lanes, first, gather.add_fields(lanes, plane, state, g), to.planar_loads);
     const Vec2<Real> force = (1.0 / state.length) * (state.triad * g.slope[0]);
     const Real vertex[4] = {force.x, force.y, g.end_moment[0], g.end_moment[1]};
     lanes.store(vertex, 0, 4, [&](int e) { return &to.planar_rows(first + e, 0); });
@@ -61,6 +70,7 @@ struct PlanarTangentLoop {
   PlanarGather<K, W> gather;
   PlanarTangents tangents;
   KernelView<double* [4]> vertex_rows;
+  KernelView<double* [2]> loads;
   KernelView<const double*> given_rhs;  ///< empty: the residual of the state
 
   KOKKOS_INLINE_FUNCTION void operator()(int number) const {
@@ -69,30 +79,53 @@ struct PlanarTangentLoop {
     PlanarState<K, Real> state;
     gather.load(number, lanes, plane, state);
     const bool own = given_rhs.extent(0) == 0;
+    const bool loaded = own && gather.has_fields();
     PlanarRightHandSide<K, Real> rhs;
+    Vec2<Real> end_force{0.0, 0.0};  // of the state, where `rhs` has not got it
     if (!own) load_right_hand_side(lanes, plane, state, rhs);
+    if (loaded) end_force = own_right_hand_side(lanes, plane, state, rhs);
     PlanarSystem<K, Real> system;
     PlanarPoints<K, Real> points;
     Real moment_row[K + 1];
-    planar_system(state, gather.tables, own ? nullptr : &rhs, moment_row, points, system);
+    planar_system(state, gather.tables, own && !loaded ? nullptr : &rhs, moment_row, points, system);
     PlanarSolution<K, Real> solution;
     const Real least = solve_planar(state.length, system, solution);
     if (any<W>(~(least >= Real(1.0)))) redo_planar_lanes<K, W>(least, state.length, system, solution);
     columns_to_plane(state, solution);
     auto* rows = reinterpret_cast<Real(*)[kPlanarColumns]>(&gather.planar.response(number, 0));
     planar_response(state, gather.tables, points, moment_row, solution, rows);
-    store_condensed(lanes, state, solution, own);
+    store_condensed(lanes, state, solution, own, end_force);
   }
 
  private:
   KOKKOS_FORCEINLINE_FUNCTION void store_condensed(const RowsInLanes<W>& lanes, const PlanarState<K, Real>& state,
-                                                   const PlanarSolution<K, Real>& solution, bool own) const {
+                                                   const PlanarSolution<K, Real>& solution, bool own,
+                                                   const Vec2<Real>& end_force) const {
     Real tangent[kPlanarTangent], gradient[4], end_moment[2], unused[K];
     planar_moment_gradient<K>(state.moment, unused, end_moment);
     planar_condensed(state, solution, own ? end_moment : nullptr, tangent, gradient);
+    gradient[0] += end_force.x;
+    gradient[1] += end_force.y;
     const int first = gather.block.first_element;
     lanes.store(tangent, 0, kPlanarTangent, [&](int e) { return &tangents(first + e, 0); });
     lanes.store(gradient, 0, 4, [&](int e) { return &vertex_rows(first + e, 0); });
+  }
+  /// The gradient of the state with its line fields; returns what it has at the end of the element.
+  KOKKOS_FUNCTION __attribute__((noinline)) Vec2<Real> own_right_hand_side(const RowsInLanes<W>& lanes,
+                                                                           const PackInPlane<K, W>& plane,
+                                                                           const PlanarState<K, Real>& state,
+                                                                           PlanarRightHandSide<K, Real>& rhs) const {
+    PlanarGradient<K, Real> g;
+    planar_gradient(state, gather.tables, g);
+    store_loads(lanes, gather.block.first_element, gather.add_fields(lanes, plane, state, g), loads);
+    for (int q = 0; q < K; ++q) rhs.strain_error[q] = g.strain_error[q];
+    for (int j = 0; j <= K; ++j) rhs.moment_row[j] = g.moment_row[j];
+    for (int j = 0; j < K; ++j) {
+      rhs.angle[j] = g.angle[j];
+      rhs.slope[j] = g.slope[j];
+    }
+    rhs.slope[0] = {0.0, 0.0};
+    return (1.0 / state.length) * (state.triad * g.slope[0]);
   }
   KOKKOS_FORCEINLINE_FUNCTION void load_right_hand_side(const RowsInLanes<W>& lanes, const PackInPlane<K, W>& plane,
                                                         const PlanarState<K, Real>& state,
@@ -172,7 +205,7 @@ void planar_tangent_loop(const ElementBlock& block, const PlanarBlock& planar, c
                          const StateViews& state, const KernelView<const double*>& given_rhs,
                          const PlanarTangents& tangents, const ElementEquations& equations) {
   const PlanarTangentLoop<K, kLanes> loop{PlanarGather<K, kLanes>(block, planar, structure, state), tangents,
-                                          equations.planar_rows, given_rhs};
+                                          equations.planar_rows, equations.planar_loads, given_rhs};
   Kokkos::parallel_for("mixbeam::planar::tangent", Kokkos::RangePolicy<ExecutionSpace>(0, planar.packs()), loop);
 }
 

@@ -5,9 +5,8 @@
 /// The angle of a section is that of Lambda_lo plus psi = sum_{j >= 1} psi_j P_j; its increment is alpha = sum_{j >= 0}
 /// alpha_j P_j with alpha_0 the spin w ("angle modes"). Vectors have the components along g1 and n x g1 of Lambda_lo
 /// ("element frame") or of Lambda_E (N, gamma), n being the normal of the plane, and angles turn about n. kappa = psi'
-/// - kappa0 and phi are linear in the angles. The force f is constant along the element, which carries no line loads;
-/// it has components in the element frame, and a right-hand side from outside may take the place of the residuals in
-/// it.
+/// - kappa0 and phi are linear in the angles. What the element does not hold up itself is a force f, constant along it,
+/// with components in the element frame; a right-hand side from outside may take the place of the residuals in it.
 #pragma once
 
 #include "kernels/element/layout.hpp"
@@ -24,13 +23,13 @@ constexpr double sign_of_mode(int j) { return j % 2 == 1 ? -1.0 : 1.0; }
 template <int K>
 struct PlanarTables {
   double weight[K];
-  double legendre[K][K];  ///< (point, mode)
+  double legendre[K][K];     ///< (point, mode)
+  ElementTables<K> element;  ///< of line fields, which have values at the k + 1 moment points
 
-  PlanarTables() {
-    const ElementTables<K> tables(ForceIntegration::both_reduced);
+  PlanarTables() : element(ForceIntegration::both_reduced) {
     for (int q = 0; q < K; ++q) {
-      weight[q] = tables.force_weight[q];
-      for (int j = 0; j < K; ++j) legendre[q][j] = tables.force_legendre[q][j];
+      weight[q] = element.force_weight[q];
+      for (int j = 0; j < K; ++j) legendre[q][j] = element.force_legendre[q][j];
     }
   }
 };
@@ -161,6 +160,30 @@ KOKKOS_FORCEINLINE_FUNCTION void planar_gradient(const PlanarState<K, Real>& sta
       g.slope[j] = g.slope[j] + P[j] * nu;
       g.angle[j] += P[j] * turning;
     }
+  }
+}
+
+/// Virtual work of a dead force per length, (k + 1 moment points), in the plane: as add_dead_force() of
+/// element/line_fields.hpp, but for the part that acts on both ends alike, which is returned.
+template <int K, class Real>
+KOKKOS_INLINE_FUNCTION Vec2<Real> add_planar_force(const Vec2<Real>* force, const PlanarState<K, Real>& state,
+                                                   const PlanarTables<K>& tables, PlanarGradient<K, Real>& g) {
+  Vec2<Real> on_each_end{0.0, 0.0};
+  for (int q = 0; q <= K; ++q) {
+    const Vec2<Real> half = (-0.25 * tables.element.moment_weight[q]) * (state.length * force[q]);
+    on_each_end = on_each_end + half;
+    const Vec2<Real> work = state.length * state.triad.back(half);
+    for (int j = 0; j < K; ++j) g.slope[j] = g.slope[j] + tables.element.moment_bubble[q][j] * work;
+  }
+  return on_each_end;
+}
+/// M . (kappa - kappa_e), kappa_e about the normal at the k + 1 moment points.
+template <int K, class Real>
+KOKKOS_INLINE_FUNCTION void subtract_planar_curvature(const Real* curvature, const Real& length,
+                                                      const PlanarTables<K>& tables, PlanarGradient<K, Real>& g) {
+  for (int q = 0; q <= K; ++q) {
+    const Real weighted = (0.5 * tables.element.moment_weight[q]) * length * curvature[q];
+    for (int j = 0; j <= K; ++j) g.moment_row[j] -= tables.element.moment_legendre[q][j] * weighted;
   }
 }
 

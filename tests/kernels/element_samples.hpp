@@ -271,6 +271,7 @@ class SampleBlock {
     state.interior = KernelView<double*>("interior", block.interior_offset + count * block.interior.unknowns());
     equations.residual = KernelView<double* [12]>("residual", elements);
     equations.planar_rows = KernelView<double* [4]>("planar_rows", elements);
+    if (with_loads) equations.planar_loads = KernelView<double* [2]>("planar_loads", elements);
     equations.interior_residual = KernelView<double*>("interior_residual", rows);
     equations.condensed_residual = KernelView<double* [12]>("condensed_residual", elements);
     equations.condensed_tangent = KernelView<double**>("condensed_tangent", elements, kFullTangent);

@@ -79,8 +79,13 @@ std::vector<ElementSample> planar_samples(int order, const Quaternion<double>& p
 void expand_rows(const SampleBlock& samples, const PlaneAxes& axes, const KernelView<double* [12]>& out) {
   for (int e = 0; e < samples.block.count; ++e) {
     const double* row = &samples.equations.planar_rows(samples.element_row(e), 0);
+    Vec on_each_end{{0.0, 0.0, 0.0}};
+    if (samples.equations.planar_loads.extent(0) > 0) {
+      const double* load = &samples.equations.planar_loads(samples.element_row(e), 0);
+      on_each_end = load[0] * axes.p + load[1] * axes.q;
+    }
     for (int end = 0; end < 2; ++end) {
-      const Vec force = (end == 0 ? -1.0 : 1.0) * (row[0] * axes.p + row[1] * axes.q);
+      const Vec force = (end == 0 ? -1.0 : 1.0) * (row[0] * axes.p + row[1] * axes.q) + on_each_end;
       store_vector(force, &out(samples.element_row(e), 6 * end));
       store_vector(row[2 + end] * axes.n, &out(samples.element_row(e), 6 * end + 3));
     }
@@ -98,9 +103,9 @@ struct BothPaths {
   PlanarTangents tangents;
   PlaneAxes axes;
 
-  BothPaths(const std::vector<ElementSample>& samples, const Quaternion<double>& plane)
-      : spatial(samples),
-        planar(samples),
+  BothPaths(const std::vector<ElementSample>& samples, const Quaternion<double>& plane, bool with_fields = false)
+      : spatial(samples, with_fields),
+        planar(samples, with_fields),
         block(make_planar_block(planar.block, plane_of(plane))),
         tangents("tangents", planar.element_row(planar.block.count)),
         axes(plane_of(plane)) {}
@@ -227,6 +232,47 @@ TEST_P(PlanarElement, GradientOfTheEnergy) {
                          kinds_of(sample.state)),
               kGradientTolerance)
         << quarter_turns << " quarter turns";
+  }
+}
+
+/// Dead forces and eigenstrains; some elements have none, or one of them.
+std::vector<ElementSample> samples_with_fields(int order, const Quaternion<double>& plane) {
+  std::vector<ElementSample> samples = planar_samples(order, plane, 0.8, 0.5);
+  const unsigned kinds[] = {bit(LineField::dead_force), bit(LineField::eigenstrain), bit(LineField::eigencurvature)};
+  const Vec along = rotation_matrix(plane) * Vec{{0.0, 0.0, 1.0}};
+  for (size_t e = 0; e < samples.size(); ++e) {
+    EnergyElement& element = samples[e].element;
+    unsigned some = 0;
+    for (int i = 0; i < 3; ++i)
+      if ((e >> i) % 2 == 1) some |= kinds[i];
+    add_fields(element, some, 70 + e);
+    const int normal = e % 2 == 0 ? 2 : 1;  // as planar_samples() turns them
+    for (Vec* v : {&element.line_force.middle, &element.line_force.slope}) *v += (-dot(*v, along)) * along;
+    for (Vec* v : {&element.eigenstrain.middle, &element.eigenstrain.slope}) (*v)[normal] = 0.0;
+    for (Vec* v : {&element.eigencurvature.middle, &element.eigencurvature.slope}) (*v)[0] = (*v)[3 - normal] = 0.0;
+  }
+  return samples;
+}
+
+TEST_P(PlanarElement, LineFieldsAreThoseInSpace) {
+  for (const auto& plane : kPlanes) {
+    BothPaths paths(samples_with_fields(GetParam(), plane), plane, true);
+    paths.evaluate();
+    EXPECT_LE(paths.residual_difference(), kGradientTolerance);
+    EXPECT_LE(paths.tangent_difference(), kPlanarTolerance);
+    EXPECT_LE(paths.recovery_difference(), kPlanarTolerance);
+  }
+}
+
+/// The comparison above sees a load, a strain and a curvature that are off by 1e-6.
+TEST_P(PlanarElement, ComparisonSeesLineFields) {
+  for (const LineField kind : {LineField::dead_force, LineField::eigenstrain, LineField::eigencurvature}) {
+    BothPaths paths(samples_with_fields(GetParam(), kPlanes[1]), kPlanes[1], true);
+    const int row = paths.planar.block.field_row(7, static_cast<int>(kind));  // that element has all of them
+    for (int i = 0; i < 3; ++i) paths.planar.structure.field_value(row, i) *= 1.0 + 1e-6;
+    paths.evaluate();
+    EXPECT_GT(paths.residual_difference(), 10.0 * kGradientTolerance);
+    EXPECT_GT(paths.tangent_difference(), kPlanarTolerance);
   }
 }
 

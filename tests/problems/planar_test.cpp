@@ -64,6 +64,44 @@ TEST(Planar, FramesWithJoints) {
   expect_same_solution(frame, {"tip", "foot"});
 }
 
+/// Line loads that vary, on a part and on all of a frame, eigenstrains, and a force at its end.
+Scene loaded_frame(int order) {
+  Scene frame = angle_frame(6);
+  for (Member& member : frame.members) member.order = order;
+  const std::string first = frame.members.front().name, last = frame.members.back().name;
+  frame.distributed_loads = {{first, {0.3, -0.8, 0.0}, {}, 1}, {last, {0.2, -0.5, 0.0}, {}, 1}};
+  frame.distributed_loads[0].force_formula[1] = "-2 * x^2";
+  Eigenstrain warm;
+  warm.member = first;
+  warm.strain = {0.02, 0.0, 0.0};
+  warm.curvature = {0.0, 0.0, 0.4};
+  frame.eigenstrains = {warm};
+  return frame;
+}
+
+TEST(Planar, LineLoadsAndEigenstrains) {
+  for (int order : {1, 2, 4}) expect_same_solution(loaded_frame(order), {"tip", "foot"});
+  Scene turned_frame = elastica(10.0, 3, 6);
+  turned_frame.distributed_loads = {{turned_frame.members[0].name, {1.0, -3.0, 0.0}, {}, 1}};
+  expect_same_solution(turned_in_space(turned_frame), {"tip"});
+}
+
+/// Fields that leave the plane, or whose tangent is not symmetric.
+TEST(Planar, LineFieldsOutOfThePlane) {
+  constexpr double little = 1e-6;
+  const auto changed = [](const auto& change) {
+    Scene scene = loaded_frame(2);
+    change(scene);
+    return scene;
+  };
+  EXPECT_TRUE(is_planar(changed([](Scene&) {})));
+  EXPECT_FALSE(is_planar(changed([](Scene& s) { s.distributed_loads[1].force[2] = little; })));
+  EXPECT_FALSE(is_planar(changed([](Scene& s) { s.distributed_loads[1].couple = {0.0, 0.0, 1.0}; })));
+  EXPECT_FALSE(is_planar(changed([](Scene& s) { s.distributed_loads[1].frame = LoadFrame::follower; })));
+  EXPECT_FALSE(is_planar(changed([](Scene& s) { s.eigenstrains[0].strain[2] = little; })));
+  EXPECT_FALSE(is_planar(changed([](Scene& s) { s.eigenstrains[0].curvature[0] = little; })));
+}
+
 /// What is out of the plane by a millionth is not planar, whatever it is.
 TEST(Planar, OutOfPlane) {
   constexpr double little = 1e-6;
