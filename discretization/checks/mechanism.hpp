@@ -21,7 +21,7 @@ struct RigidVelocity {
   Vector3 translation{}, rotation{}, center{};
 };
 
-/// What pictures show of a structure that is not held.
+/// Parts and motions of a structure that is not held, for pictures.
 struct LooseStructure {
   std::vector<int> part_of_member{};                  ///< connected parts, joints included, are numbered from 0
   std::vector<std::vector<RigidVelocity>> motions{};  ///< without strain; (motion, member)

@@ -137,7 +137,7 @@ struct PlanarGather {
   KOKKOS_INLINE_FUNCTION bool has_fields() const {
     return block.field_row.extent(0) > 0 && structure.field_value.extent(0) > 0;
   }
-  /// What line fields add to the gradient, theory (19). Returns the load on each end that is the same on both.
+  /// Adds line fields to the gradient, theory (19). Returns the load on each end that is the same on both.
   KOKKOS_FUNCTION __attribute__((noinline)) Vec2<Real> add_fields(const Rows& lanes, const InPlane& plane,
                                                                   const PlanarState<K, Real>& state,
                                                                   PlanarGradient<K, Real>& g) const {
