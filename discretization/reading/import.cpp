@@ -333,7 +333,7 @@ std::string profile_key(const std::string& name) {
 /// Profiles as lists of sections in millimetres.
 struct Catalogue {
   Teuchos::ParameterList profiles{};
-  ParameterSource source{};
+  ParameterSource source{"profiles.csv"};
   std::map<std::string, std::string> names{};  ///< by key
 
   void add(CsvFile file) {
@@ -352,9 +352,6 @@ struct Catalogue {
         throw table.error(
             record, kNameColumn,
             "profile \"" + excerpt(known->second) + "\" is in the catalogue already; allowed: names that differ");
-      for (const std::string& name : profile_parameters())  // so that what is missing has a place
-        if (table.cell(record, lower_case(name)).empty())
-          source.record({"Profiles", known->second, name}, table.where(record, kNameColumn));
     });
     source.collect([&] { add_entries(table, columns, {"Profiles"}, profiles, source); });
   }
