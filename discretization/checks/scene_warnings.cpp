@@ -104,7 +104,9 @@ void add_division_warnings(const SceneSurvey& survey, WarningList& list) {
       list.add("members with many elements", at + std::to_string(member.elements) + " elements of order " +
                                                  std::to_string(member.order) +
                                                  "; usually 10 to 100 per member are enough");
-    if (member.order == 1 && member.elements < kFewElementsOfOrderOne)
+    // a rigid arm is exact with any mesh
+    const bool bends = std::isfinite(survey.section_of(member).bending_stiffness[0]);
+    if (bends && member.order == 1 && member.elements < kFewElementsOfOrderOne)
       list.add("members with few elements of order 1", at + std::to_string(member.elements) +
                                                            " element(s) of order 1 are coarse; order 3 or 4 "
                                                            "costs little more");

@@ -156,8 +156,12 @@ class YamlFiller {
     return file_.error(node.mark, place + problem);
   }
 
-  InputError missing_value(const YamlNode& node) const {
-    return error(node, "no value; allowed: a value, \"\" for an empty text, {} for an empty list" + hint_);
+  /// `entry`: how many keys and values of the map stand before the node.
+  InputError missing_value(const YamlNode& node, std::size_t entry = 0) const {
+    double number = 0.0;
+    const bool follows_a_comma = entry > 0 && parse_plain(node.text, number).empty();
+    return error(node, "no value; allowed: a value, \"\" for an empty text, {} for an empty list" +
+                           (follows_a_comma ? "; decimals have a point: a comma separates entries" : hint_));
   }
 
   /// `spec`: none where nothing is declared.
@@ -173,7 +177,7 @@ class YamlFiller {
       if (path_.size() > around.size())
         InputPlace(result_.source, path_).attempt([&] {
           result_.source.record(path_, key.mark.line + 1, key.mark.column + 1);
-          if (value.is_absent) throw missing_value(key);
+          if (value.is_absent) throw missing_value(key, i);
           take(list, spec, value);
         });
       path_ = around;

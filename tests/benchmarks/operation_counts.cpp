@@ -89,7 +89,7 @@ template <int K>
 ElementOperations operations_in_plane(const CountedElement& e) {
   const PlanarGather<K, kCounted> gather(e.block, e.planar, e.structure, e.state);
   return {flops_of(PlanarResidualLoop<K, kCounted>{gather, e.equations}),
-          flops_of(PlanarTangentLoop<K, kCounted>{gather, e.planar_tangents, e.equations.planar_rows, {}}),
+          flops_of(PlanarTangentLoop<K, kCounted>{gather, e.planar_tangents, e.equations.planar_rows, {}, {}}),
           flops_of(PlanarRecoverLoop<K, kCounted>{e.planar, e.block, e.vertex_increment, e.increment})};
 }
 
