@@ -326,11 +326,10 @@ class Viewer(unittest.TestCase):
             self.assertGreater(off(steps[5][1], run.steps[6], names[0]), KEPT)  # another step is told apart
 
     def test_steps_that_have_no_room_are_left_out(self):
-        for module, name, value in ((view_data, "MOST_BYTES", 0), (view_steps, "FEWEST_STEPS", 4)):
-            self.addCleanup(setattr, module, name, getattr(module, name))
-            setattr(module, name, value)
+        self.addCleanup(setattr, view_steps, "FEWEST_STEPS", view_steps.FEWEST_STEPS)
+        view_steps.FEWEST_STEPS = 4
         with Run(self.snap_back()[1]) as run:
-            shown, count = view_data.ViewData(run).description, len(run.steps)
+            shown, count = view_data.ViewData(run, room=0).description, len(run.steps)
         self.assertEqual([step["place"] for step in shown["steps"]], [round(i * (count - 1) / 3) for i in range(4)])
         self.assertIn(f"4 of {count} steps are drawn; the load path has all.", shown["notes"])
 
