@@ -274,6 +274,7 @@ void RunReport::add_end(Application& app, const std::string& run) const {
 
 void print_ends(std::ostream& out, const Summary& summary, bool controlled) {
   for (const EndOfRun& end : summary.ends) {
+    if (!end.collapse.empty()) out << end.run << ": collapse: " << end.collapse << "\n";
     out << end.run << ": stable: " << verdict_text(end) << (controlled ? " under the dead load" : "");
     if (end.stable == "false")
       out << ": " << kDoesNotStay << (end.held == "true" ? " unless the displacement is prescribed" : "");
@@ -281,7 +282,6 @@ void print_ends(std::ostream& out, const Summary& summary, bool controlled) {
     if (!end.held.empty())
       out << end.run << ": stable: " << end.held << " with the displacement prescribed"
           << (end.held == "false" ? std::string(": ") + kDoesNotStay : "") << "\n";
-    if (!end.collapse.empty()) out << end.run << ": collapse: " << end.collapse << "\n";
   }
 }
 

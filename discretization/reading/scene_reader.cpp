@@ -220,7 +220,9 @@ InputError SceneReader::member_error(std::size_t member, const ParameterPath& pa
 }
 
 const Vector3& SceneReader::position_of(const std::string& point) const {
-  return scene_.points[point_index_.at(point)].position;
+  const auto found = point_index_.find(point);  // its mistake may have been kept
+  if (found == point_index_.end()) throw place_["Points"].error("no point \"" + excerpt(point) + "\"");
+  return scene_.points[found->second].position;
 }
 
 }  // namespace mixbeam

@@ -297,8 +297,12 @@ void read_everything(const std::string& text, const std::string& file = "scene.x
   warnings(scene);
 }
 
-/// Whether a refusal names a line or, for what is missing, a list.
-bool names_a_place(const std::string& message) { return message.rfind("scene.", 0) == 0; }
+/// Whether a refusal names a line or, for what is missing, a list. Several mistakes stand below their number.
+bool names_a_place(const std::string& message) {
+  const std::size_t heading = message.find(" mistakes:\n");
+  const std::size_t first = heading < message.find('\n') ? message.find('\n') + 1 : 0;
+  return message.compare(first, 6, "scene.") == 0;
+}
 
 TEST(Mutations, TheSceneItselfIsRead) {
   EXPECT_NO_THROW(read_everything(rich_xml()));

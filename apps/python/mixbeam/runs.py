@@ -56,8 +56,9 @@ def check(scene, case=None):
 def view(scene, case=None):
     """See Scene.view."""
     refusal, warnings = "", []
-    with tempfile.TemporaryDirectory(prefix="mixbeam-") as folder, without_lines(scene):
-        _core.undeformed(*text_and_file(scene), case, folder)
+    with tempfile.TemporaryDirectory(prefix="mixbeam-") as folder:
+        text, file, _ = scene_text(scene)
+        _core.undeformed(text, file, case, folder)
         try:
             warnings = check(scene, case).warnings
         except InputError as error:
