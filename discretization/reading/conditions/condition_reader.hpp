@@ -7,6 +7,7 @@
 #include "discretization/reading/scene_parts.hpp"
 #include "discretization/scene/names.hpp"
 #include "discretization/scene/what_acts.hpp"
+#include "discretization/text/message_text.hpp"
 
 #include <set>
 #include <unordered_map>
