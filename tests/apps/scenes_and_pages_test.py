@@ -97,7 +97,7 @@ class Verification(WithProgram):
 
 def whole_scenes(page, form="xml"):
     """Blocks ```xml or ```yaml of a page that are whole scenes."""
-    scene = '<ParameterList name="Scene">' if form == "xml" else "^Scene:\n.*^  Members:"
+    scene = '<ParameterList name="Scene">' if form == "xml" else "^Scene:\n.*^  Sections:.*^  Members:"
     return [block for block in re.findall(f"```{form}\n(.*?)```", page.read_text(), re.S)
             if re.search(scene, block, re.M | re.S)]
 
