@@ -14,8 +14,7 @@ class PointLoads : public ExternalEnergy {
 
   std::vector<int> vertices() const override {
     std::vector<int> vertices;
-    for (const VertexLoad& load : loads_)
-      if (has_tangent(load)) vertices.push_back(load.vertex);
+    for (const VertexLoad& load : loads_) vertices.push_back(load.vertex);
     return vertices;
   }
   void add_rows(const State& state, double load_factor, const KernelView<double*>& rows) const override {
@@ -29,7 +28,6 @@ class PointLoads : public ExternalEnergy {
   /// vertex.
   void add_tangent(const State& state, double load_factor, const MatrixRows& rows) const override {
     for (const VertexLoad& load : loads_) {
-      if (!has_tangent(load)) continue;
       const SpatialLoad spatial = spatial_load(load, load.amplitude(load_factor), state);
       const bool follower = load.frame == LoadFrame::follower;
       rows.add(load.vertex, kMomentPart, load.vertex, kMomentPart, (follower ? 0.5 : -0.5) * hat(spatial.moment));
@@ -45,10 +43,6 @@ class PointLoads : public ExternalEnergy {
   }
 
  private:
-  /// A dead force alone has none: its vertex is eliminated with its chain.
-  static bool has_tangent(const VertexLoad& load) {
-    return load.frame == LoadFrame::follower || norm(load.moment) > 0.0;
-  }
   static void subtract(const VertexLoad& load, double amplitude, const State& state, const KernelView<double*>& rows) {
     const SpatialLoad spatial = spatial_load(load, amplitude, state);
     for (int i = 0; i < 3; ++i) {

@@ -51,7 +51,7 @@ IN_YAML = (
     ("Diameter: 0.06", "Diameter: 0,06", 5, 17, "did you mean 0.06"),
     ("E: 210e9", "E: 210 GPa", 7, 21, "numbers stand without units"),
     ("[2, 0, 3]", "[2,0, 0, 3,0]", 12, 10, "5 entries; allowed.* 3 values.*a comma separates entries"),
-    ("Wall: 0.004", "Radius: 0.03", 6, 7, 'allowed: "Shape", "Diameter", "Wall", "Shear Correction", "Inextensible", "Shear '
+    ("Wall: 0.004", "Radius: 0.03", 6, 7, 'allowed: "Profile", "Shape", "Diameter", "Wall", "Shear Correction", "Inextensible", "Shear '
      'Rigid", "Largest Strain", "Material"; did you mean "Diameter", twice the radius'),
     ("Analysis:\n  Stability: true\n", "  Analysis:\n    Stability: true\n", 22, 3, 'belongs beside "Scene", not inside it'),
     ("Shape: tube\n", "Shape: tube\n      E: 210e9\n", 5, 7, 'belongs in the list "Material"'),
@@ -203,7 +203,7 @@ class OneByOne(Mistakes):
                 self.assertNotRegex(message, "XML|YAML|:[0-9]+:|\\^")
 
     def test_results_are_wanted_where_a_scene_or_a_batch_is_given(self):
-        batch = self.mixbeam("plot", self.write("mast-batch.h5", ""))
+        batch = self.mixbeam("report", self.write("mast-batch.h5", ""))
         self.assertEqual(batch.returncode, BAD_INPUT)
         self.assertRegex(batch.stderr, "the table of a batch.*allowed: .*mast-batch.csv")
 
