@@ -219,7 +219,7 @@ class SevenCases(Answers):
         before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
         self.program("report", "scene.h5")
         self.assertLess(resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before, 2 * LONGEST_REPORT)  # caches are shared
-        page = (self.folder / "scene.html").read_text()
+        page = (self.folder / "scene-report.html").read_text()
         self.assertLess(len(page), LARGEST_PAGE)
         for words in ("Portal &lt;b&gt;frame&lt;/b&gt;", "2026-117", "A. Engineer", "SHA-256", "limits are exceeded",
                       "1.35 dead + 0.75 snow - 1.5 wind", "Mesh chosen for an accuracy", "Case fourth", "Largest displacement"):
