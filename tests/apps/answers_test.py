@@ -230,5 +230,58 @@ class SevenCases(Answers):
         self.assertIn("yes", rows)
 
 
+ARM = """Scene:
+  Sections: {rod: {Shape: circle, Diameter: 0.1, Material: {E: 1e9, nu: 0.3}}}
+  Points: {A: [0, 0, 0], B: [2, 0, -0.5]}
+  Members: {m: {Start: A, End: B, Order: 4, Elements: 8, Start Offset: [0, 0, 0.3], End Offset: [0, 0, 0.8]}}
+  Supports: {clamp: {Point: A}}
+  Point Loads: {p: {Point: B, Force: [600, 300, -200]}}
+Quantities:
+  moment: {Quantity: reaction moment, Point: A}
+  moved: {Quantity: displacement, Point: B}
+  end: {Quantity: displacement, Point: end of m}
+  turned: {Quantity: rotation, Point: B}
+"""
+BLADE = """Scene:
+  Sections:
+    s: {Matrix: [1e3, 0, 0, 0, 0, 0, 1e3, 0, 0, 0, 0, 1e3, 0, 0, 0, 2, 0, 0, 4, 0, 5],
+        Stress Points: {%s}}
+  Points: {wall: [0, 0, 0], tip: [1, 0, 0]}
+  Members: {m: {Start: wall, End: tip, Section: s, Order: 2, Elements: 4, Second Axis: [0, 1, 0]}}
+  Supports: {wall: {Point: wall}}
+  Point Loads: {end: {Point: tip, Moment: [0, 0, 3]}}
+Quantities:
+  stress: {Quantity: normal stress, Member: "*", Take: largest size}
+"""
+ROUNDING = 1e-9  # of numbers of size one: scaled residual of 1e-11, and room
+
+
+class Sections(Answers):
+    def last(self, text):
+        """{column of the monitor: value at the end}"""
+        self.solved(text)
+        rows = list(csv.DictReader((self.folder / "scene-monitor.csv").read_text().splitlines()))
+        return {name: float(value) for name, value in rows[-1].items() if re.fullmatch(r"[-+.e\d]+", value)}
+
+    def test_rigid_arms_turn_with_their_points(self):
+        last = self.last(ARM)
+        moved, end, turned, moment = (np.array([last[f"{name}.{i}"] for i in "xyz"]) for name in ("moved", "end", "turned", "moment"))
+        place = np.array([2, 0, -0.5]) + moved
+        np.testing.assert_allclose(moment, -np.cross(place, [600, 300, -200]), rtol=0, atol=600 * ROUNDING)  # statics
+        arm, angle = np.array([0, 0, 0.8]), np.linalg.norm(turned)
+        axis = turned / angle
+        rotated = arm * math.cos(angle) + np.cross(axis, arm) * math.sin(angle) + axis * (axis @ arm) * (1 - math.cos(angle))
+        np.testing.assert_allclose(end - moved, rotated - arm, rtol=0, atol=ROUNDING)
+        self.assertGreater(np.abs(end - moved).max(), 0.05)  # a twin: an arm that does not turn
+
+    def test_stresses_of_a_matrix(self):
+        """Pure bending: kappa3 = M / EI3 everywhere, whatever the rotation."""
+        by_strain = self.last(BLADE % "E: 50, Points: {edge: [0.02, 0.3], other: [-0.01, 0]}")
+        self.assertAlmostEqual(abs(by_strain["stress"]), 50 * 3 / 5 * 0.02, delta=ROUNDING)
+        recovered = self.last(BLADE % "Points: {cap: [0.1, 0.2]}, Recovery: {cap: [31, 1, 2, 3, 800, 7.5]}")
+        self.assertAlmostEqual(abs(recovered["stress"]), 7.5 * 3, delta=ROUNDING)
+        self.assertNotAlmostEqual(abs(recovered["stress"]), abs(by_strain["stress"]), delta=1)
+
+
 if __name__ == "__main__":
     unittest.main()
