@@ -54,9 +54,22 @@ run_scenes() { # run_scenes <group>
 }
 
 draw_scenes() { # draw_scenes <group>
-  find "$results/$1" -name '*.h5' -print0 |
+  local file shapes=() envelopes=()
+  while IFS= read -r -d '' file; do
+    if [[ -e ${file%.h5}-envelope.csv ]]; then envelopes+=("$file"); else shapes+=("$file"); fi
+  done < <(find "$results/$1" -name '*.h5' -print0)
+  : >"$results/$1/pictures.txt"
+  draw_each "$1" shape "${shapes[@]}"
+  draw_each "$1" envelope "${envelopes[@]}"
+}
+
+draw_each() { # draw_each <group> <picture> <results>...
+  local group=$1 picture=$2
+  shift 2
+  (($# > 0)) || return 0
+  printf '%s\0' "$@" |
     MPLBACKEND=Agg xargs -0 -r -n 1 -P "$(nproc)" "${python[@]}" "$build_directory/bin/plots/plot_result.py" \
-      --picture shape envelope --format png >"$results/$1/pictures.txt" || failed+=("pictures of $1")
+      --picture "$picture" --format png >>"$results/$group/pictures.txt" || failed+=("pictures of $group")
 }
 
 install=yes
