@@ -138,6 +138,8 @@ def unused_features(given):
          ("the same line as a parametric curve, triads and curvature by formula", changed(rod, by_formula))),
         ("line_loads", ("no line load", rod),
          ("dead line load of 1e-200: with loops over loads", changed(rod, line_load_of_nothing("dead")))),
+        ("line_loads_in_plane", ("rod in a plane, no line load", planar),
+         ("dead line load of 1e-200: still three unknowns", changed(planar, line_load_of_nothing("dead")))),
         ("potential", ("all forces have a potential: symmetric tangents, chains condensed", rod),
          ("follower line load of 1e-200: unsymmetric tangents, sparse solver",
           changed(rod, line_load_of_nothing("follower")))),
