@@ -22,6 +22,16 @@ std::vector<std::array<int, 2>> ends_of(const Structure& structure) {
   return ends;
 }
 
+/// On any rank. Collective.
+/// On any rank. Collective.
+bool has_unsymmetric_elements(const Model& model) {
+  bool found = false;
+  for_each_element(model.structure(), [&](const ElementView& element) {
+    found = found || element.block().is_unsymmetric(element.index());
+  });
+  return maximum_over_ranks(*model.map()->getComm(), found ? 1.0 : 0.0) != 0.0;
+}
+
 /// Vertices that must not be eliminated for another reason than that members meet there.
 std::vector<unsigned char> kept_vertices(const Model& model) {
   const Structure& structure = model.structure();
@@ -34,7 +44,7 @@ std::vector<unsigned char> kept_vertices(const Model& model) {
   for (const VertexJoint& joint : model.conditions().joints) kept[joint.master] = kept[joint.slave] = 1;
   for_each_element(structure, [&](const ElementView& element) {
     const int a = element.vertex(0), b = element.vertex(1);
-    if (a >= owned || b >= owned || element.block().is_unsymmetric(element.index())) kept[a] = kept[b] = 1;
+    if (a >= owned || b >= owned) kept[a] = kept[b] = 1;
   });
   return kept;
 }
@@ -85,7 +95,10 @@ KOKKOS_INLINE_FUNCTION void subtract_symmetric(const double* tangent, int end, c
 }  // namespace
 
 CondensedSystem::CondensedSystem(const Model& model)
-    : model_(model), structure_(ends_of(model.structure()), kept_vertices(model)), chains_(structure_.levels()) {
+    : model_(model),
+      is_unsymmetric_(has_unsymmetric_elements(model)),
+      structure_(ends_of(model.structure()), kept_vertices(model)),
+      chains_(structure_.levels(), is_unsymmetric_) {
   if (model.plane()) planar_chains_ = std::make_unique<PlanarChains>(model, structure_);
   const Structure& structure = model.structure();
   std::vector<unsigned char> present = structure_.eliminated();
@@ -107,7 +120,7 @@ CondensedSystem::CondensedSystem(const Model& model)
     if (link.link < structure.local_elements()) condensed_(link.link) = 0;
 }
 
-bool CondensedSystem::condense(const Tangent& tangent) {
+bool CondensedSystem::condense(const Tangent& tangent, bool symmetric_part) {
   tangent_ = &tangent;
   const auto& tangents = tangent.elements().condensed_tangent;
   planar_ = tangent.is_planar() ? planar_chains_.get() : nullptr;
@@ -121,7 +134,9 @@ bool CondensedSystem::condense(const Tangent& tangent) {
     if (planar_ != nullptr)
       note(planar_->condense(tangent.planar_elements()));
     else
-      note(chains_.factorize(tangents));
+      note(chains_.factorize(tangents, !is_unsymmetric_ ? ChainKind::symmetric
+                                       : symmetric_part ? ChainKind::symmetric_part
+                                                        : ChainKind::general));
   }
   PhaseTimer timer(model_.times(), "assemble");
   tangent.gather(*remaining_, link_matrices());

@@ -1,5 +1,5 @@
 /// The linear system of a tangent with its chains condensed to their ends: a matrix over the vertices where members
-/// meet, or that carry supports, joints, point loads, or line loads without potential.
+/// meet, or that carry supports, joints or point loads.
 #pragma once
 
 #include "discretization/assembly/planar_chains.hpp"
@@ -23,10 +23,14 @@ class CondensedSystem {
   /// Their matrices, before loads, supports and joints take part; of the tangent that was condensed last.
   LinkMatrices<kSpatialDofs> link_matrices() const;
 
+  /// Whether some elements have line loads without potential: chains are then eliminated without symmetry.
+  bool is_unsymmetric() const { return is_unsymmetric_; }
   /// Eliminates the chains of a tangent, to which all that follows refers: it must not be gone by then. False where a
-  /// pivot is so small that nothing can be relied on.
-  bool condense(const Tangent& tangent);
+  /// pivot is so small that nothing can be relied on. `symmetric_part`: of (K + K^T) / 2 in chains without symmetry.
+  bool condense(const Tangent& tangent, bool symmetric_part = false);
+  /// Chain pivots below zero; without symmetry they tell the sign of the determinant alone.
   long negative_pivots() const { return negative_pivots_; }
+  bool is_eliminated(int local_vertex) const { return eliminated_(local_vertex) != 0; }
   /// Projects as Tangent::project_on_free_motions does.
   void project_on_free_motions(const KernelView<double*>& rows) const { tangent_->project_on_free_motions(rows); }
 
@@ -55,6 +59,7 @@ class CondensedSystem {
 
   const Model& model_;
   const Tangent* tangent_ = nullptr;  ///< whose chains are eliminated
+  bool is_unsymmetric_;
   ChainStructure structure_;
   ChainCondensation<kSpatialDofs> chains_;
   std::unique_ptr<PlanarChains> planar_chains_;  ///< where the scene has a plane

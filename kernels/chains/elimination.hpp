@@ -1,8 +1,8 @@
 /// Elimination of one vertex from a chain, theory (45): the arithmetic of chains/level.hpp, on `Real` numbers (lanes of
 /// a Pack work on different chains). N unknowns for each vertex: 6 in space, 3 in a plane.
 ///
-/// A link is a symmetric matrix over two vertices, [[K00, K10^T], [K10, K11]]. The pivot V holds a vertex between its
-/// neighbours: it is as stiff as one link, however long the chain is.
+/// A link is a matrix over two vertices, [[K00, K01], [K10, K11]], symmetric or not. The pivot V holds a vertex between
+/// its neighbours: it is as stiff as one link, however long the chain is.
 #pragma once
 
 #include "kernels/condensation/condensed_layout.hpp"
@@ -16,12 +16,27 @@ struct LinkMatrix {
   Real first[triangle_size(N)], coupling[N][N], second[triangle_size(N)];
 };
 
+/// The same without symmetry; `back` has rows at the first vertex.
+template <int N, class Real>
+struct GeneralLinkMatrix {
+  Real first[N][N], coupling[N][N], back[N][N], second[N][N];
+};
+
 /// L D L^T of one vertex block V, D inverted, and its coupling to the two neighbours.
 template <int N, class Real>
 struct VertexFactors {
   static constexpr int kSize = triangle_size(N) + 2 * N * N;
   Real factor[triangle_size(N)];  ///< strict lower triangle: L; diagonal: 1/D
   Real left[N][N], right[N][N];   ///< X, Y
+};
+
+/// L U of V without symmetry, its coupling to the neighbours, and their rows that couple them to it.
+template <int N, class Real>
+struct GeneralVertexFactors {
+  static constexpr int kSize = 5 * N * N;
+  Real factor[N][N];               ///< below the diagonal: L; diagonal: 1/U
+  Real left[N][N], right[N][N];    ///< X = V^-1 K10, Y = V^-1 K01
+  Real first[N][N], second[N][N];  ///< K01 of the link before, K10 of the link behind
 };
 
 /// Signs, theory (47), and sizes of the pivots met.
@@ -31,18 +46,24 @@ struct PivotWatch {
   Real smallest = 1.0;  ///< least |pivot| / |diagonal entry before the elimination| of the vertex block
 };
 
+/// `diagonal`: of the block before the elimination, in the place of the pivot.
+template <class Real>
+KOKKOS_INLINE_FUNCTION void watch_pivot(const Real& pivot, const Real& diagonal, PivotWatch<Real>& watch) {
+  using std::fabs;
+  const Real ratio = fabs(pivot / diagonal);
+  watch.smallest = select(ratio >= watch.smallest, watch.smallest, ratio);  // keeps a ratio that is not a number
+  watch.negative += select(pivot < Real(0.0), Real(1.0), Real(0.0));
+}
+
 /// L D L^T of a symmetric block in place, without exchange of rows.
 template <int N, class Real>
 KOKKOS_INLINE_FUNCTION void factorize_block(Real* a, PivotWatch<Real>& watch) {
-  using std::fabs;
   Real diagonal[N];
   for (int i = 0; i < N; ++i) diagonal[i] = a[triangle(i, i)];
 #pragma GCC unroll 6
   for (int k = 0; k < N; ++k) {
     const Real pivot = a[triangle(k, k)];
-    const Real ratio = fabs(pivot / diagonal[k]);
-    watch.smallest = select(ratio >= watch.smallest, watch.smallest, ratio);  // keeps a ratio that is not a number
-    watch.negative += select(pivot < Real(0.0), Real(1.0), Real(0.0));
+    watch_pivot(pivot, diagonal[k], watch);
     const Real inverse = Real(1.0) / pivot;
     a[triangle(k, k)] = inverse;
     Real column[N];
@@ -55,6 +76,24 @@ KOKKOS_INLINE_FUNCTION void factorize_block(Real* a, PivotWatch<Real>& watch) {
     for (int i = k + 1; i < N; ++i)
 #pragma GCC unroll 6
       for (int j = k + 1; j <= i; ++j) a[triangle(i, j)] -= a[triangle(i, k)] * column[j];
+  }
+}
+
+/// L U of a block in place, without exchange of rows.
+template <int N, class Real>
+KOKKOS_INLINE_FUNCTION void factorize_block(Real (*a)[N], PivotWatch<Real>& watch) {
+  Real diagonal[N];
+  for (int i = 0; i < N; ++i) diagonal[i] = a[i][i];
+#pragma GCC unroll 6
+  for (int k = 0; k < N; ++k) {
+    watch_pivot(a[k][k], diagonal[k], watch);
+    a[k][k] = Real(1.0) / a[k][k];
+#pragma GCC unroll 6
+    for (int i = k + 1; i < N; ++i) {
+      a[i][k] = a[i][k] * a[k][k];
+#pragma GCC unroll 6
+      for (int j = k + 1; j < N; ++j) a[i][j] -= a[i][k] * a[k][j];
+    }
   }
 }
 
@@ -73,9 +112,23 @@ KOKKOS_INLINE_FUNCTION void solve_block(const Real* factor, Real* b) {
   }
 }
 
-/// V^-1 times the given rows, or their transpose: X and Y, whose column c belongs to component c of the neighbour.
 template <int N, class Real>
-KOKKOS_INLINE_FUNCTION void hang_vertex(const Real (*rows)[N], bool rows_are_columns, const Real* factor,
+KOKKOS_INLINE_FUNCTION void solve_block(const Real (*factor)[N], Real* b) {
+#pragma GCC unroll 6
+  for (int i = 1; i < N; ++i)
+#pragma GCC unroll 6
+    for (int j = 0; j < i; ++j) b[i] -= factor[i][j] * b[j];
+#pragma GCC unroll 6
+  for (int i = N - 1; i >= 0; --i) {
+#pragma GCC unroll 6
+    for (int j = i + 1; j < N; ++j) b[i] -= factor[i][j] * b[j];
+    b[i] = b[i] * factor[i][i];
+  }
+}
+
+/// V^-1 times the given rows, or their transpose: X and Y, whose column c belongs to component c of the neighbour.
+template <int N, class Real, class Factor>
+KOKKOS_INLINE_FUNCTION void hang_vertex(const Real (*rows)[N], bool rows_are_columns, const Factor& factor,
                                         Real (*out)[N]) {
   for (int c = 0; c < N; ++c) {
     Real column[N];
@@ -118,6 +171,40 @@ KOKKOS_INLINE_FUNCTION void eliminate_vertex(LinkMatrix<N, Real>& chain, const L
   }
 }
 
+/// out - a b
+template <int N, class Real>
+KOKKOS_INLINE_FUNCTION void subtract_product(const Real (*a)[N], const Real (*b)[N], Real (*out)[N]) {
+  for (int i = 0; i < N; ++i)
+    for (int j = 0; j < N; ++j) {
+      Real sum = out[i][j];
+#pragma GCC unroll 6
+      for (int k = 0; k < N; ++k) sum -= a[i][k] * b[k][j];
+      out[i][j] = sum;
+    }
+}
+
+template <int N, class Real>
+KOKKOS_INLINE_FUNCTION void eliminate_vertex(GeneralLinkMatrix<N, Real>& chain, const GeneralLinkMatrix<N, Real>& next,
+                                             GeneralVertexFactors<N, Real>& f, PivotWatch<Real>& watch) {
+  for (int i = 0; i < N; ++i)
+    for (int j = 0; j < N; ++j) {
+      f.factor[i][j] = chain.second[i][j] + next.first[i][j];
+      f.first[i][j] = chain.back[i][j];
+      f.second[i][j] = next.coupling[i][j];
+      chain.second[i][j] = next.second[i][j];
+      chain.back[i][j] = 0.0;
+    }
+  factorize_block<N>(f.factor, watch);
+  hang_vertex<N>(chain.coupling, false, f.factor, f.left);
+  hang_vertex<N>(next.back, false, f.factor, f.right);
+  for (int i = 0; i < N; ++i)
+    for (int j = 0; j < N; ++j) chain.coupling[i][j] = 0.0;
+  subtract_product<N>(f.first, f.left, chain.first);
+  subtract_product<N>(f.first, f.right, chain.back);
+  subtract_product<N>(f.second, f.left, chain.coupling);
+  subtract_product<N>(f.second, f.right, chain.second);
+}
+
 /// Takes X^T b_v or Y^T b_v from the rows of a neighbour, theory (45).
 template <int N, class Real>
 KOKKOS_INLINE_FUNCTION void pass_on(const Real (*hanging)[N], const Real* b, Real* neighbour) {
@@ -134,6 +221,20 @@ KOKKOS_INLINE_FUNCTION void follow(const Real (*hanging)[N], const Real* neighbo
   for (int k = 0; k < N; ++k)
 #pragma GCC unroll 6
     for (int c = 0; c < N; ++c) x[k] -= hanging[k][c] * neighbour[c];
+}
+
+/// Eliminates the rows `b` of a vertex from those of its neighbours; V^-1 b stays.
+template <int N, class Real>
+KOKKOS_INLINE_FUNCTION void eliminate_rows(const VertexFactors<N, Real>& f, Real* b, Real* first, Real* second) {
+  pass_on<N>(f.left, b, first);
+  pass_on<N>(f.right, b, second);
+  solve_block<N>(f.factor, b);
+}
+template <int N, class Real>
+KOKKOS_INLINE_FUNCTION void eliminate_rows(const GeneralVertexFactors<N, Real>& f, Real* b, Real* first, Real* second) {
+  solve_block<N>(f.factor, b);
+  follow<N>(f.first, b, first);
+  follow<N>(f.second, b, second);
 }
 
 }  // namespace mixbeam

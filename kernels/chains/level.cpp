@@ -2,15 +2,21 @@
 
 #include "kernels/chains/elimination.hpp"
 
+#include <type_traits>
+
 namespace mixbeam {
 
 namespace {
 
 using Real = Pack<kLanes>;
 template <int N>
-using Link = LinkMatrix<N, Real>;
+using SymmetricLink = LinkMatrix<N, Real>;
 template <int N>
-using Factors = VertexFactors<N, Real>;
+using GeneralLink = GeneralLinkMatrix<N, Real>;
+template <int N, ChainKind kind>
+using Link = std::conditional_t<kind == ChainKind::general, GeneralLink<N>, SymmetricLink<N>>;
+template <int N, bool general>
+using Factors = std::conditional_t<general, GeneralVertexFactors<N, Real>, VertexFactors<N, Real>>;
 using Range = Kokkos::RangePolicy<ExecutionSpace>;
 
 /// Which links the lanes of one step take, and from which end.
@@ -30,29 +36,41 @@ struct StepLinks {
   }
 };
 
-/// Copies full matrices.
-template <int N>
-KOKKOS_INLINE_FUNCTION Link<N> load_full(const StepLinks& links, const double* const* matrix) {
-  Link<N> m;
-  const double *first[kLanes], *second[kLanes], *coupling[kLanes];
+/// Copies full matrices, or their symmetric parts.
+template <int N, ChainKind kind>
+KOKKOS_INLINE_FUNCTION Link<N, kind> load_full(const StepLinks& links, const double* const* matrix) {
+  const double* block[2][2][kLanes];  // rows of one end, columns of the other
   for (int lane = 0; lane < kLanes; ++lane) {
-    const int f = links.backward[lane] ? N : 0, s = N - f;
-    first[lane] = matrix[lane] + 2 * N * f + f;
-    second[lane] = matrix[lane] + 2 * N * s + s;
-    coupling[lane] = matrix[lane] + 2 * N * s + f;
+    const int at[2] = {links.backward[lane] ? N : 0, links.backward[lane] ? 0 : N};
+    for (int row = 0; row < 2; ++row)
+      for (int column = 0; column < 2; ++column) block[row][column][lane] = matrix[lane] + 2 * N * at[row] + at[column];
   }
-  const auto entry = [](const double* const* blocks, int i, int j) {
-    return Real::gathered([=](int lane) { return blocks[lane][2 * N * i + j]; });
+  const auto entry = [&](int row, int column, int i, int j) {
+    const double* const* const blocks = block[row][column];
+    const Real x = Real::gathered([=](int lane) { return blocks[lane][2 * N * i + j]; });
+    if constexpr (kind != ChainKind::symmetric_part) {
+      return x;
+    } else {
+      const double* const* const mirrored = block[column][row];
+      return Real(0.5) * (x + Real::gathered([=](int lane) { return mirrored[lane][2 * N * j + i]; }));
+    }
   };
+  Link<N, kind> m;
 #pragma GCC unroll 6
   for (int i = 0; i < N; ++i) {
 #pragma GCC unroll 6
-    for (int j = 0; j <= i; ++j) {
-      m.first[triangle(i, j)] = entry(first, i, j);
-      m.second[triangle(i, j)] = entry(second, i, j);
+    for (int j = 0; j < (kind == ChainKind::general ? N : i + 1); ++j) {
+      if constexpr (kind == ChainKind::general) {
+        m.first[i][j] = entry(0, 0, i, j);
+        m.second[i][j] = entry(1, 1, i, j);
+        m.back[i][j] = entry(0, 1, i, j);
+      } else {
+        m.first[triangle(i, j)] = entry(0, 0, i, j);
+        m.second[triangle(i, j)] = entry(1, 1, i, j);
+      }
     }
 #pragma GCC unroll 6
-    for (int j = 0; j < N; ++j) m.coupling[i][j] = entry(coupling, i, j);
+    for (int j = 0; j < N; ++j) m.coupling[i][j] = entry(1, 0, i, j);
   }
   return m;
 }
@@ -74,7 +92,7 @@ KOKKOS_INLINE_FUNCTION void turn_around(const Real* from, Real* to) {
 
 /// Copies symmetric tangents of elements.
 template <int N>
-KOKKOS_INLINE_FUNCTION Link<N> load_symmetric(const StepLinks& links, const double* const* numbers) {
+KOKKOS_INLINE_FUNCTION SymmetricLink<N> load_symmetric(const StepLinks& links, const double* const* numbers) {
   using Layout = TangentLayout<N>;
   Real forward[Layout::kSymmetric];
   gather_lanes(numbers, Layout::kSymmetric, forward);
@@ -91,7 +109,7 @@ KOKKOS_INLINE_FUNCTION Link<N> load_symmetric(const StepLinks& links, const doub
     const Real& x = forward[Layout::place_of_full(i, j)];
     return Layout::is_negative(i, j) ? -x : x;
   };
-  Link<N> m;
+  SymmetricLink<N> m;
 #pragma GCC unroll 6
   for (int i = 0; i < N; ++i) {
 #pragma GCC unroll 6
@@ -105,22 +123,24 @@ KOKKOS_INLINE_FUNCTION Link<N> load_symmetric(const StepLinks& links, const doub
   return m;
 }
 
-template <int N>
-KOKKOS_INLINE_FUNCTION Link<N> load_link(const LinkMatrices<N>& matrices, const StepLinks& links) {
+template <int N, ChainKind kind>
+KOKKOS_INLINE_FUNCTION Link<N, kind> load_link(const LinkMatrices<N>& matrices, const StepLinks& links) {
   const double* rows[kLanes];
-  bool all_elements = matrices.keeps_symmetric_elements();
-  for (int lane = 0; lane < kLanes; ++lane) all_elements = all_elements && matrices.is_element(links.link[lane]);
-  if (all_elements) {
-    for (int lane = 0; lane < kLanes; ++lane) rows[lane] = &matrices.elements(links.link[lane], 0);
-    return load_symmetric<N>(links, rows);
+  if constexpr (kind == ChainKind::symmetric) {
+    bool all_elements = matrices.keeps_symmetric_elements();
+    for (int lane = 0; lane < kLanes; ++lane) all_elements = all_elements && matrices.is_element(links.link[lane]);
+    if (all_elements) {
+      for (int lane = 0; lane < kLanes; ++lane) rows[lane] = &matrices.elements(links.link[lane], 0);
+      return load_symmetric<N>(links, rows);
+    }
   }
   double room[kLanes][LinkMatrices<N>::kFull];
   for (int lane = 0; lane < kLanes; ++lane) rows[lane] = matrices.full(links.link[lane], room[lane]);
-  return load_full<N>(links, rows);
+  return load_full<N, kind>(links, rows);
 }
 
 template <int N>
-KOKKOS_INLINE_FUNCTION void store_link(const Link<N>& m, int lane, double* out) {
+KOKKOS_INLINE_FUNCTION void store_link(const SymmetricLink<N>& m, int lane, double* out) {
   for (int i = 0; i < N; ++i)
     for (int j = 0; j < N; ++j) {
       const int low = i < j ? triangle(j, i) : triangle(i, j);
@@ -130,16 +150,27 @@ KOKKOS_INLINE_FUNCTION void store_link(const Link<N>& m, int lane, double* out) 
     }
 }
 
-/// Lanes at rest keep what they have.
 template <int N>
-KOKKOS_INLINE_FUNCTION void keep_resting(const Real::Mask& rests, const Link<N>& before, Link<N>& after) {
-  const Real* from = before.first;
-  Real* to = after.first;
-  constexpr int numbers = sizeof(Link<N>) / sizeof(Real);
+KOKKOS_INLINE_FUNCTION void store_link(const GeneralLink<N>& m, int lane, double* out) {
+  for (int i = 0; i < N; ++i)
+    for (int j = 0; j < N; ++j) {
+      out[2 * N * i + j] = m.first[i][j][lane];
+      out[2 * N * i + N + j] = m.back[i][j][lane];
+      out[2 * N * (N + i) + j] = m.coupling[i][j][lane];
+      out[2 * N * (N + i) + N + j] = m.second[i][j][lane];
+    }
+}
+
+/// Lanes at rest keep what they have.
+template <class AnyLink>
+KOKKOS_INLINE_FUNCTION void keep_resting(const Real::Mask& rests, const AnyLink& before, AnyLink& after) {
+  const Real* from = reinterpret_cast<const Real*>(&before);
+  Real* to = reinterpret_cast<Real*>(&after);
+  constexpr int numbers = sizeof(AnyLink) / sizeof(Real);
   for (int i = 0; i < numbers; ++i) to[i] = select(rests, from[i], to[i]);
 }
 
-template <int N>
+template <int N, ChainKind kind>
 struct CondenseLoop {
   ChainLevel level;
   LinkMatrices<N> matrices;
@@ -148,20 +179,20 @@ struct CondenseLoop {
 
   KOKKOS_INLINE_FUNCTION void operator()(int pack) const {
     const int begin = level.step_start(pack), end = level.step_start(pack + 1);
-    Link<N> chain = load_link<N>(matrices, StepLinks(level, begin));
+    Link<N, kind> chain = load_link<N, kind>(matrices, StepLinks(level, begin));
     PivotWatch<Real> watch;
     for (int step = begin + 1; step < end; ++step) {
       const StepLinks links(level, step);
-      auto& factors = *reinterpret_cast<Factors<N>*>(&factors_of(step - pack - 1, 0));
+      auto& factors = *reinterpret_cast<Factors<N, kind == ChainKind::general>*>(&factors_of(step - pack - 1, 0));
       if (any<kLanes>(links.rests)) {
-        const Link<N> before = chain;
+        const Link<N, kind> before = chain;
         const PivotWatch<Real> seen = watch;
-        eliminate_vertex<N>(chain, load_link<N>(matrices, links), factors, watch);
-        keep_resting<N>(links.rests, before, chain);
+        eliminate_vertex<N>(chain, load_link<N, kind>(matrices, links), factors, watch);
+        keep_resting(links.rests, before, chain);
         watch.negative = select(links.rests, seen.negative, watch.negative);
         watch.smallest = select(links.rests, seen.smallest, watch.smallest);
       } else {
-        eliminate_vertex<N>(chain, load_link<N>(matrices, links), factors, watch);
+        eliminate_vertex<N>(chain, load_link<N, kind>(matrices, links), factors, watch);
       }
     }
     for (int lane = 0; lane < kLanes; ++lane) {
@@ -175,7 +206,7 @@ struct CondenseLoop {
 };
 
 /// Sums the rows at the vertex between two links: the given ones and the shares of the runs on both sides.
-template <int N>
+template <int N, bool general>
 struct RowsLoop {
   ChainLevel level;
   int elements;
@@ -213,7 +244,7 @@ struct RowsLoop {
   }
   /// The vertex before link `step`.
   KOKKOS_INLINE_FUNCTION void eliminate(int pack, int step, Real* at_begin, Real* passed) const {
-    const auto& factors = *reinterpret_cast<const Factors<N>*>(&factors_of(step - pack - 1, 0));
+    const auto& factors = *reinterpret_cast<const Factors<N, general>*>(&factors_of(step - pack - 1, 0));
     Real b[N];
     Real::Mask rests{};
     for (int lane = 0; lane < kLanes; ++lane) {
@@ -235,20 +266,18 @@ struct RowsLoop {
       before[N + c] = passed[c];
       passed[c] = 0.0;
     }
-    pass_on<N>(factors.left, b, at_begin);
-    pass_on<N>(factors.right, b, passed);
+    eliminate_rows<N>(factors, b, at_begin, passed);
     for (int c = 0; c < N; ++c) {
       at_begin[c] = select(rests, before[c], at_begin[c]);
       passed[c] = select(rests, before[N + c], passed[c]);
     }
-    solve_block<N>(factors.factor, b);
     for (int lane = 0; lane < kLanes; ++lane)
       if (rests[lane] == 0)
         for (int c = 0; c < N; ++c) x(static_cast<size_t>(N) * level.vertex(step - 1, lane) + c) = b[c][lane];
   }
 };
 
-template <int N>
+template <int N, bool general>
 struct ExpandLoop {
   ChainLevel level;
   ChainFactors factors_of;
@@ -266,7 +295,7 @@ struct ExpandLoop {
     load(&level.first_vertex(pack, 0), first);
     load(&level.vertex(end - 1, 0), next);
     for (int step = end - 1; step > begin; --step) {
-      const auto& factors = *reinterpret_cast<const Factors<N>*>(&factors_of(step - pack - 1, 0));
+      const auto& factors = *reinterpret_cast<const Factors<N, general>*>(&factors_of(step - pack - 1, 0));
       Real here[N];
       load(&level.vertex(step - 1, 0), here);
       Real moved[N];
@@ -285,34 +314,54 @@ struct ExpandLoop {
   }
 };
 
+/// Calls f(std::integral_constant<ChainKind, kind>); a plane has symmetric links alone.
+template <int N, class F>
+void for_kind(ChainKind kind, const F& f) {
+  if constexpr (N == kSpatialDofs) {
+    if (kind == ChainKind::general) return f(std::integral_constant<ChainKind, ChainKind::general>());
+    if (kind == ChainKind::symmetric_part) return f(std::integral_constant<ChainKind, ChainKind::symmetric_part>());
+  }
+  f(std::integral_constant<ChainKind, ChainKind::symmetric>());
+}
+
 }  // namespace
 
 template <int N>
-void condense_runs(const ChainLevel& level, const LinkMatrices<N>& matrices, const ChainFactors& factors,
-                   const ChainPivots& pivots) {
-  static_assert(Factors<N>::kSize == vertex_factor_size(N), "layout of the factors");
-  Kokkos::parallel_for("mixbeam::chains::condense", Range(0, level.packs),
-                       CondenseLoop<N>{level, matrices, factors, pivots});
+void condense_runs(ChainKind kind, const ChainLevel& level, const LinkMatrices<N>& matrices,
+                   const ChainFactors& factors, const ChainPivots& pivots) {
+  static_assert(VertexFactors<N, Real>::kSize == vertex_factor_size(N), "layout of the factors");
+  static_assert(GeneralVertexFactors<N, Real>::kSize == general_factor_size(N), "layout of the factors");
+  for_kind<N>(kind, [&](auto of) {
+    Kokkos::parallel_for("mixbeam::chains::condense", Range(0, level.packs),
+                         CondenseLoop<N, of()>{level, matrices, factors, pivots});
+  });
 }
 
 template <int N>
-void condense_rows(const ChainLevel& level, int elements, const KernelView<const double*>& rows,
+void condense_rows(ChainKind kind, const ChainLevel& level, int elements, const KernelView<const double*>& rows,
                    const ChainFactors& factors, const KernelView<double * [2 * N]>& arrived,
                    const KernelView<double*>& x) {
-  Kokkos::parallel_for("mixbeam::chains::condense_rows", Range(0, level.packs),
-                       RowsLoop<N>{level, elements, rows, factors, arrived, x});
+  for_kind<N>(kind, [&](auto of) {
+    Kokkos::parallel_for("mixbeam::chains::condense_rows", Range(0, level.packs),
+                         RowsLoop<N, of() == ChainKind::general>{level, elements, rows, factors, arrived, x});
+  });
 }
 
 template <int N>
-void expand_runs(const ChainLevel& level, const ChainFactors& factors, const KernelView<double*>& x) {
-  Kokkos::parallel_for("mixbeam::chains::expand", Range(0, level.packs), ExpandLoop<N>{level, factors, x});
+void expand_runs(ChainKind kind, const ChainLevel& level, const ChainFactors& factors, const KernelView<double*>& x) {
+  for_kind<N>(kind, [&](auto of) {
+    Kokkos::parallel_for("mixbeam::chains::expand", Range(0, level.packs),
+                         ExpandLoop<N, of() == ChainKind::general>{level, factors, x});
+  });
 }
 
-#define MIXBEAM_CHAINS(N)                                                                                             \
-  template void condense_runs<N>(const ChainLevel&, const LinkMatrices<N>&, const ChainFactors&, const ChainPivots&); \
-  template void condense_rows<N>(const ChainLevel&, int, const KernelView<const double*>&, const ChainFactors&,       \
-                                 const KernelView<double * [2 * N]>&, const KernelView<double*>&);                    \
-  template void expand_runs<N>(const ChainLevel&, const ChainFactors&, const KernelView<double*>&);
+#define MIXBEAM_CHAINS(N)                                                                                   \
+  template void condense_runs<N>(ChainKind, const ChainLevel&, const LinkMatrices<N>&, const ChainFactors&, \
+                                 const ChainPivots&);                                                       \
+  template void condense_rows<N>(ChainKind, const ChainLevel&, int, const KernelView<const double*>&,       \
+                                 const ChainFactors&, const KernelView<double * [2 * N]>&,                  \
+                                 const KernelView<double*>&);                                               \
+  template void expand_runs<N>(ChainKind, const ChainLevel&, const ChainFactors&, const KernelView<double*>&);
 MIXBEAM_CHAINS(kSpatialDofs)
 MIXBEAM_CHAINS(kPlanarDofs)
 #undef MIXBEAM_CHAINS

@@ -28,8 +28,17 @@ struct LinkMatrices {
   }
 };
 
-/// Numbers that the elimination of one vertex leaves behind: VertexFactors of chains/elimination.hpp.
+/// What an elimination makes of the matrices of links.
+enum class ChainKind {
+  symmetric,       ///< they are: only their lower triangles are read
+  symmetric_part,  ///< (K + K^T) / 2
+  general,         ///< L U, of links in space alone
+};
+
+/// Numbers that the elimination of one vertex leaves behind: VertexFactors or, without symmetry, GeneralVertexFactors
+/// of chains/elimination.hpp.
 constexpr int vertex_factor_size(int n) { return n * (n + 1) / 2 + 2 * n * n; }
+constexpr int general_factor_size(int n) { return 5 * n * n; }
 
 /// Runs of links that are condensed at the same time. kLanes runs make a pack; step s of a pack takes link s of each of
 /// its runs, shorter ones (and lanes without a run) then rest.
@@ -51,28 +60,28 @@ struct ChainLevels {
   std::vector<ChainLevel> levels;
 };
 
-/// (step - pack - 1 for all but the first step of a pack, VertexFactors of all lanes)
+/// (step - pack - 1 for all but the first step of a pack, factors of all lanes)
 using ChainFactors = KernelView<double**>;
-/// (run of all levels): pivots below zero, those of theory (47); least
+/// (run of all levels): pivots below zero, those of theory (47), without symmetry the sign of the determinant alone;
+/// least
 /// |pivot| / |diagonal entry of its vertex block|, not a number where a pivot is zero.
 using ChainPivots = KernelView<double* [2]>;
 
-/// Eliminates the vertices inside all runs; writes LinkMatrices::runs, factors and pivots. Only entries of symmetric
-/// matrices are expected: the triangles are not compared.
+/// Eliminates the vertices inside all runs; writes LinkMatrices::runs, factors and pivots.
 template <int N>
-void condense_runs(const ChainLevel& level, const LinkMatrices<N>& matrices, const ChainFactors& factors,
-                   const ChainPivots& pivots);
+void condense_runs(ChainKind kind, const ChainLevel& level, const LinkMatrices<N>& matrices,
+                   const ChainFactors& factors, const ChainPivots& pivots);
 
 /// Condenses a right-hand side `rows` (N * vertex + component): at eliminated vertices x becomes V^-1 of the rows
 /// summed there; `arrived` (run, 2 N) is added by each run to the rows of its end vertices.
 template <int N>
-void condense_rows(const ChainLevel& level, int elements, const KernelView<const double*>& rows,
+void condense_rows(ChainKind kind, const ChainLevel& level, int elements, const KernelView<const double*>& rows,
                    const ChainFactors& factors, const KernelView<double * [2 * N]>& arrived,
                    const KernelView<double*>& x);
 
 /// Eliminated vertices from the solution at the ends of the runs, after condense_rows.
 template <int N>
-void expand_runs(const ChainLevel& level, const ChainFactors& factors, const KernelView<double*>& x);
+void expand_runs(ChainKind kind, const ChainLevel& level, const ChainFactors& factors, const KernelView<double*>& x);
 
 /// The numbers of an elimination with N unknowns for each vertex.
 template <int N>
@@ -80,8 +89,8 @@ class ChainCondensation {
  public:
   using ElementMatrices = KernelView<const double**>;  ///< LinkMatrices::elements
 
-  /// `chains` must outlive this.
-  explicit ChainCondensation(const ChainLevels& chains)
+  /// `chains` must outlive this. `has_general`: room for ChainKind::general.
+  explicit ChainCondensation(const ChainLevels& chains, bool has_general = false)
       : chains_(chains),
         run_matrices_("mixbeam::chains::matrices", chains.runs),
         arrived_("mixbeam::chains::arrived", chains.runs),
@@ -89,7 +98,8 @@ class ChainCondensation {
     // not initialised: the threads that write them first get their pages
     for (const ChainLevel& level : chains.levels)
       factors_.emplace_back(Kokkos::view_alloc("mixbeam::chains::factors", Kokkos::WithoutInitializing),
-                            level.eliminations(), vertex_factor_size(N) * kLanes);
+                            level.eliminations(),
+                            (has_general ? general_factor_size(N) : vertex_factor_size(N)) * kLanes);
   }
 
   LinkMatrices<N> matrices(const ElementMatrices& element_tangents) const { return {element_tangents, run_matrices_}; }
@@ -100,10 +110,11 @@ class ChainCondensation {
     long negative = 0;      ///< below zero
     double smallest = 1.0;  ///< least |pivot| / |its diagonal entry|; not a number or zero: singular
   };
-  /// Eliminates; the elements' tangents must be symmetric wherever a vertex is eliminated.
-  Pivots factorize(const ElementMatrices& element_tangents) {
+  /// Eliminates; all that follows refers to it.
+  Pivots factorize(const ElementMatrices& element_tangents, ChainKind kind = ChainKind::symmetric) {
+    kind_ = kind;
     const LinkMatrices<N> all = matrices(element_tangents);
-    for (size_t l = 0; l < factors_.size(); ++l) condense_runs<N>(chains_.levels[l], all, factors_[l], pivots_);
+    for (size_t l = 0; l < factors_.size(); ++l) condense_runs<N>(kind, chains_.levels[l], all, factors_[l], pivots_);
     Pivots result;
     for (int run = 0; run < chains_.runs; ++run) {
       result.negative += static_cast<long>(pivots_(run, 0));
@@ -114,15 +125,16 @@ class ChainCondensation {
   /// First half of a solve: eliminated rows of `rows` (N * local vertex + component) leave x half done.
   void condense_rows(const KernelView<const double*>& rows, const KernelView<double*>& x) {
     for (size_t l = 0; l < factors_.size(); ++l)
-      mixbeam::condense_rows<N>(chains_.levels[l], chains_.elements, rows, factors_[l], arrived_, x);
+      mixbeam::condense_rows<N>(kind_, chains_.levels[l], chains_.elements, rows, factors_[l], arrived_, x);
   }
   /// Second half: eliminated entries of x from the others.
   void expand(const KernelView<double*>& x) const {
-    for (size_t l = factors_.size(); l-- > 0;) expand_runs<N>(chains_.levels[l], factors_[l], x);
+    for (size_t l = factors_.size(); l-- > 0;) expand_runs<N>(kind_, chains_.levels[l], factors_[l], x);
   }
 
  private:
   const ChainLevels& chains_;
+  ChainKind kind_ = ChainKind::symmetric;
   std::vector<ChainFactors> factors_;  ///< (level)
   KernelView<double * [4 * N * N]> run_matrices_;
   KernelView<double * [2 * N]> arrived_;

@@ -128,7 +128,7 @@ double ChainSolver::solve(const DofVector& b, DofVector& x, double energy_reduct
 }
 
 std::optional<long> ChainSolver::negative_eigenvalues() {
-  if (uses_whole_) return {};
+  if (uses_whole_ || system_.is_unsymmetric()) return {};
   const std::optional<long> remaining = remaining_->negative_eigenvalues();
   if (!remaining) return {};
   long of_chains = 0;

@@ -84,6 +84,51 @@ void recount_unsymmetric(Spectrum& spectrum) {
   if (stability.sign != 0 && is_odd != (stability.sign < 0)) ++stability.negative;
 }
 
+/// As asymmetry(), of the rows of this rank that chains eliminate, in the units of IndependentUnknowns.
+double asymmetry_of_chains(const CondensedSystem& chains, const Tangent& tangent) {
+  const Model& model = tangent.model();
+  const Structure& structure = model.structure();
+  const KernelView<double**> tangents = tangent.elements().condensed_tangent;
+  if (tangents.extent(1) != kFullTangent) return 0.0;
+  const Adjacency adjacency = model.adjacency();
+  const double bending = structure.bending_reference / structure.length;
+  std::vector<double> diagonal(static_cast<size_t>(kVertexDofs) * structure.owned_vertices, 0.0), unit(diagonal.size());
+  const std::vector<double> lengths = vertex_lengths(structure);
+  const auto block = [&](int e, int row, int column, int i, int j) {
+    return tangents(e, 2 * kVertexDofs * (kVertexDofs * row + i) + kVertexDofs * column + j);
+  };
+  for (size_t row = 0; row < diagonal.size(); ++row) {
+    const int v = static_cast<int>(row) / kVertexDofs, i = static_cast<int>(row) % kVertexDofs;
+    for (int a = adjacency.start(v); a < adjacency.start(v + 1); ++a)
+      diagonal[row] += block(adjacency.element(a, 0), adjacency.element(a, 1), adjacency.element(a, 1), i, i);
+    unit[row] = (i < 3 ? structure.length : 1.0) / std::sqrt(bending * lengths[v] / structure.length);
+    diagonal[row] = std::max(1.0, std::abs(diagonal[row]) * unit[row] * unit[row]);
+  }
+  double largest = 0.0;
+  const auto note = [&](double skew, size_t row, size_t column) {
+    largest =
+        std::max(largest, std::abs(skew) * unit[row] * unit[column] / std::sqrt(diagonal[row] * diagonal[column]));
+  };
+  for_each_element(structure, [&](const ElementView& element) {
+    const int ends[2] = {element.vertex(0), element.vertex(1)}, e = element.local();
+    const bool eliminated[2] = {chains.is_eliminated(ends[0]), chains.is_eliminated(ends[1])};
+    for (int i = 0; i < kVertexDofs && (eliminated[0] || eliminated[1]); ++i)
+      for (int j = 0; j < kVertexDofs; ++j)
+        note(block(e, 0, 1, i, j) - block(e, 1, 0, j, i), vertex_row(ends[0], i), vertex_row(ends[1], j));
+    for (int end = 0; end < 2; ++end)
+      for (int i = 0; eliminated[end] && i < kVertexDofs; ++i)
+        for (int j = 0; j < i; ++j) {
+          double skew = 0.0;
+          for (int a = adjacency.start(ends[end]); a < adjacency.start(ends[end] + 1); ++a) {
+            const int at = adjacency.element(a, 1);
+            skew += block(adjacency.element(a, 0), at, at, i, j) - block(adjacency.element(a, 0), at, at, j, i);
+          }
+          note(skew, vertex_row(ends[end], i), vertex_row(ends[end], j));
+        }
+  });
+  return largest;
+}
+
 /// Derivative of the equations of equilibrium, unscaled, by differences of the residual, which holds compliances and no
 /// stiffness: no large entries in whose rounding small ones are lost. Rows of N and M are zero.
 MixedVector derivative_along(const Model& model, const State& state, double load_factor, const MixedVector& motion) {
@@ -200,11 +245,12 @@ Stability::Look Stability::assemble(const State& state, double load_factor) {
   return look;
 }
 
-/// Inertia, or the sign of the determinant.
-Stability::RootResult Stability::factorized(const SparseMatrix& matrix, Solvers& solvers) const {
+/// Inertia, or the sign of the determinant. `asymmetry_beside`: of rows that were eliminated.
+Stability::RootResult Stability::factorized(const SparseMatrix& matrix, Solvers& solvers,
+                                            double asymmetry_beside) const {
   RootResult root;
   StabilityResult& result = root.result;
-  result.asymmetry = asymmetry(matrix);
+  result.asymmetry = std::max(asymmetry(matrix), asymmetry_beside);
   result.symmetric = result.asymmetry <= stability_limit.symmetric;
   result.sign = 1;
   if (matrix.rows() == 0) return root;
@@ -257,18 +303,33 @@ Stability::RootResult Stability::completed(RootResult root, MPI_Comm communicato
   return root;
 }
 
-/// The tangent with its chains condensed, and whether their pivots can be relied on.
+/// The tangent with its chains condensed, and whether their pivots can be relied on. Without symmetry: what its
+/// symmetric part tells, but for the determinant, which is that of the whole.
 Stability::RootResult Stability::factorized_beside_chains(const Look& look) {
   if (chains_ == nullptr) {
     chains_ = std::make_unique<CondensedSystem>(problem_.model);
     unknowns_beside_chains_ = std::make_unique<IndependentUnknowns>(problem_.model, chains_->remaining());
   }
-  int reliable = chains_->condense(look.tangent) ? 1 : 0;
+  const double beside = chains_->is_unsymmetric() ? asymmetry_of_chains(*chains_, look.tangent) : 0.0;
+  const double asymmetry = maximum_over_ranks(*problem_.model.map()->getComm(), beside);
+  RootResult root = factorized_beside_chains(look, true, asymmetry);
+  if (asymmetry <= stability_limit.symmetric || root.result.symmetric) return root;
+  const RootResult whole = factorized_beside_chains(look, false, root.result.asymmetry);
+  root.result.sign = whole.result.sign;
+  root.result.negative = whole.result.negative;
+  root.result.null = whole.result.null;
+  root.is_reliable = root.is_reliable && whole.is_reliable;
+  return root;
+}
+
+Stability::RootResult Stability::factorized_beside_chains(const Look& look, bool symmetric_part, double asymmetry) {
+  int reliable = chains_->condense(look.tangent, symmetric_part) ? 1 : 0;
   const SparseMatrix& matrix = unknowns_beside_chains_->reduce(look.tangent);
   const RootCopy& copy = unknowns_beside_chains_->root();
   RootResult root;
   on_root(copy, [&] {
-    root = factorized(matrix, beside_chains_);
+    root = factorized(matrix, beside_chains_, asymmetry);
+    if (!symmetric_part) return;
     if (!root.result.symmetric && root.result.asymmetry <= stability_limit.nearly_conservative)
       root.result.negative = negative_of_symmetric_part(matrix, beside_chains_);
     look_for_zero(matrix, beside_chains_, look.zero, root);

@@ -157,11 +157,12 @@ class Stability {
   Look evaluate_tangent(const State& state, double load_factor, double raise);
   Look assemble(const State& state, double load_factor);
   double least_stiffness();
-  RootResult factorized(const SparseMatrix& matrix, Solvers& solvers) const;
+  RootResult factorized(const SparseMatrix& matrix, Solvers& solvers, double asymmetry_beside = 0.0) const;
   static int negative_of_symmetric_part(const SparseMatrix& matrix, Solvers& solvers);
   static void look_for_zero(const SparseMatrix& matrix, const Solvers& solvers, double zero, RootResult& root);
   static RootResult completed(RootResult root, MPI_Comm communicator, const Look& look, long of_chains);
   RootResult factorized_beside_chains(const Look& look);
+  RootResult factorized_beside_chains(const Look& look, bool symmetric_part, double asymmetry);
   std::optional<StabilityResult> inertia_with_chains(const Look& look);
   StabilityResult inertia(const Look& look, double shift = 0.0);
   InertiaSolver& solver(const StabilityResult& result);

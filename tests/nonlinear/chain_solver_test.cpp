@@ -94,12 +94,22 @@ Scene lattice_under_moments() {
   return scene;
 }
 
+/// Line loads without potential on a member that is drawn backwards, and one with a potential on the other.
+Scene under_followers(int elements) {
+  Scene scene = backward_member(elements);
+  scene.distributed_loads = {{"back", {40, -60, 70}, {2, -1, 3}, 1, LoadFrame::follower},
+                             {"back", {}, {20, 10, -30}, 1},
+                             {scene.members[0].name, {0, 30, 0}, {}, 1}};
+  return scene;
+}
+
 std::vector<Scene> scenes() {
   std::vector<Scene> all;
   for (int elements : {1, 2, 3, 5, 8, 9, 33, 70, 300})
     all.push_back(cantilever(section(1e4, 5e3, 2.0, 1.0), 1.0, 1, elements));
   for (int elements : {1, 4, 17}) all.push_back(backward_member(elements));
   for (int elements : {1, 3, 12}) all.push_back(fork(2, elements));
+  for (int elements : {1, 3, 12, 300}) all.push_back(under_followers(elements));
   all.push_back(portal_of_joints(2, 5));
   all.push_back(lattice(kNetworkPoints, 1, 2));
   all.push_back(hinged_lattice());
@@ -237,6 +247,22 @@ TEST(ChainSolver, OnlyEndsJunctionsAndConditionsRemain) {
   // the clamp and the free end
   EXPECT_EQ(system.matrix()->getNodeNumRows(), size_t{2} * kVertexDofs);
   EXPECT_EQ(system.eliminated_vertices(), moved.model.mesh().vertices() - 2);
+}
+
+/// Line loads without potential leave nothing behind, and their chains are not taken for symmetric ones.
+TEST(ChainSolver, ChainsWithoutSymmetry) {
+  const MovedScene moved(under_followers(12), this_rank()), dead(backward_member(12), this_rank());
+  CondensedSystem system(moved.model);
+  EXPECT_EQ(system.matrix()->getNodeNumRows(), CondensedSystem(dead.model).matrix()->getNodeNumRows());
+  const DofVector x = moved.solution_of_the_whole();
+  DofVector half(moved.model.map()), rows(system.matrix()->getRangeMap());
+  const auto error_of_chains = [&](bool symmetric_part) {
+    EXPECT_TRUE(system.condense(moved.tangent, symmetric_part));
+    system.condense_rows(*moved.b, rows, half);
+    return system.chain_error(*moved.b, x);
+  };
+  EXPECT_LE(error_of_chains(false), 1e-11);
+  EXPECT_GT(error_of_chains(true), 1e-6);
 }
 
 TEST(ChainSolver, AWrongTangentWouldBeNoticed) {

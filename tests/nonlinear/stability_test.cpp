@@ -175,6 +175,25 @@ TEST(Stability, FollowerForces) {
   EXPECT_NEAR(fixture.critical(0.95 * exact, 0.98 * exact), exact, kCritical * exact);
 }
 
+/// Hinged, under a line load that follows its axis and ends in the held base: M'' + q (L - x) M = 0, so that
+/// 2/3 sqrt(q L^3 / EI) is a zero of J_{1/3}, the first (Pflueger, 1950) or the second: 2.902586, 6.032747.
+TEST(Stability, LineLoadThatFollows) {
+  for (int elements : {1, 3, 40}) {
+    Scene scene = column(elements == 1 ? 6 : 3, elements, euler_columns()[2].supports);
+    scene.sections[0].bending_stiffness[0] = 100.0;
+    scene.point_loads.clear();
+    scene.distributed_loads = {{scene.members[0].name, {-1, 0, 0}, {}, 1, LoadFrame::follower}};
+    StabilityFixture fixture(scene);
+    const double first = std::pow(1.5 * 2.902586, 2), second = std::pow(1.5 * 6.032747, 2);
+    for (const auto& [load, sign] :
+         {std::pair(0.99 * first, 1), {1.01 * first, -1}, {0.99 * second, -1}, {1.01 * second, 1}}) {
+      const StabilityResult result = fixture.count(load);
+      EXPECT_EQ(result.sign, sign) << elements << ", " << load;
+      EXPECT_FALSE(result.symmetric);
+    }
+  }
+}
+
 /// A = L D L^T has the signs of D; also where the diagonal of A offers no pivot.
 TEST(Stability, SignsOfAnInteriorWithoutDiagonal) {
   constexpr int n = 9;
