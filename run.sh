@@ -38,8 +38,9 @@ END
 # Every scene of apps/<group>: a line for each, the report of the program where it failed.
 run_scenes() { # run_scenes <group>
   local scene name folder
-  for scene in apps/"$1"/*.xml; do
-    name=$(basename "$scene" .xml)
+  for scene in apps/"$1"/*.xml apps/"$1"/*.yaml; do
+    [[ -e $scene ]] || continue
+    name=$(basename "${scene%.*}")
     folder=$results/$1/$name
     mkdir -p "$folder"
     rm -f "$folder/summary.json" # of an earlier run: a run that fails at once writes none

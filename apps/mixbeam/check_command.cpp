@@ -26,6 +26,7 @@
 #include <cmath>
 #include <limits>
 #include <ostream>
+#include <sstream>
 #include <vector>
 
 namespace mixbeam {
@@ -170,14 +171,16 @@ void warn_of_unmoved_control(Application& app, const Simulation& simulation) {
       << "xyz"[control.component] << " (a thousandth of the present one)\n";
 }
 
-/// All that needs a mesh.
-void print_simulation(Application& app, const Scene& scene, const Needs& needs) {
+/// All that needs a mesh; cost and extent of the first of several load cases stand for all.
+void print_simulation(Application& app, const Scene& scene, const Needs& needs, bool first) {
   const Scene coarse = coarse_scene(scene, kElementsForCheck);
   Simulation simulation(coarse, app.solver, app.communicator);
-  app.out() << "  Newton iteration about "
-            << duration_text(iteration_seconds(scene, needs, simulation.model().plane().has_value()))
-            << " on one thread\n";
-  const double size = print_extent(app.out(), simulation);
+  std::ostringstream unprinted;
+  if (first)
+    app.out() << "  Newton iteration about "
+              << duration_text(iteration_seconds(scene, needs, simulation.model().plane().has_value()))
+              << " on one thread\n";
+  const double size = print_extent(first ? app.out() : unprinted, simulation);
   print_loads(app.out(), simulation, size);
   print_turns(app.out(), simulation);
   warn_of_unmoved_control(app, simulation);
@@ -202,7 +205,7 @@ void print_variables(Application& app) {
   }
 }
 
-void print_check(Application& app, const std::string& load_case) {
+void print_check(Application& app, const std::string& load_case, bool first) {
   Scene scene = scene_of_case(app.scene, load_case);
   MeshChoice start;
   if (scene.accuracy) {
@@ -211,26 +214,30 @@ void print_check(Application& app, const std::string& load_case) {
   }
   std::ostream& out = app.out();
   out << (scene.name.empty() ? "scene" : scene.name) << case_words(app.scene, load_case) << "\n";
-  if (scene.accuracy) {
+  if (first && scene.accuracy) {
     out << formatted("  start mesh for an accuracy of %.1e\n", *scene.accuracy);
     print_members(out, members_by_mesh(scene, start));
   }
-  if (app.mesh_is_free) {
+  if (first && app.mesh_is_free) {
     out << formatted("  no mesh is given: a run chooses one for an accuracy of %.1e, from this one on\n",
                      kAccuracyWithoutMesh);
     print_members(out, members_by_mesh(scene, mesh_of(scene)));
   }
-  print_variables(app);
-  if (!scene.units.empty()) out << "  units of length, force: " << excerpt(scene.units) << "\n";
   const Needs needs = needs_of_run(app, scene, app.solver);
-  print_needs(out, needs, app.communicator->getSize());
-  if (scene.sections.size() == 1) out << "  section of all members: " << excerpt(scene.sections[0].name) << "\n";
+  if (first) {
+    print_variables(app);
+    if (!scene.units.empty()) out << "  units of length, force: " << excerpt(scene.units) << "\n";
+    print_needs(out, needs, app.communicator->getSize());
+  }
+  if (first && scene.sections.size() == 1)
+    out << "  section of all members: " << excerpt(scene.sections[0].name) << "\n";
   out << formatted("  sections %zu, supports %zu, joints %zu, point loads %zu, line loads %zu, eigenstrains %zu\n",
                    scene.sections.size(), scene.supports.size(), scene.joints.size(), scene.point_loads.size(),
                    scene.distributed_loads.size(), scene.eigenstrains.size());
-  if (!app.quantities.empty()) out << "  numbers asked for by quantities " << app.quantities.columns().size() << "\n";
+  if (first && !app.quantities.empty())
+    out << "  numbers asked for by quantities " << app.quantities.columns().size() << "\n";
   require_memory(app, scene, needs);
-  print_simulation(app, scene, needs);
+  print_simulation(app, scene, needs, first);
 }
 
 }  // namespace
@@ -241,7 +248,7 @@ void check_scene(Application& app, const std::optional<std::string>& load_case) 
   if (cases.empty()) cases = {""};
   require_reachable(app, cases);
   try {
-    for (const std::string& one : cases) print_check(app, one);
+    for (const std::string& one : cases) print_check(app, one, &one == &cases.front());
   } catch (const MemberError& error) {
     throw placed(app, error);
   }

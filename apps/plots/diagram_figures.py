@@ -27,7 +27,9 @@ def over_arc_length_figure(view, step):
     members = view.run.members
     values = {name: field.values(step, view.size) for name, field in fields.SECTION_FORCES.items()}
     named = _most_loaded(members, values)
-    canvas, panels = style.figure(12.4, 7.6, 3, 2, sharex=True)
+    legend = -(-(len(named) + (len(named) < len(members))) // LEGEND_COLUMNS) if len(members) > 1 else 0
+    canvas, panels = style.figure_as_is(12.4, 7.6, 3, 2, sharex=True, left=0.07, right=0.985, top=0.9, bottom=0.075 + 0.045 * legend,
+                                        wspace=0.17, hspace=0.28)
     others = [i for i in range(len(members)) if i not in named]
     others = others[::max(1, len(others) // 400)]  # a grey cloud needs no more
     long = fields.power_of_ten(max(members[j].arc_length[-1] for j in named))
@@ -49,9 +51,10 @@ def over_arc_length_figure(view, step):
             name_extremes(axes, members[j].arc_length / 10.0 ** long, level[members[j].samples])
         if i % 3 == 2:
             axes.set_xlabel("arc length $s$ of the undeformed member" + fields.times(long, view.run.units[0]))
-    if len(members) > 1:
+    if legend:
         _legend(canvas, panels[0, 0], len(members) - len(named))
-    canvas.suptitle(f"{view.title(step)}: section forces and moments", fontsize=13)
+    title = f"{view.title(step)}: section forces and moments"
+    canvas.suptitle("\n".join(style.wrapped(title, int(LETTERS_PER_INCH * 12.4))), fontsize=13, y=0.985)
     return canvas
 
 
@@ -96,8 +99,6 @@ def _legend(canvas, axes, unnamed):
     if unnamed:
         handles.append(style.plt.Line2D([], [], color="#C4C4C4", linewidth=1.5))
         labels.append(f"{unnamed} others, less loaded")
-    rows = -(-len(labels) // LEGEND_COLUMNS)
-    canvas.get_layout_engine().set(rect=(0, 0.045 * rows, 1, 1 - 0.045 * rows))
     canvas.legend(handles, labels, loc="lower center", ncol=min(LEGEND_COLUMNS, len(labels)))
 
 

@@ -12,12 +12,7 @@ STRAIN_ORDERS = (1, 4)
 def load_displacement_figure(folder):
     """Tip position over the load factor."""
     table = read_table(folder / "load_displacement.csv", ["load_factor", "r1", "r2", "r3"])
-    canvas, axes = style.figure(7.2, 4.6)
-    for i, (color, dashes) in enumerate(zip(style.COMPONENT_COLORS, style.COMPONENT_DASHES), start=1):
-        axes.plot(table["load_factor"], table[f"r{i}"], color=color, linestyle=dashes, label=f"$r_{i}(L)$")
-    axes.set(xlabel=r"load factor $\lambda$", ylabel="tip position", xlim=(0, table["load_factor"].max()))
-    axes.legend(loc="upper right")
-    return canvas
+    return style.components_figure(table, "load_factor", r"load factor $\lambda$", "r", "$r_{}(L)$", "tip position", "upper right")
 
 
 def strains_figure(folder):

@@ -13,7 +13,8 @@ STYLE = ("body{font:15px/1.45 system-ui,sans-serif;max-width:62em;margin:2em aut
          "table{border-collapse:collapse;margin:.6em 0}td,th{padding:.15em .8em .15em 0;text-align:right;border-bottom:1px "
          "solid #ddd}td:first-child,th:first-child,.words{text-align:left}img{max-width:100%}pre{background:#f6f6f6;padding:1em;"
          "overflow:auto;font-size:12px}.bad{color:#b00;font-weight:600}i.bar{display:inline-block;height:.7em;background:#9fbcd6}"
-         "i.bar.bad{background:#b00}td{vertical-align:top;max-width:34em}nav a{margin-right:1em}@page{margin:18mm 15mm}"
+         "i.bar.bad{background:#b00}@media screen and (max-width:50em){table{display:block;overflow-x:auto}td:first-child{min-width:9em}"
+         "i.bar{max-width:5em}}td{vertical-align:top;max-width:34em}nav a{margin-right:1em}@page{margin:18mm 15mm}"
          "@media print{body{font-size:10pt;margin:0;max-width:none}nav,details{display:none}h2{break-after:avoid}"
          "tr,img,svg{break-inside:avoid}thead{display:table-header-group}}")
 # A page asks no server for anything, whatever is in it, and runs no script but its own.

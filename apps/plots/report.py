@@ -108,7 +108,7 @@ def _write_limits(page, files):
         failed = sum(row[3] != "yes" for row in rows)
         page.text(f"{failed} of {len(rows)} limits are exceeded." if failed else f"All {len(rows)} limits are kept.", bad=failed > 0)
         page.table(("limit", "value", "allowed", "share", "kept"),
-                   [(name, cell_text(number(value)), allowed, bar(used((name, value, allowed)), kept != "yes"), kept)
+                   [(name, cell_text(number(value)), cell_text(number(allowed)), bar(used((name, value, allowed)), kept != "yes"), kept)
                     for name, value, allowed, kept in rows])
 
 

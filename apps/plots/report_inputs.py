@@ -5,6 +5,7 @@ from collections import defaultdict
 import numpy as np
 
 from html_page import Cell
+from view_data import DRAWN_AS
 
 SIDE = 64          # pixels of a drawing
 FEW = 6            # names that a row of the table shows
@@ -60,8 +61,8 @@ def _sections(page, run, acting, length):
     sizes, strength = sections["dimensions"].reshape(-1, 9, 4), sections["strength"]
     rows = []
     for i, members in sorted(users.items()):
-        shape = sections["shape"][i]
-        words = "stiffnesses" if shape == "none" else shape + ": " + ", ".join(
+        shape = sections["shape"][i].removeprefix(DRAWN_AS)
+        words = "stiffnesses" if shape == "none" else sections["shape"][i] + ": " + ", ".join(
             f"{what} {_range(sizes[i, :, k])}" for k, what in enumerate(SIZES.get(shape, ())) if what)
         rows.append((sections["name"][i], _drawing(shape, *sizes[i, 0]), words, _range(strength[i]) if strength[i].any() else "",
                      _names(members)))

@@ -94,7 +94,7 @@ def _frame_without_axes(axes, view, points):
     low, high = points.min(axis=0), points.max(axis=0)
     span = (high - low).max() or 1.0
     low, high = low - 0.04 * span, high + 0.04 * span
-    low[1] -= 0.13 * span
+    low[1] -= 0.17 * span  # the directions stand below the supports
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
     axes.set_aspect("equal")
     corner = low + 0.07 * span

@@ -13,12 +13,7 @@ PLANES = ((0, 2), (1, 2))  # of the side views: x1 x3 and x2 x3
 def load_displacement_figure(folder):
     """Components of the tip displacement over the force."""
     table = read_table(folder / "load_displacement.csv", ["force", "u1", "u2", "u3"]).sorted_by("force")
-    canvas, axes = style.figure(6.6, 4.6)
-    for i, (color, dashes) in enumerate(zip(style.COMPONENT_COLORS, style.COMPONENT_DASHES), start=1):
-        axes.plot(table["force"], table[f"u{i}"], color=color, linestyle=dashes, linewidth=2, label=f"$u_{i}$")
-    axes.set(xlabel="force $F$", ylabel="tip displacement $u_i(3L) \\, / \\, L$", xlim=(0, table["force"].max()))
-    axes.legend(loc="lower left")
-    return canvas
+    return style.components_figure(table, "force", "force $F$", "u", "$u_{}$", "tip displacement $u_i(3L) \\, / \\, L$", "lower left")
 
 
 def configurations_figure(folder):

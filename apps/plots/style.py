@@ -59,11 +59,20 @@ SETTINGS = {
     "savefig.dpi": DOTS_PER_INCH,
 }
 plt.rcParams.update(SETTINGS)
+AS_IS = "as is"  # of figures whose panels have fixed places
 
 
 def figure(width, height, rows=1, columns=1, **options):
     """A figure of that size in inches and its two-dimensional axes, as `plt.subplots` gives them."""
     return plt.subplots(rows, columns, figsize=(width, height), **options)
+
+
+def figure_as_is(width, height, rows=1, columns=1, left=0.1, right=0.98, top=0.9, bottom=0.1, wspace=0.2, hspace=0.2, **options):
+    """Likewise, with the panels at these places: it is drawn once, where laying out panels takes five times as long."""
+    canvas, panels = plt.subplots(rows, columns, figsize=(width, height), constrained_layout=False, **options)
+    canvas.subplots_adjust(left, bottom, right, top, wspace, hspace)
+    canvas.set_gid(AS_IS)
+    return canvas, panels
 
 
 def figure_3d(width, height, columns=1, rows=1):
@@ -81,6 +90,8 @@ def save(canvas, path):
 
 def lay_out(canvas):
     """Lays out a figure for good, and returns the box that holds all that is drawn: what `savefig` takes as bbox_inches."""
+    if canvas.get_gid() == AS_IS:
+        return None
     if canvas.get_layout_engine() is not None:
         canvas.get_layout_engine().execute(canvas)  # twice: room for titles depends on panels that keep their aspect
     canvas.draw_without_rendering()
@@ -162,6 +173,16 @@ def blend(share, first=RED, last=BLUE):
     """The colour at `share` (0 to 1) of the way between two colours."""
     first, last = (np.array(matplotlib.colors.to_rgb(color)) for color in (first, last))
     return tuple((1 - share) * first + share * last)
+
+
+def components_figure(table, across, across_label, prefix, name, label, place):
+    """Three columns `prefix`1 to 3 of a table over the column `across`; `name` has {} for the number."""
+    canvas, axes = figure(7.0, 4.6)
+    for i, (color, dashes) in enumerate(zip(COMPONENT_COLORS, COMPONENT_DASHES), start=1):
+        axes.plot(table[across], table[f"{prefix}{i}"], color=color, linestyle=dashes, label=name.format(i))
+    axes.set(xlabel=across_label, ylabel=label, xlim=(0, table[across].max()))
+    axes.legend(loc=place)
+    return canvas
 
 
 def order_line(order):

@@ -18,6 +18,7 @@ from view_steps import MOST_BYTES, STEP_ARRAYS, HeldStep, packed_steps, places_r
 MOST_SAMPLES = 100000
 MOST_SERIES = 1200     # numbers followed along the path that can be chosen
 FLAT = 1e-6            # a structure this thin over its size lies in a plane
+DRAWN_AS = "drawn as "  # before the shape of a section that is given by stiffnesses
 THIN_ROD = 1 / 110     # diameter over size of members that have no shape,
 SLENDER_ROD = 1 / 10   # and at most this share of the median length of members
 ROUND = {"circle", "tube", "none"}  # sections
@@ -94,6 +95,8 @@ class ViewData:
         shapes = acting.get("sections")
         lengths = [float(member.arc_length[-1]) for member in self._members]
         rod = min(THIN_ROD * self._size, SLENDER_ROD * float(np.median(lengths)))
+        known = [row[0] for row, shape in zip(shapes["dimensions"], shapes["shape"]) if shape != "none"] if shapes else []
+        rod = min([rod, *known])  # a wire is thinner than what has a shape
         dimensions = np.tile([rod, rod, 0.0, 0.0], (len(self._kept), 1))
         strength = np.full(len(self._reference), np.nan)
         kinds, names = ["none"] * len(self._members), [""] * len(self._members)
@@ -102,7 +105,7 @@ class ViewData:
             names[at] = shapes["name"][row]
             if shapes["shape"][row] == "none":
                 continue
-            kinds[at] = shapes["shape"][row]
+            kinds[at] = shapes["shape"][row].removeprefix(DRAWN_AS)
             own = slice(self._firsts[at], self._ends[at] + 1)
             x = member.arc_length[self._kept[own] - member.samples.start] / member.arc_length[-1]
             dimensions[own] = _along(shapes["dimensions"][row].reshape(-1, 4), x)

@@ -310,18 +310,19 @@ std::string SceneReader::rigid_section() {
 namespace {
 
 /// The table in place of the arrays.
-SectionStations read_section_stations(const Teuchos::ParameterList& list, const InputPlace& place) {
+SectionStations read_section_stations(const Teuchos::ParameterList& list, const InputPlace& place,
+                                      Variables& variables) {
   SectionStations stations = section_stations_parameters().read(list);
   if (!stations.table.empty()) {
     for (const std::string name : {"Position", "Section", "Twist", "Offset 2", "Offset 3"})
       if (list.isParameter(name)) throw place[name].error("given beside \"Table\"; allowed: one of the two");
     const ImportTable table = stations_table(list, place);
     table.for_each([&](const CsvRecord& record) {
-      stations.position.push_back(imported_number(table, record, "position"));
+      stations.position.push_back(imported_number(table, record, "position", &variables));
       stations.section.push_back(table.cell(record, "section"));
-      stations.twist.push_back(imported_number(table, record, "twist"));
+      stations.twist.push_back(imported_number(table, record, "twist", &variables));
       for (std::size_t i = 0; i < 2; ++i)
-        stations.offset[i].push_back(imported_number(table, record, "offset " + std::to_string(i + 2)));
+        stations.offset[i].push_back(imported_number(table, record, "offset " + std::to_string(i + 2), &variables));
     });
   }
   const std::size_t count = stations.position.size();
@@ -351,7 +352,7 @@ void SceneReader::add_stations(Member whole, const List& list, const InputPlace&
     if (list.isParameter(name) || list.isSublist(name))
       throw place[name].error("given beside \"Section Stations\"; allowed: for other members");
   const InputPlace here = place["Section Stations"];
-  const SectionStations stations = read_section_stations(list.sublist("Section Stations"), here);
+  const SectionStations stations = read_section_stations(list.sublist("Section Stations"), here, variables_);
   for (const std::string& point : {whole.start_point, whole.end_point})
     if (point_index_.count(point) == 0)
       throw here.error("point \"" + excerpt(point) + "\" of the member is not in the list \"Points\" or a table; " +

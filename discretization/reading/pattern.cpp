@@ -27,10 +27,11 @@ BoundList<Pattern> declared_pattern_parameters() {
                "rotate: from each copy to the next [radian]; a whole turn over Count if absent.");
   pattern.bind(&Pattern::point, bounded_vector("Point"), "mirror: a point of the plane [length].");
   pattern.bind(&Pattern::normal, direction("Normal"), "mirror: normal of the plane (any length).");
-  pattern.bind(&Pattern::copies_all, text("Copy").by_default(),
-               "members: these with their points; all: supports, joints, loads and eigenstrains as well, their "
-               "directions turned with the copy, unless they act there by their names already.",
-               {{"members", false}, {"all", true}});
+  pattern.bind(
+      &Pattern::scope, text("Copy").by_default(),
+      "members: these with their points; joints: these as well; all: supports, loads and eigenstrains too, their "
+      "directions turned with the copy, unless they act there by their names already.",
+      {{"members", CopyScope::members}, {"joints", CopyScope::joints}, {"all", CopyScope::all}});
   pattern.spec.with_forms("Kind", {{"repeat", {{{"Vector", "Count"}}}},
                                    {"rotate", {{{"Center", "Axis", "Count"}, {"Angle"}}}},
                                    {"mirror", {{{"Point", "Normal"}}}}});

@@ -11,6 +11,7 @@
 namespace mixbeam {
 
 enum class PatternKind { repeat, rotate, mirror };
+enum class CopyScope { members, joints, all };
 
 struct Pattern {
   std::vector<std::string> members{"*"};
@@ -18,7 +19,7 @@ struct Pattern {
   int count = 2;  // mirror: the original and its image
   Vector3 vector{}, center{}, axis{}, point{}, normal{};
   std::optional<double> angle{};
-  bool copies_all = false;  ///< supports, joints, loads and eigenstrains go with the members
+  CopyScope scope = CopyScope::members;  ///< what goes with the members: joints, supports, loads and eigenstrains
 };
 
 /// Parameters of one pattern.

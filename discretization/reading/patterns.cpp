@@ -79,7 +79,9 @@ class PatternScene {
       const std::size_t before = scene_.members.size();
       copy_points(copies[i], static_cast<int>(i) + 1, grid, work);
       copy_members(copies[i], static_cast<int>(i) + 1, work);
-      if (pattern.copies_all) made.push_back(names_of_copy(copies[i], before, work));
+      if (pattern.scope == CopyScope::members) continue;
+      made.push_back(names_of_copy(copies[i], before, work));
+      made.back().joints_alone = pattern.scope == CopyScope::joints;
     }
     return made;
   }

@@ -51,6 +51,7 @@ const BoundList<Member>& member_parameters();
 struct PatternCopy {
   Isometry motion;
   std::unordered_map<std::string, std::string> points{}, members{};
+  bool joints_alone = false;  ///< supports and loads stay
 };
 using CopiedPattern = std::vector<PatternCopy>;
 

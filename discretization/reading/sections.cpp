@@ -39,6 +39,7 @@ struct SectionDraft {
   std::optional<double> mass{};
   std::optional<double> inner_radius{};
   std::optional<StressPoints> stress_points{};
+  std::optional<SectionShape> drawn_as{};
   bool inextensible = false, shear_rigid = false;
   double largest_strain = Section{}.largest_strain;
 
@@ -92,6 +93,15 @@ BoundList<StressPoints> stress_points_parameters() {
                                                      "them six of tau_12 and six of tau_13, if these are wanted.")),
       Presence::optional);
   return stress;
+}
+
+BoundList<SectionShape> drawn_as_parameters() {
+  BoundList<SectionShape> drawn("How pictures show a section given by stiffnesses or Matrix; it changes nothing else.");
+  drawn.bind(&SectionShape::kind, text("Shape").required(), "Its outline.",
+             {{"ellipse", SectionShapeKind::ellipse}, {"rectangle", SectionShapeKind::rectangle}});
+  drawn.bind(&SectionShape::size2, real("Chord").above(0.0).required(), "Whole width along axis 2 [length].");
+  drawn.bind(&SectionShape::size3, real("Thickness").above(0.0).required(), "Whole height along axis 3 [length].");
+  return drawn;
 }
 
 void bind_stiffnesses(BoundList<SectionDraft>& section) {
@@ -149,7 +159,7 @@ void bind_shape(BoundList<SectionDraft>& section) {
                                     {"T", form({"Width", "Height", "Flange", "Web"})},
                                     {"L", form({"Width", "Height", "Wall"})},
                                     {"U", form({"Width", "Height", "Flange", "Web"})}});
-  section.spec.without_form({"EA", "GA2", "GA3", "GIt", "EI2", "EI3", "Matrix", "Mass", "Stress Points"});
+  section.spec.without_form({"EA", "GA2", "GA3", "GIt", "EI2", "EI3", "Matrix", "Mass", "Stress Points", "Drawn As"});
 }
 
 BoundList<SectionDraft> section_parameters() {
@@ -169,6 +179,7 @@ BoundList<SectionDraft> section_parameters() {
                "Mass per length of a section given by stiffnesses or Matrix, for the list Gravity (Density of Material "
                "of one given by Shape).");
   section.bind_list(&SectionDraft::stress_points, "Stress Points", stress_points_parameters(), Presence::optional);
+  section.bind_list(&SectionDraft::drawn_as, "Drawn As", drawn_as_parameters(), Presence::optional);
   section.bind(&SectionDraft::inextensible, boolean("Inextensible").by_default(),
                "True: no axial strain; EA must then not be given, and its row of Matrix does not count.");
   section.bind(&SectionDraft::shear_rigid, boolean("Shear Rigid").by_default(),
@@ -197,6 +208,7 @@ class SectionReader {
     section.largest_strain = draft_.largest_strain;
     if (draft_.mass) section.mass = *draft_.mass;
     if (draft_.stress_points) section.stress_points = checked_stress_points(section);
+    section.drawn_as = draft_.drawn_as;
     return section;
   }
 
@@ -209,6 +221,8 @@ class SectionReader {
   void check_one_way() const {
     const bool shape = list_.isParameter("Shape"), matrix = list_.isParameter("Matrix");
     if (shape && draft_.mass) throw error("Mass", "given beside \"Shape\"; allowed: \"Density\" in \"Material\"");
+    if (shape && draft_.drawn_as)
+      throw error("Drawn As", "given beside \"Shape\"; allowed: beside stiffness values or \"Matrix\"");
     const std::string owner = shape ? "\"Shape\"" : matrix ? "\"Matrix\"" : "stiffness values";
     if (shape && matrix) throw error("Matrix", "given beside \"Shape\"; allowed: one of the two");
     for (const std::string& name : kStiffnesses)
@@ -368,7 +382,7 @@ class SectionReader {
 void check_profile_alone(const ParameterList& list, const InputPlace& place) {
   std::vector<std::string> others = kStiffnesses;
   others.insert(others.end(), profile_parameters().begin(), profile_parameters().end());
-  others.insert(others.end(), {"Matrix", "Mass", "Stress Points"});
+  others.insert(others.end(), {"Matrix", "Mass", "Stress Points", "Drawn As"});
   for (const std::string& name : others)
     if (is_given(list, name) || list.isSublist(name))
       throw place[name].error("given beside \"Profile\"; allowed: \"Material\", \"Shear Correction\"");

@@ -68,6 +68,7 @@ struct Section {
   /// of an L has a matrix too, since its axes are not the principal ones.
   std::optional<SectionShape> shape{};
   std::optional<StressPoints> stress_points{};  ///< never beside a shape
+  std::optional<SectionShape> drawn_as{};       ///< for pictures alone; never beside a shape
   /// Larger strains (force strains, and at the edge of the shape) are warned of: 5 % is where metals have long yielded
   /// and the law of rubber differs from a line by about a tenth.
   double largest_strain = 0.05;

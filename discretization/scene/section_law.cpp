@@ -160,6 +160,12 @@ Section interpolated_stiffness(double weight, const Section& start, const Sectio
   set_diagonal(section, interpolated_diagonal(weight, start, end));
   section.mass = interpolated(weight, start.mass, end.mass);
   section.stress_points = interpolated_points(weight, start, end);
+  const auto &drawn = start.drawn_as, &drawn_end = end.drawn_as;
+  if (drawn && drawn_end && drawn->kind == drawn_end->kind) {
+    section.drawn_as = drawn;
+    section.drawn_as->size2 = interpolated(weight, drawn->size2, drawn_end->size2);
+    section.drawn_as->size3 = interpolated(weight, drawn->size3, drawn_end->size3);
+  }
   if (!start.matrix && !end.matrix) return section;
   const Matrix6 a = stiffness_matrix(start), b = stiffness_matrix(end);
   section.matrix.emplace();

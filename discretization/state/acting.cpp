@@ -209,9 +209,10 @@ class ActingTables {
     for (int place = 0; place < kPlacesAlongMember; ++place) {
       const Section section = law.section(static_cast<double>(place) / (kPlacesAlongMember - 1));
       if (place == 0) row.add("name", section.name);
-      const std::string turned = section.shape && section.shape->mirrored ? " mirrored" : "";
-      if (place == 0) row.add("shape", section.shape ? section_shape_word(section.shape->kind) + turned : "none");
-      const SectionShape shape = section.shape.value_or(SectionShape{});
+      const SectionShape shape = section.shape.value_or(section.drawn_as.value_or(SectionShape{}));
+      const std::string word = (section.drawn_as ? "drawn as " : "") + section_shape_word(shape.kind);
+      const bool is_seen = section.shape || section.drawn_as;
+      if (place == 0) row.add("shape", is_seen ? word + (shape.mirrored ? " mirrored" : "") : "none");
       for (const double size : {shape.size2, shape.size3, shape.wall, shape.web}) row.add("dimensions", size);
       row.add("strength", shape.strength.value_or(0.0));
     }

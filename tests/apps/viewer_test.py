@@ -10,6 +10,7 @@ import re
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 from functools import cache
 from pathlib import Path
@@ -237,6 +238,30 @@ class Viewer(unittest.TestCase):
                                                  "document.getElementById('check').textContent")
         self.assertEqual((words, modes, text), ("not solved", 0, "A run would take this scene."))
         self.assertNotEqual(colour, BACKGROUND)
+
+    def test_a_watched_scene_is_drawn_anew(self):
+        """The page follows the file, keeps what it shows while the file is broken, and asks for itself anew."""
+        scene_file, text = self.folder / "watched.xml", cantilever("{0, -1, 0}")
+        page = scene_file.with_name("watched-view.html")
+        scene_file.write_text(text, encoding="utf-8")
+
+        def drawn(wanted):
+            end = time.monotonic() + SECONDS
+            while time.monotonic() < end:
+                if page.exists() and self.values(page, "probe.app.result.members.map((member) => member.name)", "jsonOf('pages').renew") == [wanted, 2]:
+                    return True
+            return False
+
+        with subprocess.Popen([PROGRAM, "view", str(scene_file), "--watch"], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as watcher:
+            try:
+                self.assertTrue(drawn(["m"]))
+                scene_file.write_text(text.replace('name="m"', 'name="renamed"'), encoding="utf-8")
+                self.assertTrue(drawn(["renamed"]))
+                scene_file.write_text("<ParameterList", encoding="utf-8")
+                self.assertIn("watched.xml", watcher.stderr.readline())
+                self.assertTrue(drawn(["renamed"]))
+            finally:
+                watcher.terminate()
 
     def test_a_mechanism_moves(self):
         """Two bars: one swings about the z axis of its hinge at the origin, one floats; the message names the first."""

@@ -153,5 +153,19 @@ TEST(ActingOn, SectionsGivenByStiffnessesHaveNoShape) {
   EXPECT_EQ(table_of(acting, "sections").lines.at("shape"), "none\n");
 }
 
+TEST(ActingOn, SectionsMayBeDrawnAsAShape) {
+  Scene scene = hinged();
+  scene.sections.push_back(scene.sections[0]);
+  scene.sections[1].name = "t";
+  scene.sections[0].drawn_as = scene.sections[1].drawn_as = SectionShape{SectionShapeKind::ellipse, 2.0, 0.5};
+  scene.sections[1].drawn_as->size2 = 4.0;
+  for (Member& member : scene.members) member.end_section = "t";
+  const ActingTable sections = table_of(acting_on(scene, build_mesh(scene)), "sections");
+  EXPECT_EQ(sections.lines.at("shape"), "drawn as ellipse\n");
+  EXPECT_NEAR(sections.numbers.at("dimensions")[4 * 4], 3.0, kRounding);
+  scene.sections[1].drawn_as.reset();
+  EXPECT_EQ(table_of(acting_on(scene, build_mesh(scene)), "sections").lines.at("shape"), "none\n");
+}
+
 }  // namespace
 }  // namespace mixbeam

@@ -267,6 +267,14 @@ TEST(ScenePatterns, JointsGoWithTheirMembers) {
   EXPECT_EQ(scene.joints[1].point, "A");
   EXPECT_EQ(scene.joints[1].members, std::vector<std::string>{"up (1)"});
   EXPECT_NEAR(scene.joints[1].axis[1], std::sqrt(0.75), kRounding);
+  const auto copies = [&](const std::string& what) {
+    const std::string pattern = patterns({repeat("[1, 0, 0]", 3, "Members: [up], Copy: " + what)});
+    const Scene made = scene_from(scene_text(kCell, kCellMembers, pattern + joint));
+    return std::pair(made.joints.size(), made.supports.size());
+  };
+  EXPECT_EQ(copies("members"), std::pair(std::size_t{1}, std::size_t{1}));
+  EXPECT_EQ(copies("joints"), std::pair(std::size_t{2}, std::size_t{1}));
+  EXPECT_EQ(copies("all"), std::pair(std::size_t{2}, std::size_t{3}));
 }
 
 /// Three cells in a row, each hinged to the one before: behind the last there is none.

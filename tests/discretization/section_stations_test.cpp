@@ -79,7 +79,7 @@ TEST(SectionStations, ComeFromATable) {
     std::ofstream(folder + "/blade.csv", std::ios::binary) << table;
     return described_by(parsed(blade("Table: blade.csv"), folder + "/"));
   };
-  const Scene scene = read("position,section,twist,offset 3\n0,root,0.3,\n0.2,flat,0.1,0.5\n1,tip,,\n");
+  const Scene scene = read("position,section,twist,offset 3\n0,root,0.3,\n0.2,flat,=0.2/2,0.5\n1,tip,,\n");
   expect_at(scene, "blade[1]", {3, 0, 0.5}, kRounding);
   EXPECT_NEAR(scene.members[1].twist, -0.1, kRounding);
   expect_in(message_of([&] { read("position,section\n0,root\nx,tip\n"); }), {"blade.csv:3:", "position"});

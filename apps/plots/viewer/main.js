@@ -308,9 +308,9 @@ class App {
     if (this.filming) return;
     const canvas = document.createElement("canvas");
     Object.assign(canvas, { width: byId("scene").width, height: byId("scene").height });
-    const context = canvas.getContext("2d");
+    const context = canvas.getContext("2d", { willReadFrequently: true, alpha: false }) // without a graphics card nothing else is recorded;
     const isMode = this.shape.modeNumber >= 0;
-    const recorder = new MediaRecorder(canvas.captureStream(), { mimeType: "video/webm", videoBitsPerSecond: 8e6 });
+    const recorder = new MediaRecorder(canvas.captureStream(), { mimeType: "video/webm;codecs=vp8", videoBitsPerSecond: 8e6 });
     const parts = [];
     recorder.ondataavailable = (event) => parts.push(event.data);
     recorder.onstop = () => this.hand(URL.createObjectURL(new Blob(parts, { type: "video/webm" })), isMode ? "-mode.webm" : ".webm");

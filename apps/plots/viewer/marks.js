@@ -377,6 +377,7 @@ class Marks {
     context.fillText(words[0], 24, 24);
     const width = context.measureText(words[0]).width;
     context.font = "13px system-ui, sans-serif";
+    if (24 + width + 22 + context.measureText(words[1]).width > document.getElementById("views").offsetLeft) return; // below the picture too
     this.veil(24 + width + 6, 12, context.measureText(words[1]).width + 16, 26);
     context.fillStyle = ink.soft;
     context.fillText(words[1], 24 + width + 14, 25);

@@ -80,7 +80,7 @@ void ConditionReader::copy_with_patterns(std::vector<Acting>& all, std::vector<s
   for (const CopiedPattern& pattern : copies_) {
     const std::size_t originals = all.size();
     for (const PatternCopy& made : pattern)
-      for (std::size_t i = 0; i < originals; ++i) {
+      for (std::size_t i = 0; i < originals && !made.joints_alone; ++i) {
         const auto image = (made.*images_of).find(all[i].*at);
         if (image == (made.*images_of).end() || !acts.emplace(entries[i], image->second).second) continue;
         Acting copy = all[i];
