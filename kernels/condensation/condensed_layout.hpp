@@ -46,15 +46,15 @@ constexpr int kSymmetricTangent = TangentLayout<kSpatialDofs>::kSymmetric;
 constexpr int kPlanarTangent = TangentLayout<kPlanarDofs>::kSymmetric;
 
 /// Entry (i, j) of the full matrix.
-template <int N>
-KOKKOS_INLINE_FUNCTION double symmetric_tangent_entry(const double* numbers, int i, int j) {
-  const double x = numbers[TangentLayout<N>::place_of_full(i, j)];
+template <int N, class Real>
+KOKKOS_INLINE_FUNCTION Real symmetric_tangent_entry(const Real* numbers, int i, int j) {
+  const Real& x = numbers[TangentLayout<N>::place_of_full(i, j)];
   return TangentLayout<N>::is_negative(i, j) ? -x : x;
 }
 
 /// All of the full matrix.
-template <int N>
-KOKKOS_INLINE_FUNCTION void expand_symmetric_tangent(const double* numbers, double* matrix) {
+template <int N, class Real>
+KOKKOS_INLINE_FUNCTION void expand_symmetric_tangent(const Real* numbers, Real* matrix) {
   for (int i = 0; i < 2 * N; ++i)
     for (int j = 0; j < 2 * N; ++j) matrix[2 * N * i + j] = symmetric_tangent_entry<N>(numbers, i, j);
 }

@@ -192,10 +192,64 @@ KOKKOS_FORCEINLINE_FUNCTION void solve_in_lanes(const ReducedSystem<K, Pack<W>>&
   if (any<W>(factor.suspicious))
     for (int lane = 0; lane < W; ++lane)
       if (factor.suspicious[lane] != 0) {
-        const FullSystem<K> one(system, lane);
+        const FullSystem<K> one(system, [lane](const Pack<W>& x) { return x[lane]; });
         solve_one_lane(one, lane, response, condensed);
         if (signs != nullptr) signs[lane] = interior_signs(one, true);
       }
+}
+
+/// Solves systems side by side that need not be symmetric, in the lanes of `wanted`: response, condensed system and
+/// signs of the others stay. Without pivoting, but for the lanes that need it: entries of L U may be twice as large as
+/// those of a positive definite matrix can be, |l_ik u_kj| <= 2 sqrt(a_ii a_jj). `signs`: null, or W of them.
+template <int K, int W>
+KOKKOS_FUNCTION __attribute__((noinline)) void solve_general_in_lanes(const FullSystem<K, Pack<W>>& system,
+                                                                      const typename Pack<W>::Mask& wanted,
+                                                                      InteriorResponse<K, Pack<W>>& response,
+                                                                      VertexSystem<Pack<W>>& condensed,
+                                                                      InteriorSigns* signs) {
+  using Real = Pack<W>;
+  constexpr int n = FullSystem<K>::kInteriorSize, all = FullSystem<K>::kSize;
+  constexpr double kGrowth = 4.0;
+  FullSystem<K, Real> a = system;
+  typename Real::Mask suspicious = Real(0.0) > Real(0.0);
+  for (int k = 0; k < n; ++k) {
+    suspicious |= ~(a.matrix[k][k] > kSmallestPivot * fabs(system.matrix[k][k]));
+    const Real inverse = Real(1.0) / a.matrix[k][k];
+    for (int i = k + 1; i < all; ++i) {
+      const Real l = a.matrix[i][k] * inverse;
+      if (i < n) {
+        const Real most = kGrowth * fabs(system.matrix[i][i]);
+        suspicious |= ~(l * a.matrix[i][k] <= most);
+        suspicious |= ~(a.matrix[k][i] * a.matrix[k][i] * inverse <= most);
+      }
+      for (int j = k + 1; j < all; ++j) a.matrix[i][j] -= l * a.matrix[k][j];
+      a.rhs[i] -= l * a.rhs[k];
+    }
+    a.rhs[k] = a.rhs[k] * inverse;
+    for (int j = k + 1; j < all; ++j) a.matrix[k][j] = a.matrix[k][j] * inverse;
+  }
+  for (int i = n - 1; i >= 0; --i)
+    for (int j = i + 1; j < n; ++j) {
+      for (int c = n; c < all; ++c) a.matrix[i][c] -= a.matrix[i][j] * a.matrix[j][c];
+      a.rhs[i] -= a.matrix[i][j] * a.rhs[j];
+    }
+  const auto take = [&wanted](const Real& x, Real& to) { to = select(wanted, x, to); };
+  for (int i = 0; i < n; ++i) {
+    for (int c = 0; c < 9; ++c) take(-a.matrix[i][n + c], response.by[i / 3][c / 3](i % 3, c % 3));
+    take(-a.rhs[i], response.constant[i / 3][i % 3]);
+  }
+  for (int r = 0; r < 9; ++r) {
+    for (int c = 0; c < 9; ++c) take(a.matrix[n + r][n + c], condensed.matrix[r / 3][c / 3](r % 3, c % 3));
+    take(a.rhs[n + r], condensed.gradient[r / 3][r % 3]);
+  }
+  for (int lane = 0; lane < W; ++lane) {
+    if (wanted[lane] == 0) continue;
+    if (signs != nullptr) signs[lane] = {};  // pivots above zero
+    if (suspicious[lane] == 0) continue;
+    const FullSystem<K> one(system, [lane](const Real& x) { return x[lane]; });
+    solve_one_lane(one, lane, response, condensed);
+    if (signs != nullptr) signs[lane] = interior_signs(one, false);
+  }
 }
 
 }  // namespace mixbeam

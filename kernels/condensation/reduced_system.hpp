@@ -65,23 +65,30 @@ struct VertexSystem {
   Vec3<Real> gradient[3];
 };
 
-/// The reduced system in double with all of its entries: it need not be symmetric.
-template <int K>
+/// The reduced system with all of its entries: it need not be symmetric.
+template <int K, class Real = double>
 struct FullSystem {
   static constexpr int kSize = 3 * ReducedBlocks<K>::kCount;
   static constexpr int kInteriorSize = 3 * ReducedBlocks<K>::kInterior;
-  double matrix[kSize][kSize];
-  double rhs[kSize];
+  Real matrix[kSize][kSize];
+  Real rhs[kSize];
 
-  /// One lane of a symmetric system.
-  template <int W>
-  KOKKOS_INLINE_FUNCTION FullSystem(const ReducedSystem<K, Pack<W>>& symmetric, int lane) {
+  /// A symmetric system; `number` takes what is wanted of each entry.
+  template <class Other, class Number>
+  KOKKOS_INLINE_FUNCTION FullSystem(const ReducedSystem<K, Other>& symmetric, const Number& number) {
     for (int i = 0; i < kSize; ++i) {
-      for (int j = 0; j <= i; ++j) matrix[i][j] = matrix[j][i] = symmetric(i / 3, j / 3)(i % 3, j % 3)[lane];
-      rhs[i] = symmetric.rhs[i / 3][i % 3][lane];
+      for (int j = 0; j <= i; ++j) matrix[i][j] = matrix[j][i] = number(symmetric(i / 3, j / 3)(i % 3, j % 3));
+      rhs[i] = number(symmetric.rhs[i / 3][i % 3]);
     }
   }
-  KOKKOS_INLINE_FUNCTION void add(int row, int column, double factor, const Mat3<double>& m) {
+  template <class Other, class Number>
+  KOKKOS_INLINE_FUNCTION FullSystem(const FullSystem<K, Other>& system, const Number& number) {
+    for (int i = 0; i < kSize; ++i) {
+      for (int j = 0; j < kSize; ++j) matrix[i][j] = number(system.matrix[i][j]);
+      rhs[i] = number(system.rhs[i]);
+    }
+  }
+  KOKKOS_INLINE_FUNCTION void add(int row, int column, const Real& factor, const Mat3<Real>& m) {
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) matrix[3 * row + i][3 * column + j] += factor * m(i, j);
   }

@@ -301,17 +301,19 @@ KOKKOS_FORCEINLINE_FUNCTION void symmetric_tangent(const Mat3<Real> (*local)[3],
 }
 
 /// Writes the tangent as the 12 x 12 matrix, not expected to be symmetric.
-KOKKOS_INLINE_FUNCTION void full_tangent(const Mat (*local)[3], const Mat& triad, double length, double* tangent) {
-  const double inverse = 1.0 / length;
-  const Mat uu = (inverse * inverse) * turned_block<false>(local, triad, 0, 0), minus_uu = -1.0 * uu;
+template <class Real>
+KOKKOS_INLINE_FUNCTION void full_tangent(const Mat3<Real> (*local)[3], const Mat3<Real>& triad, const Real& length,
+                                         Real* tangent) {
+  const Real inverse = 1.0 / length;
+  const Mat3<Real> uu = Real(inverse * inverse) * turned_block<false>(local, triad, 0, 0), minus_uu = -1.0 * uu;
   store_block(0, 0, uu, tangent);
   store_block(0, 2, minus_uu, tangent);
   store_block(2, 0, minus_uu, tangent);
   store_block(2, 2, uu, tangent);
   for (int end = 0; end < 2; ++end) {
     const int theta = 1 + 2 * end;
-    const Mat by_u = inverse * turned_block<false>(local, triad, 1 + end, 0);
-    const Mat of_u = inverse * turned_block<false>(local, triad, 0, 1 + end);
+    const Mat3<Real> by_u = inverse * turned_block<false>(local, triad, 1 + end, 0);
+    const Mat3<Real> of_u = inverse * turned_block<false>(local, triad, 0, 1 + end);
     store_block(theta, 0, -1.0 * by_u, tangent);
     store_block(theta, 2, by_u, tangent);
     store_block(0, theta, -1.0 * of_u, tangent);

@@ -174,12 +174,12 @@ struct TangentLoop {
     element.build(gather.tables, gather.block.interior, gather.block.reference_layout, pack.in, kinematics,
                   pack.section, own_gradient());
     InteriorSigns signs[kCount];
-    MeanRows<K> mean_rows[kCount];
+    MeanRows<K, Real> mean_rows;
     solve_in_lanes(element.system, element.response, element.condensed, counts() ? signs : nullptr);
     const bool has_potential = !pack.fields.have_no_potential();
     if (!has_potential) {
       const Kinematics copy = kinematics;  // only this one has its address taken
-      solve_with_fields(pack.lanes, copy, element, mean_rows, signs);
+      solve_with_fields(pack.lanes, pack.fields, copy, element, mean_rows, counts() ? signs : nullptr);
     }
     for (int lane = 0; counts() && lane < pack.lanes.active; ++lane) store_signs(pack.lanes.row[lane], signs[lane]);
     const auto response_of = [&](int e) { return to.response.data() + gather.response_of(e); };
@@ -187,11 +187,7 @@ struct TangentLoop {
       pack.lanes.store(numbers, first, count, response_of);
     };
     element.store_response(gather.tables, gather.block.interior, kinematics, pack.section, store);
-    store_condensed(pack.lanes, kinematics, element);
-    if (!has_potential) {
-      const Kinematics copy = kinematics;
-      add_mean_rows(pack.lanes, copy, element, mean_rows);
-    }
+    store_condensed(pack.lanes, kinematics, element, has_potential ? nullptr : &mean_rows);
   }
 
  private:
@@ -202,9 +198,6 @@ struct TangentLoop {
   }
   KOKKOS_INLINE_FUNCTION double* residual_of(int e) const {
     return &to.condensed_residual(gather.block.first_element + e, 0);
-  }
-  KOKKOS_INLINE_FUNCTION bool has_no_potential(int e) const {
-    return gather.has_fields() && gather.fields(e).have_no_potential();
   }
 
   KOKKOS_FORCEINLINE_FUNCTION void load_given_gradient(const RowsInLanes<W>& lanes, const Kinematics& kinematics,
@@ -217,57 +210,46 @@ struct TangentLoop {
     to.interior_negative(gather.block.first_element + e) = signs.uncertain ? kUncertainCount : signs.negative;
   }
   KOKKOS_FORCEINLINE_FUNCTION void store_condensed(const RowsInLanes<W>& lanes, const Kinematics& kinematics,
-                                                   const Condensed& element) const {
+                                                   const Condensed& element, const MeanRows<K, Real>* mean_rows) const {
     Real tangent[kSymmetricTangent], residual[12];
     symmetric_tangent(element.condensed.matrix, kinematics.triad, kinematics.length, tangent);
+    const Vec3<Real>* gradient = element.condensed.gradient;
+    store_vertex_rows(gradient[0], gradient[1], gradient[2], element.gradient, kinematics, residual);
     if (to.condensed_tangent.extent(1) == kSymmetricTangent)
       lanes.store(tangent, 0, kSymmetricTangent, [&](int e) { return tangent_of(e); });
     else
-      store_full(lanes, Kinematics(kinematics), element.condensed, tangent);
-    const Vec3<Real>* gradient = element.condensed.gradient;
-    store_vertex_rows(gradient[0], gradient[1], gradient[2], element.gradient, kinematics, residual);
+      store_full(lanes, Kinematics(kinematics), element, tangent, mean_rows, residual);
     lanes.store(residual, 0, 12, [&](int e) { return residual_of(e); });
   }
-  /// For a structure of which some element has no potential.
+  /// For a structure of which some element has no potential. `mean_rows`: null where none of these has none.
   KOKKOS_FUNCTION __attribute__((noinline)) void store_full(const RowsInLanes<W>& lanes, const Kinematics& kinematics,
-                                                            const VertexSystem<Real>& condensed,
-                                                            const Real* symmetric) const {
-    for (int lane = 0; lane < lanes.active; ++lane) {
-      double* out = tangent_of(lanes.row[lane]);
-      if (has_no_potential(lanes.row[lane])) {
-        Mat matrix[3][3];
-        for (int I = 0; I < 3; ++I)
-          for (int J = 0; J < 3; ++J) matrix[I][J] = in_lane(condensed.matrix[I][J], lane);
-        full_tangent(matrix, in_lane(kinematics.triad, lane), kinematics.length[lane], out);
-      } else {
-        double numbers[kSymmetricTangent];
-        for (int i = 0; i < kSymmetricTangent; ++i) numbers[i] = symmetric[i][lane];
-        expand_symmetric_tangent<kSpatialDofs>(numbers, out);
-      }
+                                                            const Condensed& element, const Real* symmetric,
+                                                            const MeanRows<K, Real>* mean_rows, Real* residual) const {
+    Real tangent[kFullTangent];
+    expand_symmetric_tangent<kSpatialDofs>(symmetric, tangent);
+    if (mean_rows != nullptr) {
+      Real general[kFullTangent];
+      full_tangent(element.condensed.matrix, kinematics.triad, kinematics.length, general);
+      if (mean_rows->used) mean_rows->expand(element.response, kinematics, general, residual);
+      const typename Real::Mask mask = without_potential(lanes);
+      for (int i = 0; i < kFullTangent; ++i) tangent[i] = select(mask, general[i], tangent[i]);
     }
+    lanes.store(tangent, 0, kFullTangent, [&](int e) { return tangent_of(e); });
   }
-  /// Elements with line fields that have no potential: each is solved by itself, with its unsymmetric part.
+  KOKKOS_INLINE_FUNCTION typename Real::Mask without_potential(const RowsInLanes<W>& lanes) const {
+    typename Real::Mask mask{};
+    for (int lane = 0; lane < kCount; ++lane) mask[lane] = gather.fields(lanes.row[lane]).have_no_potential() ? -1 : 0;
+    return mask;
+  }
+  /// Elements with line fields that have no potential are solved once more, with their unsymmetric part.
   KOKKOS_FUNCTION __attribute__((noinline)) void solve_with_fields(const RowsInLanes<W>& lanes,
+                                                                   const ElementFields<Real>& fields,
                                                                    const Kinematics& kinematics, Condensed& element,
-                                                                   MeanRows<K>* mean_rows, InteriorSigns* signs) const {
-    for (int lane = 0; lane < lanes.active; ++lane) {
-      const int e = lanes.row[lane];
-      mean_rows[lane].used = false;
-      if (!has_no_potential(e)) continue;
-      FullSystem<K> system(element.system, lane);
-      add_field_tangent(gather.fields(e), kinematics.in_lane(lane), gather.tables, system, mean_rows[lane]);
-      solve_one_lane(system, lane, element.response, element.condensed);
-      if (counts()) signs[lane] = interior_signs(system, false);
-    }
-  }
-  KOKKOS_FUNCTION __attribute__((noinline)) void add_mean_rows(const RowsInLanes<W>& lanes,
-                                                               const Kinematics& kinematics, const Condensed& element,
-                                                               MeanRows<K>* mean_rows) const {
-    for (int lane = 0; lane < lanes.active; ++lane) {
-      if (!mean_rows[lane].used) continue;
-      mean_rows[lane].condense(element.response, lane);
-      mean_rows[lane].expand(kinematics.in_lane(lane), tangent_of(lanes.row[lane]), residual_of(lanes.row[lane]));
-    }
+                                                                   MeanRows<K, Real>& mean_rows,
+                                                                   InteriorSigns* signs) const {
+    FullSystem<K, Real> system(element.system, [](const Real& x) { return x; });
+    add_field_tangent(fields, kinematics, gather.tables, system, mean_rows);
+    solve_general_in_lanes<K, W>(system, without_potential(lanes), element.response, element.condensed, signs);
   }
 };
 

@@ -249,7 +249,7 @@ ReducedSystem<2, Lanes> systems(bool zero_pivot) {
 double tangent_difference(const VertexSystem<Lanes>& found, const ReducedSystem<2, Lanes>& system, int lane) {
   InteriorResponse<2> response;
   VertexSystem<> expected;
-  solve_with_row_pivoting(FullSystem<2>(system, lane), response, expected);
+  solve_with_row_pivoting(FullSystem<2>(system, [&](const auto& x) { return x[lane]; }), response, expected);
   Difference d;
   for (int I = 0; I < 3; ++I)
     for (int i = 0; i < 3; ++i) {
@@ -282,6 +282,47 @@ TEST(SolveInLanes, WithoutRowPivotingAZeroPivotSpoilsItsLane) {
     const bool last = lane == kLanes - 1;
     EXPECT_EQ(factor.suspicious[lane] != 0, last) << "lane " << lane;
     EXPECT_EQ(!(tangent_difference(condensed, system, lane) <= 1e-3), last) << "lane " << lane;
+  }
+}
+
+/// Unsymmetric systems; the first lane is not wanted, the last one may have no first pivot, or one so small that the
+/// entries of its factors grow.
+TEST(SolveInLanes, WithoutSymmetry) {
+  for (const double first_pivot : {20.0, 0.0, 1e-9}) {
+    const ReducedSystem<2, Lanes> symmetric = systems(false);
+    FullSystem<2, Lanes> system(symmetric, [](const Lanes& x) { return x; });
+    RandomNumbers random(7);
+    for (auto& row : system.matrix)
+      for (Lanes& entry : row)
+        for (int lane = 0; lane < kLanes; ++lane) entry.set(lane, entry[lane] + random.between(-1.0, 1.0));
+    system.matrix[0][0].set(kLanes - 1, first_pivot);
+    Lanes::Mask wanted = Lanes(0.0) <= Lanes(0.0);
+    wanted[0] = 0;
+    InteriorResponse<2, Lanes> response;
+    VertexSystem<Lanes> condensed;
+    condensed.gradient[0][0] = 7.0;
+    InteriorSigns signs[kLanes];
+    solve_general_in_lanes<2, kLanes>(system, wanted, response, condensed, signs);
+    EXPECT_EQ(condensed.gradient[0][0][0], 7.0);
+    for (int lane = 1; lane < kLanes; ++lane) {
+      const FullSystem<2> one(system, [lane](const Lanes& x) { return x[lane]; });
+      InteriorResponse<2> expected_response;
+      VertexSystem<> expected;
+      solve_with_row_pivoting(one, expected_response, expected);
+      Difference difference;
+      for (int i = 0; i < 9; ++i) {
+        difference.add(0, condensed.gradient[i / 3][i % 3][lane], expected.gradient[i / 3][i % 3]);
+        for (int j = 0; j < 9; ++j) {
+          difference.add(0, condensed.matrix[i / 3][j / 3](i % 3, j % 3)[lane],
+                         expected.matrix[i / 3][j / 3](i % 3, j % 3));
+          difference.add(1, response.by[i / 3][j / 3](i % 3, j % 3)[lane],
+                         expected_response.by[i / 3][j / 3](i % 3, j % 3));
+        }
+        difference.add(1, response.constant[i / 3][i % 3][lane], expected_response.constant[i / 3][i % 3]);
+      }
+      EXPECT_LE(difference.relative(), 1e-13) << "lane " << lane << ", " << first_pivot;
+      EXPECT_EQ(signs[lane].negative, interior_signs(one, false).negative);
+    }
   }
 }
 
