@@ -122,6 +122,7 @@ void BatchRun::read_scenes() {
   if (batch_.size() > 0) require_memory_of_cases(app_, case_scenes_.scene_of(0), batch_.size());
   choose_mesh(app_, batch_.size(), [this](std::size_t row) { return case_scenes_.scene_of(row); });
   grouped_ = grouped_cases(case_scenes_, batch_.size());
+  quantities_.take_limits(case_scenes_.limits());
 }
 
 void BatchRun::solve() {
@@ -161,7 +162,7 @@ void BatchRun::check_expected() {
     ExpectedValue wanted = quantities_.expected()[place];
     for (std::size_t i = 0; i < batch_.size(); ++i) {
       const CaseResult& result = solver_.results()[i];
-      wanted.value = batch_.value(i, own.column);
+      wanted.value = case_scenes_.expected(own, i);
       if (std::isnan(wanted.value) || !result.converged) continue;
       app_.summary.check_expected(wanted.name + ", " + batch_.name_of_case(i), result.values.written[place], wanted);
     }
@@ -173,7 +174,8 @@ void BatchRun::check_limits() {
     const std::vector<EstimatedValue>& values = solver_.results()[i].values.limited;
     for (std::size_t j = 0; j < values.size(); ++j)
       app_.summary.check_limit(batch_.name_of_case(i) + ": size of " + values[j].name, "", std::abs(values[j].value),
-                               values[j].error, values[j].not_estimated, quantities_.limits()[j].largest_size);
+                               values[j].error, values[j].not_estimated,
+                               quantities_.largest_size(quantities_.limits()[j], i));
   }
 }
 

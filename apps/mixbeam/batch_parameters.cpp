@@ -4,13 +4,13 @@
 #include "discretization/parameters/binding.hpp"
 #include "discretization/parameters/formula_value.hpp"
 #include "discretization/text/csv_file.hpp"
-#include "discretization/text/expression.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <memory>
 #include <stdexcept>
 
 namespace mixbeam {
@@ -64,7 +64,9 @@ void read_grid(const Teuchos::ParameterList& list, const ParameterSource& source
   for (const std::string& name : names_of(list)) {
     const ParameterPath path = child(child(kList, "Vary"), name);
     axes.push_back(read_axis(list.sublist(name), source, path));
-    batch.columns.push_back({axes.back().parameter, source.where(child(path, "Parameter")) + ": "});
+    batch.columns.push_back({axes.back().parameter, [&source, path](const std::string& problem) {
+                               return source.error(child(path, "Parameter"), problem);
+                             }});
     cases *= static_cast<double>(axes.back().values.size());
   }
   if (cases > kMostCases)
@@ -84,8 +86,10 @@ void read_grid(const Teuchos::ParameterList& list, const ParameterSource& source
 /// Reads a table record by record: the first names the columns.
 class TableReader {
  public:
-  TableReader(const CsvFile& table, const std::string& path, Batch& batch) : table_(table), path_(path), batch_(batch) {
-    table.for_each([this](const CsvRecord& record) { batch_.columns.empty() ? read_head(record) : read_case(record); });
+  TableReader(std::shared_ptr<const CsvFile> table, const std::string& path, Batch& batch)
+      : table_(std::move(table)), path_(path), batch_(batch) {
+    table_->for_each(
+        [this](const CsvRecord& record) { batch_.columns.empty() ? read_head(record) : read_case(record); });
   }
 
  private:
@@ -93,41 +97,38 @@ class TableReader {
     for (std::size_t i = 0; i < record.cells.size(); ++i) {
       for (const BatchColumn& other : batch_.columns)
         if (other.parameter == record.cells[i])
-          throw table_.error(record, i,
-                             "column \"" + excerpt(record.cells[i]) + "\" for the second time; allowed: once");
-      batch_.columns.push_back({record.cells[i], table_.error(record, i, "").what()});
+          throw table_->error(record, i,
+                              "column \"" + excerpt(record.cells[i]) + "\" for the second time; allowed: once");
+      batch_.columns.push_back({record.cells[i], refusal(record, i)});
     }
   }
   void read_case(const CsvRecord& record) {
     const std::size_t columns = batch_.columns.size();
     if (record.cells.size() != columns)
-      throw table_.error(record, columns,
-                         std::to_string(record.cells.size()) + " cells; allowed: " + std::to_string(columns) +
-                             ", as many as the first line has");
+      throw table_->error(record, columns,
+                          std::to_string(record.cells.size()) + " cells; allowed: " + std::to_string(columns) +
+                              ", as many as the first line has");
     for (std::size_t i = 0; i < columns; ++i) {
       double value = std::numeric_limits<double>::quiet_NaN();
       const std::string& cell = record.cells[i];
-      const Problem problem = cell.empty() ? "" : is_formula(cell) ? evaluate(cell, value) : parse_number(cell, value);
-      if (!problem.empty()) throw table_.error(record, i, problem);
-      if (!cell.empty() && std::isnan(value))
-        throw table_.error(record, i, "value " + excerpt(cell) + "; allowed: a number");
+      const bool is_plain = !cell.empty() && !is_formula(cell);
+      if (is_formula(cell)) batch_.formulas.push_back({batch_.size(), i, cell, refusal(record, i)});
+      if (const Problem problem = is_plain ? parse_number(cell, value) : ""; !problem.empty())
+        throw table_->error(record, i, problem);
+      if (is_plain && std::isnan(value))
+        throw table_->error(record, i, "value " + excerpt(cell) + "; allowed: a number");
       batch_.values.push_back(value);
     }
     batch_.case_names.push_back(path_ + ":" + std::to_string(record.line));
   }
 
-  /// Without names: each case has its own variables.
-  static Problem evaluate(const std::string& cell, double& value) {
-    try {
-      value = Expression(trimmed(cell).substr(1), {})(std::vector<double>{});
-    } catch (const std::invalid_argument& problem) {
-      return "value \"" + excerpt(cell) + "\" is no formula: " + excerpt(problem.what()) +
-             "; allowed in a table of a batch: numbers, functions, pi, e, deg";
-    }
-    return "";
+  Variables::Refusal refusal(const CsvRecord& record, std::size_t cell) const {
+    return [table = table_, line = record.line, column = record.columns[cell]](const std::string& problem) {
+      return table->error(line, column, problem);
+    };
   }
 
-  const CsvFile& table_;
+  std::shared_ptr<const CsvFile> table_;
   const std::string& path_;
   Batch& batch_;
 };
@@ -138,8 +139,7 @@ void read_table(const std::string& name, const ParameterSource& source, Batch& b
   if (!std::filesystem::is_regular_file(path, failure))
     throw source.error(child(kList, "Table"), "value \"" + excerpt(name) + "\": there is no file \"" + excerpt(path) +
                                                   "\"; allowed: a file, relative to the folder of the scene");
-  const CsvFile table(path);
-  const TableReader reader(table, path, batch);
+  const TableReader reader(std::make_shared<const CsvFile>(path), path, batch);
   if (batch.size() == 0)
     throw InputError(path + ":1: no case; allowed: a line of parameters' paths, then one line per case");
 }

@@ -3,6 +3,7 @@
 
 #include "discretization/parameters/source.hpp"
 #include "discretization/parameters/spec.hpp"
+#include "discretization/reading/variables.hpp"
 
 #include <Teuchos_ParameterList.hpp>
 
@@ -19,14 +20,20 @@ enum class BatchOutput {
 
 /// A parameter that differs from case to case.
 struct BatchColumn {
-  std::string parameter;  ///< its path: "Point Loads/tip/Force[1]"
-  std::string where;      ///< where the user named it, in front of messages: "sweep.csv:1:12: "
+  std::string parameter;       ///< its path: "Point Loads/tip/Force[1]"
+  Variables::Refusal refusal;  ///< at the place where the user named it
 };
 
 /// The cases, numbered from 1 for the user.
 struct Batch {
   std::vector<BatchColumn> columns{};
-  std::vector<double> values{};           ///< (case, column); NaN: an empty cell of the table
+  std::vector<double> values{};  ///< (case, column); NaN: an empty cell of the table, or a formula
+  struct Formula {
+    std::size_t index, column;  ///< of its case
+    std::string text;           ///< "=2*L"
+    Variables::Refusal refusal;
+  };
+  std::vector<Formula> formulas{};        ///< cells that CaseScenes gives values to, in the order of the table
   std::vector<std::string> case_names{};  ///< where each case stands: "sweep.csv:3"; of a grid: empty
   BatchOutput output = BatchOutput::followed;
 

@@ -18,10 +18,10 @@ double value_of(const CaseResult& result, std::size_t quantity) {
 }
 
 /// "sag; drift": the quantities that are beyond their limits.
-std::string beyond_limits(const CaseResult& result, const CaseQuantities& quantities) {
+std::string beyond_limits(const CaseResult& result, const CaseQuantities& quantities, std::size_t index) {
   std::string names;
   for (std::size_t i = 0; i < result.values.limited.size(); ++i)
-    if (!quantities.limits()[i].is_kept(result.values.limited[i]))
+    if (!quantities.is_kept(result.values.limited[i], quantities.limits()[i], index))
       names += (names.empty() ? "" : "; ") + quantities.limits()[i].name;
   return names;
 }
@@ -57,7 +57,7 @@ void write_rows(const std::filesystem::path& file, const Batch& batch, const Cas
     cells.emplace_back(result.converged ? "yes" : "no");
     cells.emplace_back(result.stable);
     cells.emplace_back(result.cause);
-    if (!quantities.limits().empty()) cells.emplace_back(beyond_limits(result, quantities));
+    if (!quantities.limits().empty()) cells.emplace_back(beyond_limits(result, quantities, i));
     table.add_row(cells);
   }
   table.close();
@@ -82,7 +82,7 @@ void write_columns(const std::filesystem::path& file, const Batch& batch, const 
   add("converged", [&](std::size_t i) { return results[i].converged ? 1.0 : 0.0; });
   add("stable", [&](std::size_t i) { return number_of(results[i].stable); });
   if (!quantities.limits().empty())
-    add("within limits", [&](std::size_t i) { return beyond_limits(results[i], quantities).empty() ? 1.0 : 0.0; });
+    add("within limits", [&](std::size_t i) { return beyond_limits(results[i], quantities, i).empty() ? 1.0 : 0.0; });
   std::string causes;
   for (std::size_t i = 0; i < results.size(); ++i)
     if (!results[i].cause.empty()) causes += batch.name_of_case(i) + ": " + results[i].cause + "\n";

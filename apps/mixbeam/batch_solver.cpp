@@ -40,6 +40,22 @@ double elements_of_longest_member(const Scene& scene) {
   return elements;
 }
 
+/// Where the simulation stands.
+SolvedCases solved_cases(const Simulation& simulation, const Scene* scenes, std::size_t count, bool merged) {
+  std::vector<int> part_of_member;
+  SolvedCases solved{simulation, merged};
+  for (std::size_t i = 0, support = 0; i < count; ++i) {
+    solved.first_support.push_back(support);
+    solved.first_member.push_back(static_cast<int>(part_of_member.size()));
+    support += scenes[i].supports.size();
+    part_of_member.resize(part_of_member.size() + scenes[i].members.size(), static_cast<int>(i));
+  }
+  solved.reactions = simulation.reactions();
+  solved.energies = strain_energy_of_parts(simulation.model(), simulation.state(),
+                                           structure_parts(simulation.model(), part_of_member));
+  return solved;
+}
+
 /// `like`: the same cases in another space.
 SolvedCases solved_cases(const Simulation& simulation, const SolvedCases& like, const std::vector<int>& part_of_member,
                          const std::vector<EndLayer>* layers) {
@@ -128,11 +144,13 @@ bool BatchSolver::solve_together(const Range& range) {
   parameters.threads = app_.threads_for(merged.scene, app_.solver);
   parameters.newton.residual_tolerance *= kGroupTolerance;
   Simulation simulation(merged.scene, parameters, app_.communicator);
+  References references;
+  const RunObserver take = taking(references, &(*scenes_)[range.first], scenes.size(), true);
   PathControl control;
   control.step_failed = [](const StepFailure&) { throw StepFailed(); };
   control.stop = stop_;
   try {
-    simulation.run({}, control);
+    simulation.run([&](const StepReport& report, const State&) { take(simulation, report); }, control);
   } catch (const StepFailed&) {
     app_.summary.newton_iterations += simulation.work().newton_iterations;
     return false;
@@ -144,7 +162,7 @@ bool BatchSolver::solve_together(const Range& range) {
   const std::string& stable = simulation.stability().stable;
   if (stable == "false" || stable == "neutral") return false;  // of some case: which one, the halves tell
   std::vector<CaseResult> results =
-      checked(simulation, &(*scenes_)[range.first], scenes.size(), merged.part_of_member, true);
+      checked(simulation, &(*scenes_)[range.first], scenes.size(), merged.part_of_member, true, references);
   if (results.empty()) return false;
   for (std::size_t i = 0; i < results.size(); ++i)
     if (results[i].converged) keep(range.first + i, std::move(results[i]));
@@ -157,7 +175,9 @@ CaseResult BatchSolver::solved_accurately(const Scene& scene) {
   observer.stop = stop_;
   observer.error_of = error_of_wanted(scene, app_.quantities);
   observer.threads = [this](const Scene& on_mesh) { return app_.threads_for(on_mesh, app_.solver); };
-  const AccurateRun run = run_accurately(scene, app_.solver, app_.communicator, false, observer);
+  References references;
+  observer.step = taking(references, &scene, 1, false);
+  const AccurateRun run = run_accurately(scene, app_.solver, app_.communicator, quantities_.needs_path(), observer);
   for (const MeshRound& round : run.rounds) {
     app_.summary.load_steps += round.steps;
     app_.summary.newton_iterations += round.iterations;
@@ -170,7 +190,7 @@ CaseResult BatchSolver::solved_accurately(const Scene& scene) {
     result.cause = cause_of(run.simulation.result());
     return result;
   }
-  result = checked_alone(run.simulation, scene);
+  result = checked_alone(run.simulation, scene, references);
   if (run.end == AccuracyEnd::reached || run.rounds.back().error <= *scene.accuracy) return result;
   result.converged = false;
   result.cause = formatted("accuracy of %.1e: ", *scene.accuracy) + text_of(run.end);
@@ -184,9 +204,11 @@ CaseResult BatchSolver::solved_alone(const Scene& scene) {
   if (scene.accuracy) return solved_accurately(scene);
   PathControl control;
   control.stop = stop_;
-  const Simulation simulation = app_.try_to_solve(scene, app_.solver, {}, control);
+  References references;
+  const Simulation simulation = app_.try_to_solve(
+      scene, app_.solver, quantities_.needs_path() ? taking(references, &scene, 1, false) : RunObserver{}, control);
   if (simulation.result().interrupted) return result;
-  if (simulation.result().finished) return checked_alone(simulation, scene);
+  if (simulation.result().finished) return checked_alone(simulation, scene, references);
   result.solved = result.alone = true;
   result.iterations = simulation.result().newton_iterations;
   result.cause = cause_of(simulation.result());
@@ -200,28 +222,33 @@ void BatchSolver::keep(std::size_t place, CaseResult result) {
   results_[(*cases_)[place]] = std::move(result);
 }
 
-CaseResult BatchSolver::checked_alone(const Simulation& simulation, const Scene& scene) {
+CaseResult BatchSolver::checked_alone(const Simulation& simulation, const Scene& scene, const References& references) {
   const bool merged = false;
-  CaseResult result = checked(simulation, &scene, 1, std::vector<int>(scene.members.size(), 0), merged).front();
+  CaseResult result =
+      checked(simulation, &scene, 1, std::vector<int>(scene.members.size(), 0), merged, references).front();
   result.alone = true;
   return result;
+}
+
+/// Keeps what limits are relative to.
+RunObserver BatchSolver::taking(References& references, const Scene* scenes, std::size_t count, bool merged) const {
+  return [=, &references](const Simulation& simulation, const StepReport& report) {
+    if (!quantities_.is_reference(report.load_factor)) return;
+    const SolvedCases solved = solved_cases(simulation, scenes, count, merged);
+    std::vector<std::vector<double>>& values = references[static_cast<Stage>(std::lround(report.load_factor))];
+    values.clear();
+    for (std::size_t i = 0; i < count; ++i) values.push_back(quantities_.asked_of(solved, static_cast<int>(i)));
+  };
 }
 
 /// Checks every case of a simulation at the end of its path by itself. Empty where errors count and those of some case
 /// among others cannot be estimated.
 std::vector<CaseResult> BatchSolver::checked(const Simulation& simulation, const Scene* scenes, std::size_t count,
-                                             const std::vector<int>& part_of_member, bool merged) {
+                                             const std::vector<int>& part_of_member, bool merged,
+                                             const References& references) {
   const StructureParts parts = structure_parts(simulation.model(), part_of_member);
   const std::vector<PartCheck> checks = simulation.check_parts(parts);
-  SolvedCases solved{simulation, merged};
-  solved.reactions = simulation.reactions();
-  solved.energies = strain_energy_of_parts(simulation.model(), simulation.state(), parts);
-  for (std::size_t i = 0, support = 0, member = 0; i < count; ++i) {
-    solved.first_support.push_back(support);
-    solved.first_member.push_back(static_cast<int>(member));
-    support += scenes[i].supports.size();
-    member += scenes[i].members.size();
-  }
+  const SolvedCases solved = solved_cases(simulation, scenes, count, merged);
   std::optional<RicherStates> there;
   RicherCases richer;
   if (!quantities_.limits().empty() &&
@@ -247,7 +274,7 @@ std::vector<CaseResult> BatchSolver::checked(const Simulation& simulation, const
     const bool settled = !merged || check.residual <= app_.solver.newton.residual_tolerance;
     result.converged = balances && settled;
     if (result.converged)
-      result.values = quantities_.of(solved, richer, part);
+      result.values = quantities_.of(solved, richer, part, references);
     else
       result.cause = formatted("loads and reactions do not balance: forces %.1e, moments %.1e of the largest at work",
                                check.force_error, check.moment_error);

@@ -58,8 +58,9 @@ class BatchSolver {
   CaseResult solved_alone(const Scene& scene);
   CaseResult solved_accurately(const Scene& scene);
   std::vector<CaseResult> checked(const Simulation& simulation, const Scene* scenes, std::size_t count,
-                                  const std::vector<int>& part_of_member, bool merged);
-  CaseResult checked_alone(const Simulation& simulation, const Scene& scene);
+                                  const std::vector<int>& part_of_member, bool merged, const References& references);
+  CaseResult checked_alone(const Simulation& simulation, const Scene& scene, const References& references);
+  RunObserver taking(References& references, const Scene* scenes, std::size_t count, bool merged) const;
   void keep(std::size_t place, CaseResult result);
 
   Application& app_;

@@ -13,6 +13,7 @@ namespace mixbeam {
 namespace {
 
 constexpr std::size_t kNotAsked = ~std::size_t{0};
+constexpr double kRoundingOfStage = 1e-9;  // steps are sums of rounded numbers
 
 QuantityState state_of(const SolvedCases& solved, int part) {
   const Simulation& simulation = solved.simulation;
@@ -37,10 +38,11 @@ CaseQuantities::CaseQuantities(const Application& app, BatchOutput output, const
     is_limited_.push_back(column.is_limited && quantity.is_limited_in(load_case));
     if (!is_limited_.back()) continue;
     const bool is_early = quantity.stage.value_or(stages) < stages;
-    if (is_early || quantity.relative_to)
-      throw app.xml.source.error({"Quantities", quantity.name, is_early ? "Stage" : "Relative To"},
-                                 "a batch looks at the ends of paths; allowed there: limits of the value at the end");
-    limits_.push_back({column.name, *quantity.allowed()});
+    if (is_early)
+      throw app.xml.source.error({"Quantities", quantity.name, "Stage"},
+                                 "value " + std::to_string(*quantity.stage) + ": a batch looks at the ends of paths; " +
+                                     "allowed in it: the last stage, " + std::to_string(stages));
+    limits_.push_back({column.name, *quantity.allowed(), column.quantity, quantity.relative_to});
   }
   if (!limits_.empty()) asked_ = app.quantities;
   if (output == BatchOutput::expected) take_expected(app, load_case);
@@ -105,7 +107,22 @@ std::string CaseQuantities::member_of(std::size_t name, double value) const {
   return is_member && value >= 0.0 ? members_.at(static_cast<std::size_t>(value)) : "";
 }
 
-CaseValues CaseQuantities::of(const SolvedCases& solved, const RicherCases& richer, int part) const {
+bool CaseQuantities::needs_path() const {
+  return std::any_of(limits_.begin(), limits_.end(), [](const Limit& limit) { return limit.relative_to.has_value(); });
+}
+
+bool CaseQuantities::is_reference(double load_factor) const {
+  return std::any_of(limits_.begin(), limits_.end(), [&](const Limit& limit) {
+    return limit.relative_to && std::abs(load_factor - *limit.relative_to) <= kRoundingOfStage;
+  });
+}
+
+std::vector<double> CaseQuantities::asked_of(const SolvedCases& solved, int part) const {
+  return asked_.values(state_of(solved, part));
+}
+
+CaseValues CaseQuantities::of(const SolvedCases& solved, const RicherCases& richer, int part,
+                              const References& references) const {
   const QuantityState at = state_of(solved, part);
   const std::vector<double> own = quantities_.values(at), asked = asked_.values(at);
   CaseValues values;
@@ -118,7 +135,12 @@ CaseValues CaseQuantities::of(const SolvedCases& solved, const RicherCases& rich
   const std::vector<EstimatedValue> estimated = with_errors(asked_, asked, there, richer.not_estimated);
   auto one = estimated.begin();
   for (std::size_t i = 0; i < is_limited_.size(); ++i) {
-    if (is_limited_[i]) values.limited.push_back(*one);
+    if (is_limited_[i]) {
+      const std::optional<Stage>& since = limits_[values.limited.size()].relative_to;
+      const double reference = since ? references.at(*since)[static_cast<std::size_t>(part)][i] : 0.0;
+      values.limited.push_back(*one);
+      if (std::isfinite(reference) || since.value_or(0) > 0) values.limited.back().value -= reference;
+    }
     if (asked_.columns()[i].is_value) ++one;
   }
   if (there.empty() && richer.not_estimated.empty())

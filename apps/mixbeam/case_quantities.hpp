@@ -5,6 +5,7 @@
 #include "apps/mixbeam/batch_parameters.hpp"
 
 #include <cmath>
+#include <map>
 
 namespace mixbeam {
 
@@ -25,6 +26,9 @@ struct RicherCases {
   std::string not_estimated{};  ///< why there are none; empty: errors do not count
 };
 
+/// Numbers of the list "Quantities" at ends of stages: (stage, case, column).
+using References = std::map<Stage, std::vector<std::vector<double>>>;
+
 /// Numbers of one case at the end of its path.
 struct CaseValues {
   std::vector<double> written{};          ///< in the order of CaseQuantities::names()
@@ -38,18 +42,31 @@ class CaseQuantities {
 
   /// "tip.displacement.x", "wall.reaction_force.y", or the names of expected values or quantities.
   const std::vector<std::string>& names() const { return names_; }
-  CaseValues of(const SolvedCases& solved, const RicherCases& richer, int part) const;
+  CaseValues of(const SolvedCases& solved, const RicherCases& richer, int part, const References& references) const;
   /// Name of the member whose index a number is, as NAME.member of an extreme; empty for other numbers.
   std::string member_of(std::size_t name, double value) const;
   /// Numbers of the list "Quantities" that have a limit, whatever is written.
   struct Limit {
     std::string name;
-    double largest_size;
-    bool is_kept(const EstimatedValue& one) const {  // false for NaN
-      return one.not_estimated.empty() && std::abs(one.value) + one.error <= largest_size;
-    }
+    double largest_size;   ///< that of the file
+    std::size_t quantity;  ///< in the list "Quantities"
+    std::optional<Stage> relative_to{};
   };
   const std::vector<Limit>& limits() const { return limits_; }
+  double largest_size(const Limit& limit, std::size_t index) const {
+    return own_limits_.empty() ? limit.largest_size : own_limits_[index][limit.quantity];
+  }
+  bool is_kept(const EstimatedValue& one, const Limit& limit, std::size_t index) const {  // false for NaN
+    return one.not_estimated.empty() && std::abs(one.value) + one.error <= largest_size(limit, index);
+  }
+  /// See CaseScenes::limits().
+  void take_limits(const std::vector<std::vector<double>>& limits) { own_limits_ = limits; }
+  /// Whether some limit is relative to a state before the end.
+  bool needs_path() const;
+  /// Whether a limit counts from this state on: the end of a stage, or the start.
+  bool is_reference(double load_factor) const;
+  /// What limits are relative to, where the simulation stands: of the list "Quantities".
+  std::vector<double> asked_of(const SolvedCases& solved, int part) const;
   /// The expected values of the names; empty when other quantities are written.
   const std::vector<ExpectedValue>& expected() const { return expected_; }
 
@@ -62,6 +79,7 @@ class CaseQuantities {
   QuantitySet asked_;                       ///< the list "Quantities", where numbers of it are needed
   std::vector<std::size_t> asked_columns_;  ///< of each name; kNotAsked: the next number of quantities_
   std::vector<Limit> limits_;
+  std::vector<std::vector<double>> own_limits_;
   std::vector<bool> is_limited_;  ///< (column of the list "Quantities")
   std::vector<ExpectedValue> expected_;
 };

@@ -1,5 +1,6 @@
 #include "apps/mixbeam/case_scenes.hpp"
 
+#include "apps/mixbeam/commands.hpp"
 #include "discretization/parameters/access.hpp"
 #include "discretization/reading/read_scene.hpp"
 #include "discretization/reading/variables.hpp"
@@ -39,7 +40,7 @@ SplitPath split(const std::string& text) {
 }
 
 InputError refused(const BatchColumn& column, const std::string& problem) {
-  return InputError{column.where + "\"" + excerpt(column.parameter) + "\": " + problem};
+  return column.refusal("\"" + excerpt(column.parameter) + "\": " + problem);
 }
 
 /// Entries of an array, 0 for a single number, -1 for what is no number.
@@ -56,14 +57,15 @@ bool is_whole(double value) { return std::floor(value) == value && std::abs(valu
 
 }  // namespace
 
-CaseScenes::CaseScenes(Application& app, const Batch& batch, std::string load_case)
+CaseScenes::CaseScenes(Application& app, Batch& batch, std::string load_case)
     : app_(app), batch_(batch), load_case_(std::move(load_case)) {
   for (std::size_t i = 0; i < batch.columns.size(); ++i) places_.push_back(find(batch.columns[i], i));
-  check_formulas();
+  find_formulas();
+  evaluate_cells(batch);
 }
 
-/// Only those of the scene are evaluated anew for each case.
-void CaseScenes::check_formulas() const {
+/// Formulas outside of the list "Scene" whose numbers a case may have of its own, or must not.
+void CaseScenes::find_formulas() {
   const Teuchos::ParameterList& root = *app_.xml.list;
   for (const std::string& name : names_of(root)) {
     if (name == "Scene" || name == "Batch" || !root.isSublist(name)) continue;
@@ -71,11 +73,82 @@ void CaseScenes::check_formulas() const {
     for (const ParameterPath& path : paths_of_formulas(root.sublist(name), {name})) {
       const auto is_own = [&](const OwnExpectation& own) { return path == ParameterPath{name, own.name, "Value"}; };
       if (std::any_of(own_expectations_.begin(), own_expectations_.end(), is_own)) continue;
-      throw app_.xml.source.error(path,
-                                  "a formula outside of the list \"Scene\"; allowed in a batch: a number, and for "
-                                  "expected values a column of the table");
+      const Teuchos::ParameterList* list = &root;
+      for (std::size_t i = 0; i + 1 < path.size(); ++i) list = &list->sublist(path[i]);
+      const Teuchos::ParameterEntry* const entry = list->getEntryPtr(path.back());
+      formulas_.push_back({path, entry, value_of(*entry)});
+      if (name == "Expected" && path.back() == "Value") own_expectations_.push_back({kOfFormula, path[1]});
     }
   }
+}
+
+/// Formulas in cells, with the variables and points of their row, which may be formulas themselves.
+void CaseScenes::evaluate_cells(Batch& batch) const {
+  const auto evaluate_row = [&](auto first, auto end) {
+    Teuchos::ParameterList scene = app_.xml.list->sublist("Scene");
+    std::vector<Place> places;
+    for (const BatchColumn& column : batch.columns) {
+      const SplitPath path = split(column.parameter);
+      places.push_back(path.names.front() == "Expected" ? Place{} : find_in(scene, path.names, path.component, column));
+    }
+    for (std::size_t i = 0; i < places.size(); ++i)
+      if (const double value = batch.value(first->index, i); !std::isnan(value))
+        set(places[i], value, first->index, batch.columns[i]);
+    for (auto cell = first; cell != end; ++cell)
+      if (const Place& place = places[cell->column]; place.entry != nullptr)
+        set_formula(*place.entry, place.component, cell->text);
+    Variables variables(scene, app_.xml.source);
+    for (auto cell = first; cell != end; ++cell)
+      batch.values[cell->index * batch.columns.size() + cell->column] =
+          std::get<double>(variables.value(cell->text, ParameterType::real, cell->refusal));
+  };
+  for (auto first = batch.formulas.begin(); first != batch.formulas.end();) {
+    const auto is_behind = [&](const Batch::Formula& cell) { return cell.index != first->index; };
+    const auto end = std::find_if(first, batch.formulas.end(), is_behind);
+    try {
+      app_.xml.source.collect([&] { evaluate_row(first, end); });
+    } catch (const InputError& error) {
+      throw InputError(batch.name_of_case(first->index) + ": " + error.what());
+    }
+    first = end;
+  }
+}
+
+/// One solver serves all cases, and one set of quantities; limits and expected values are looked at afterwards.
+void CaseScenes::evaluate_formulas(std::size_t index) {
+  Teuchos::ParameterList& root = *app_.xml.list;
+  const ParameterSource& source = app_.xml.source;
+  Variables variables(root.sublist("Scene"), source);
+  for (const SublistSpec& list : mixbeam_root_spec().sublists)
+    if (list.name != "Scene" && list.name != "Batch" && root.isSublist(list.name))
+      source.collect([&] { variables.resolve(root.sublist(list.name), *list.list, {list.name}); });
+  bool has_limits = false;
+  for (OuterFormula& formula : formulas_) {
+    const ParameterPath& path = formula.path;
+    const bool is_expected = path.front() == "Expected" && path.back() == "Value";
+    const bool is_limit = path.front() == "Quantities" && (path.back() == "Limit" || path.back().rfind("Span", 0) == 0);
+    has_limits = has_limits || is_limit;
+    formula.values.resize(std::max(formula.values.size(), index + 1));
+    if (is_expected) formula.values[index] = Teuchos::getValue<double>(*formula.entry);
+    if (is_expected || is_limit || value_of(*formula.entry) == formula.of_file) continue;
+    throw source.error(path, "its formula would be " + excerpt(to_text(value_of(*formula.entry))) +
+                                 " in this case and " + excerpt(to_text(formula.of_file)) +
+                                 " in the scene; allowed to differ in a batch, outside of the list \"Scene\": limits "
+                                 "and expected values");
+  }
+  if (!has_limits) return;
+  limits_.resize(std::max(limits_.size(), index + 1));
+  limits_[index].clear();
+  for (const Quantity& quantity : read_quantities(root.sublist("Quantities"), source))
+    limits_[index].push_back(quantity.allowed().value_or(0.0));
+}
+
+double CaseScenes::expected(const OwnExpectation& own, std::size_t index) const {
+  if (own.column != kOfFormula) return batch_.value(index, own.column);
+  const auto is_its = [&](const OuterFormula& formula) {
+    return formula.path == ParameterPath{"Expected", own.name, "Value"};
+  };
+  return std::find_if(formulas_.begin(), formulas_.end(), is_its)->values[index];
 }
 
 CaseScenes::Place CaseScenes::find(const BatchColumn& column, std::size_t index) {
@@ -106,7 +179,7 @@ CaseScenes::Place CaseScenes::find_in(Teuchos::ParameterList& list, const std::v
       if (here->isSublist(name) != is_last) names.push_back(name);
     if (std::find(names.begin(), names.end(), path[i]) == names.end())
       throw refused(column, "no " + (is_last ? app_.xml.source.parameter_word() : app_.xml.source.list_word()) + " \"" +
-                                excerpt(path[i]) + "\" in the list \"" + here->name() +
+                                excerpt(path[i]) + "\" in the list \"" + (i == 0 ? "Scene" : path[i - 1]) +
                                 "\" of the scene; allowed: " + quoted_list(names) + did_you_mean(path[i], names));
     if (!is_last) here = &here->sublist(path[i]);
   }
@@ -136,6 +209,7 @@ void CaseScenes::set(const Place& place, double value, std::size_t index, const 
 Scene CaseScenes::scene_of(std::size_t index) {
   for (std::size_t i = 0; i < places_.size(); ++i) set(places_[i], batch_.value(index, i), index, batch_.columns[i]);
   try {
+    if (!formulas_.empty()) evaluate_formulas(index);
     Scene scene = read_scene(app_.xml.list->sublist("Scene"), app_.xml.source);
     const bool is_alike = scene.members.size() == app_.scene.members.size();
     if (names_no_mesh(scene))

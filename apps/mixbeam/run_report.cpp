@@ -358,6 +358,14 @@ std::string RunReport::place_of(std::size_t column) const {
                      : ", after a vertex");
 }
 
+std::vector<std::pair<std::string, std::string>> RunReport::places() const {
+  std::vector<std::pair<std::string, std::string>> places;
+  for (std::size_t i = 0; i < followed_.size(); ++i)
+    if (const std::string place = place_of(i); quantities_->columns()[i].is_value && !place.empty())
+      places.emplace_back(quantities_->columns()[i].name, place);
+  return places;
+}
+
 void RunReport::print_quantities(std::ostream& out) const {
   std::size_t lines = 0;
   for (std::size_t i = 0; i < followed_.size(); ++i) {

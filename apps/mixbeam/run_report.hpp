@@ -34,6 +34,8 @@ class RunReport {
 
   /// Where extremes over places are at the end, see QuantitySet::places().
   void add_places(std::vector<std::string> places) { places_ = std::move(places); }
+  /// Quantities that are extremes, and where at the end.
+  std::vector<std::pair<std::string, std::string>> places() const;
 
   /// Adds the quantities to the summary of the run, and a check for each that has a limit.
   void add_quantities(Application& app, const std::string& run) const;

@@ -62,20 +62,28 @@ std::string combination_text(const Scene& scene, const std::string& name) {
   return "";
 }
 
-/// Checks of limits since `first`, in a table beside the result file; none where the scene has no limits.
-void write_limits(const Application& app, std::size_t first, const std::filesystem::path& file) {
-  if (file.empty() || !app.writes_files()) return;
-  const std::filesystem::path csv = file.parent_path() / (file.stem().string() + "-limits.csv");
-  std::optional<CsvTable> table;
-  for (std::size_t i = first; i < app.summary.checks().size(); ++i) {
-    const CheckedQuantity& check = app.summary.checks()[i];
-    if (check.source != kLimitOfScene) continue;
-    if (!table)
-      table.emplace(csv, std::vector<std::string>{"limit", "value", "allowed", "passed"}, Appears::when_closed);
-    table->add_row({check.name, check.value, check.reference, check.pass ? "yes" : "NO"});
-  }
+/// A table beside the result file; without rows none, also where an earlier run left one.
+void write_beside(const std::filesystem::path& file, const std::string& name, const std::vector<std::string>& columns,
+                  const std::vector<std::vector<CsvCell>>& rows) {
+  const std::filesystem::path csv = file.parent_path() / (file.stem().string() + "-" + name + ".csv");
   std::error_code ignored;
-  table ? table->close() : void(std::filesystem::remove(csv, ignored));  // of an earlier run
+  if (rows.empty()) return static_cast<void>(std::filesystem::remove(csv, ignored));
+  CsvTable table(csv, columns, Appears::when_closed);
+  for (const std::vector<CsvCell>& row : rows) table.add_row(row);
+  table.close();
+}
+
+/// Checks of limits since `first`, and where extremes are at the end.
+void write_limits_and_places(const Application& app, const RunReport& report, std::size_t first,
+                             const std::filesystem::path& file) {
+  if (file.empty() || !app.writes_files()) return;
+  std::vector<std::vector<CsvCell>> limits, places;
+  for (std::size_t i = first; i < app.summary.checks().size(); ++i)
+    if (const CheckedQuantity& check = app.summary.checks()[i]; check.source == kLimitOfScene)
+      limits.push_back({check.name, check.value, check.reference, check.pass ? "yes" : "NO"});
+  for (const auto& [quantity, place] : report.places()) places.push_back({quantity, place});
+  write_beside(file, "limits", {"limit", "value", "allowed", "passed"}, limits);
+  write_beside(file, "places", {"quantity", "place at the end"}, places);
 }
 
 }  // namespace
@@ -167,7 +175,7 @@ RunEnd run_case(Application& app, const std::string& load_case, const std::files
   report.add_stresses(app, name);
   report.add_errors(app, name);
   report.add_quantities(app, name);
-  write_limits(app, checks, file);
+  write_limits_and_places(app, report, checks, file);
   report.check_balance(app, name);
   const bool between_meshes = accurate && accurate->end == AccuracyEnd::interrupted;
   if (!simulation.result().interrupted && !between_meshes) {

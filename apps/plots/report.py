@@ -82,15 +82,30 @@ def _begun_page(run, title):
     return page
 
 
+def _rows_beside(file, name):
+    """Of a table that a run leaves beside its result file; none where it left none."""
+    path = file.with_name(f"{file.stem}-{name}.csv")
+    if not path.exists():
+        return []
+    inputs.add(path)
+    with path.open(newline="", encoding="utf-8") as stream:
+        return list(csv.DictReader(stream))
+
+
+def _places(file):
+    """{extreme: its place at the end}"""
+    return {row["quantity"]: row["place at the end"] for row in _rows_beside(file, "places")}
+
+
 def _write_limits(page, files):
     """The limits of runs, as they stand beside the result files: those that fail first, then those that are nearest."""
     rows = []
     for file in files:
-        path = file.with_name(f"{file.stem}-limits.csv")
-        if path.exists():
-            inputs.add(path)
-            with path.open(newline="", encoding="utf-8") as stream:
-                rows += [(row["limit"], row["value"], row["allowed"], row["passed"]) for row in csv.DictReader(stream)]
+        places = sorted(_places(file).items(), key=lambda one: -len(one[0]))
+        for row in _rows_beside(file, "limits"):
+            of = row["limit"].partition(": size of ")[2]
+            place = next((place for quantity, place in places if of.startswith(quantity)), "")
+            rows.append((row["limit"], row["value"], row["allowed"], row["passed"], place))
 
     def number(text):
         try:
@@ -107,9 +122,9 @@ def _write_limits(page, files):
         page.heading("Limits")
         failed = sum(row[3] != "yes" for row in rows)
         page.text(f"{failed} of {len(rows)} limits are exceeded." if failed else f"All {len(rows)} limits are kept.", bad=failed > 0)
-        page.table(("limit", "value", "allowed", "share", "kept"),
-                   [(name, cell_text(number(value)), cell_text(number(allowed)), bar(used((name, value, allowed)), kept != "yes"), kept)
-                    for name, value, allowed, kept in rows])
+        page.table(("limit", "value", "allowed", "place at the end", "share", "kept"),
+                   [(name, cell_text(number(value)), cell_text(number(allowed)), place, bar(used((name, value, allowed)), kept != "yes"), kept)
+                    for name, value, allowed, kept, place in rows])
 
 
 def _page_path(options):
@@ -228,9 +243,11 @@ def _write_answers(page, run):
     shown = [name for name in quantities if name.rpartition(".")[2] not in ("member", "arc_length", "side") or
              name.rpartition(".")[0] not in quantities]
     if shown:
+        places = _places(run.path)
+
         def place(name):
             if f"{name}.member" not in quantities:
-                return ""
+                return places.get(name, "")
             number = quantities[f"{name}.member"][-1]
             if not 0 <= number < len(members):
                 return ""

@@ -146,28 +146,6 @@ bool is_array_value(const ParameterValue& value) {
   return value.index() > static_cast<std::size_t>(ParameterType::integer_array);
 }
 
-/// Of a parameter that must be there; nothing where any text could be meant.
-ParameterValue something_allowed(const ParameterSpec& spec) {
-  if (!spec.choices.empty() && spec.type == ParameterType::text) return spec.choices.front();
-  const Range& range = spec.range;
-  const double number = std::isfinite(range.minimum) && range.minimum >= 1.0 ? range.minimum
-                        : std::isfinite(range.maximum) && range.maximum <= 1.0
-                            ? 0.5 * (std::max(range.minimum, 0.0) + range.maximum)
-                            : 1.0;
-  switch (spec.type) {
-    case ParameterType::boolean:
-      return false;
-    case ParameterType::integer:
-      return static_cast<int>(number);
-    case ParameterType::real:
-      return number;
-    case ParameterType::real_array:
-      return Teuchos::Array<double>(std::max(spec.length, 1), number);
-    default:
-      return {};
-  }
-}
-
 /// One walk over a list and its sublists; `path_` follows the walk.
 class Validator {
  public:
@@ -232,7 +210,8 @@ class Validator {
                     example(*parameter));
       if (spec.find_list(name) != nullptr) {
         source_.cannot_mend();
-        throw error("a " + parameter_ + "; allowed: a " + list_ + " of this name");
+        throw error("a " + parameter_ + "; allowed: a " + list_ + " of this name" +
+                    contents_of(*spec.find_list(name)->list));
       }
       check_free_name(list, spec, name, is_list);
     });
@@ -244,15 +223,26 @@ class Validator {
     return is_known;
   }
 
+  std::string contents_of(const ListSpec& spec) const {
+    if (spec.named_list || spec.named_parameter)
+      return ", with one " + (spec.named_list ? list_ : parameter_) + " per " + spec.placeholder;
+    const std::vector<std::string> names = spec.fixed_names();
+    return names.empty() ? "" : ", with " + quoted_list(names);
+  }
+
   /// Reads an entry of an unknown name as the one of which it seems to be a slip.
   static bool take_for_nearest(ParameterList& list, const ListSpec& spec, const std::string& name) {
     const std::string nearest = nearest_name(name, names_that_fit(list, spec));
     const bool is_list = list.isSublist(name);
     if (nearest.empty() || list.isParameter(nearest) || is_list != (spec.find_list(nearest) != nullptr)) return false;
-    if (is_list)
+    if (is_list) {
       list.sublist(nearest).setParameters(list.sublist(name));
-    else
-      set_value(list, nearest, value_of(list.getEntry(name)));
+      return true;
+    }
+    const ParameterSpec& meant = *spec.find_parameter(nearest);
+    const ParameterValue value = widened(value_of(list.getEntry(name)), meant.type);
+    if (!problem_of(value, meant).empty()) return false;  // a second mistake there would follow from this one
+    set_value(list, nearest, value);
     return true;
   }
 
@@ -300,7 +290,9 @@ class Validator {
     const std::vector<std::string> names = names_that_fit(list, spec);
     const std::string elsewhere = other_place_of(name, spec, is_list);
     const std::string hint = elsewhere.empty() ? did_you_mean(name, names) : elsewhere;
-    if (spec.named_list) throw error("a " + parameter_ + "; allowed: one " + list_ + " per " + spec.placeholder + hint);
+    if (spec.named_list)
+      throw error("a " + parameter_ + "; allowed: one " + list_ + " per " + spec.placeholder +
+                  contents_of(*spec.named_list) + hint);
     if (spec.named_parameter) {
       throw error("a " + list_ + "; allowed: one " + parameter_ + " per " + spec.placeholder + ", " +
                   allowed_values(*spec.named_parameter) + example(*spec.named_parameter) + hint);
@@ -339,8 +331,8 @@ class Validator {
 
   /// What a value has come from.
   static std::string of_formula(const ParameterEntry& entry) {
-    const ParameterValue written = written_value(entry).value;
-    return written == value_of(entry) ? "" : "formula " + excerpt(to_text(written)) + ": ";
+    const std::string written = to_text(written_value(entry).value);
+    return written == to_text(value_of(entry)) ? "" : "formula " + excerpt(written) + ": ";  // as texts: NaN too
   }
 
   /// Puts something allowed in the place of what is wrong or missing.
@@ -386,9 +378,12 @@ class Validator {
       return meant(bracketed(*text));
     if (has_type(value, ParameterType::text_array) && is_array(spec.type) && !is_text_array) {
       const std::string formula = spec.name + " Formula";
+      const bool has_formula = around.find_parameter(formula) != nullptr;
       for (const std::string& entry : std::get<Teuchos::Array<std::string>>(value))
-        if (const std::string of_number = number_hint(entry); !of_number.empty()) return of_number;
-      return around.find_parameter(formula) != nullptr ? meant("\"" + formula + "\"") : "";
+        if (const std::string slip = number_hint(entry);
+            !slip.empty() && !(has_formula && slip.find('=') < slip.size()))
+          return slip;
+      return has_formula ? meant("\"" + formula + "\"") : "";
     }
     if (spec.length > 0 && array_length(value) > spec.length)
       return "; decimals have a point: a comma separates entries";
@@ -458,6 +453,27 @@ Problem problem_of(const ParameterValue& value, const ParameterSpec& spec) {
   if (!numbers_in_range(value, spec.range)) return seen + allowed;
   if (!is_long_enough(value, spec.shortest)) return seen + " has no direction" + allowed;
   return spec.choices.empty() ? "" : problem_of_words(value, spec);
+}
+
+ParameterValue something_allowed(const ParameterSpec& spec) {
+  if (!spec.choices.empty() && spec.type == ParameterType::text) return spec.choices.front();
+  const Range& range = spec.range;
+  const double number = std::isfinite(range.minimum) && range.minimum >= 1.0 ? range.minimum
+                        : std::isfinite(range.maximum) && range.maximum <= 1.0
+                            ? 0.5 * (std::max(range.minimum, 0.0) + range.maximum)
+                            : 1.0;
+  switch (spec.type) {
+    case ParameterType::boolean:
+      return false;
+    case ParameterType::integer:
+      return static_cast<int>(number);
+    case ParameterType::real:
+      return number;
+    case ParameterType::real_array:
+      return Teuchos::Array<double>(std::max(spec.length, 1), number);
+    default:
+      return {};
+  }
 }
 
 std::vector<std::string> validate(ParameterList& list, const ListSpec& spec, const ParameterSource& source,

@@ -14,6 +14,9 @@ namespace mixbeam {
 /// Why the parameter cannot have this value, and what is allowed; empty if it can.
 Problem problem_of(const ParameterValue& value, const ParameterSpec& spec);
 
+/// A value that stands in place of a mistake so that others are found; none where any text could be meant.
+ParameterValue something_allowed(const ParameterSpec& spec);
+
 /// Fills in the defaults and converts whole numbers given for reals. Throws InputError for an unknown name, a wrong
 /// type, a value out of range or not among the choices, and for anything required that is missing; the message holds
 /// `file:line: XML path "...": what was seen; allowed: ...; did you mean "..."?`. A second call changes nothing.

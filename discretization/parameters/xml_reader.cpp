@@ -62,7 +62,9 @@ class ListBuilder {
 
   void start_element(const std::string& tag, const Attributes& attributes) {
     const Place place = tag_place();
-    if (inside_parameter_) throw error_at(place, "<" + excerpt(tag) + "> inside a <Parameter>; allowed: nothing");
+    if (inside_parameter_)
+      throw error_at(
+          place, "<" + excerpt(tag) + "> inside a <Parameter>; allowed: nothing, <Parameter ... /> ends with a slash");
     if (tag == "ParameterList") return start_list(attributes, place);
     if (tag == "Parameter") return start_parameter(attributes, place);
     throw error_at(place,
@@ -105,8 +107,11 @@ class ListBuilder {
   void syntax_error(const xmlError& problem) {
     const std::string text = problem.message == nullptr ? "unreadable" : trimmed(problem.message);
     const int column = std::max(problem.int2, 1);
+    std::string hint;
+    if (text.find("attributes construct") != std::string::npos) hint = "; a quote of an attribute is missing";
+    if (text.find("EntityRef") != std::string::npos) hint = "; & in a text is written &amp;";
     throw error_at({problem.line, static_cast<int>(offset_of(result_.text, problem.line, column))},
-                   "not well-formed XML: " + excerpt(text) + not_closed_);
+                   "not well-formed XML: " + excerpt(text) + hint + not_closed_ + "; nothing after this line was read");
   }
 
  private:
@@ -362,7 +367,7 @@ XmlParameters parse_xml(const std::string& text, const std::string& file, Mistak
   // NOENT: `&amp;` arrives as `&`; entities of the file's own cannot exist because a DOCTYPE is refused.
   xmlCtxtUseOptions(parser.get(), XML_PARSE_NONET | XML_PARSE_NOENT);
   xmlParseDocument(parser.get());
-  if (builder.error()) std::rethrow_exception(builder.error());
+  if (builder.error()) result.source.collect([&] { std::rethrow_exception(builder.error()); });
   builder.end_document();
   if (parser->wellFormed == 0 || !builder.has_root()) throw InputError(file + ":1: not well-formed XML");
   if (mistakes == Mistakes::thrown) result.source.collect([] {});

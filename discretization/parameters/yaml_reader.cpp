@@ -160,7 +160,7 @@ class YamlFiller {
   InputError missing_value(const YamlNode& node, std::size_t entry = 0) const {
     double number = 0.0;
     const bool follows_a_comma = entry > 0 && parse_plain(node.text, number).empty();
-    return error(node, "no value; allowed: a value, \"\" for an empty text, {} for an empty list" +
+    return error(node, "no value; allowed: a colon, a blank and a value, \"\" for an empty text, {} for an empty list" +
                            (follows_a_comma ? "; decimals have a point: a comma separates entries" : hint_));
   }
 
@@ -324,6 +324,17 @@ std::pair<int, int> place_of_tab(const std::string& text, int last_line) {
   return {};
 }
 
+const std::string kNothingAfter = "; nothing after this line was read";
+
+/// The last quote of the first line that has an odd number of them.
+std::pair<int, int> place_of_open_quote(const std::string& text) {
+  int number = 1;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line); ++number)
+    if (std::count(line.begin(), line.end(), '"') % 2 == 1) return {number, static_cast<int>(line.rfind('"')) + 1};
+  return {};
+}
+
 /// What the parser says, and what is usually meant.
 InputError syntax_error(const YAML::ParserException& problem, const YamlFile& file) {
   using namespace YAML::ErrorMsg;
@@ -332,8 +343,11 @@ InputError syntax_error(const YAML::ParserException& problem, const YamlFile& fi
   };
   const std::string kind = "not well-formed YAML: ";
   if (const auto [line, column] = place_of_tab(file.text, problem.mark.line + 1); line > 0)
-    return file.error(line, column,
-                      kind + "a tab in the indentation; allowed: spaces, as many for each entry of a map");
+    return file.error(
+        line, column,
+        kind + "a tab in the indentation; allowed: spaces, as many for each entry of a map" + kNothingAfter);
+  if (const auto [line, column] = place_of_open_quote(file.text); line > 0)
+    return file.error(line, column, kind + "a quote that is not closed in this line" + kNothingAfter);
   std::string hint;
   if (is_one_of({ALIAS_NOT_FOUND, CHAR_IN_ALIAS, UNKNOWN_ANCHOR}))
     hint = "; a pattern that begins with * stands in quotes, like \"*\"";
@@ -342,9 +356,11 @@ InputError syntax_error(const YAML::ParserException& problem, const YamlFile& fi
   else if (is_one_of({END_OF_MAP_FLOW, END_OF_SEQ_FLOW, FLOW_END}))
     hint = "; a comma or a closing bracket is missing before this place, or one is too many";
   else if (is_one_of({MAP_VALUE}))
-    hint = "; a text with a colon in it stands in quotes";
+    hint =
+        "; a text with a colon in it stands in quotes, and behind the colon of a name, here or in the line before, "
+        "comes a blank";
   if (problem.mark.line < 0) return InputError(file.name + ": " + kind + excerpt(problem.msg) + hint);
-  return file.error(problem.mark, kind + excerpt(problem.msg) + hint);
+  return file.error(problem.mark, kind + excerpt(problem.msg) + hint + kNothingAfter);
 }
 
 }  // namespace

@@ -84,8 +84,10 @@ BoundList<Quantity> declared_quantity_parameters() {
             {"largest", Take::largest},
             {"smallest", Take::smallest},
             {"largest size", Take::largest_size}});
-  one.bind(&Quantity::formula, text("Formula"),
-           "Of quantities above it: NAME, NAME_x, NAME_1, ..., with _ in place of what is no letter or digit.");
+  one.bind(
+      &Quantity::formula, text("Formula").or_other("a formula"),
+      "Of variables and of quantities above it: NAME, NAME_x, NAME_1, ..., with _ in place of what is no letter or "
+      "digit.");
   one.bind(&Quantity::limit, real("Limit").at_least(0.0),
            "Largest absolute value that is allowed in any completed step; beyond it the run ends with exit code 1.");
   one.bind(&Quantity::ratio, real("Span Ratio").above(0.0), "In place of Limit: it is Span over this number, as 300.");

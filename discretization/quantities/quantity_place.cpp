@@ -20,16 +20,18 @@ QuantityPlaces::QuantityPlaces(const Scene& scene) : scene_(scene), names_(scene
   const auto add = [&](const std::string& point) {
     if (seen.insert(point).second) points_.push_back(point);
   };
-  for (const Point& point : scene.points)
-    if (names_.members_at(point.name) != nullptr) add(point.name);
+  for (const std::string& point : names_.point_names())
+    if (names_.members_at(point) != nullptr) add(point);
   for (const Member& member : scene.members)
     for (const InnerPoint& inner : member.inner_points) add(inner.point);
 }
 
 std::vector<QuantityPlace> QuantityPlaces::places(const std::string& text, const InputPlace& place) const {
   std::vector<QuantityPlace> found;
+  if (names_.members_at(text) != nullptr) return {{text, text}};
   for (const std::string& point : names_meant(text, points_)) found.push_back({point, point});
   if (found.empty() && text.find('@') != std::string::npos) return along_members(text, place);
+  if (found.empty() && names_.has_point(text) && place.source().has_mistakes()) throw InputError("");  // of members
   if (found.empty()) throw unknown_name(place, "point", text, points_);
   return found;
 }
@@ -53,6 +55,7 @@ std::vector<QuantityPlace> QuantityPlaces::places_in_members(const std::string& 
 }
 
 std::vector<int> QuantityPlaces::members(const std::string& text, const InputPlace& place) const {
+  if (const Member* const member = names_.member(text)) return {index_of(scene_, member)};
   std::vector<int> found;
   const std::vector<std::string> known = names_.member_names();
   for (const std::string& name : names_meant(text, known)) found.push_back(index_of(scene_, names_.member(name)));

@@ -89,14 +89,13 @@ const EndLayer* layer_at(const QuantityState& at, int member, double arc_length,
   return nullptr;
 }
 
-/// "tip load (2)" -> "tip_load__2_"
-std::string identifier(std::string name) {
+}  // namespace
+
+std::string name_in_formulas(std::string name) {
   for (char& c : name)
     if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
   return !name.empty() && std::isdigit(static_cast<unsigned char>(name[0])) != 0 ? "_" + name : name;
 }
-
-}  // namespace
 
 /// A quantity of which every name has been found.
 struct QuantitySet::Resolved {
@@ -250,7 +249,7 @@ void QuantitySet::add_columns(const Quantity& quantity, std::size_t index, const
 void QuantitySet::add_formula(const Quantity& quantity, std::size_t index, const InputPlace& place) {
   std::vector<std::string> variables;
   for (const Column& column : columns_) {
-    variables.push_back(identifier(column.name));
+    variables.push_back(name_in_formulas(column.name));
     if (std::count(variables.begin(), variables.end(), variables.back()) > 1)
       throw place.error("two quantities above it would both be " + variables.back() +
                         " in a formula; allowed: names that differ in letters and digits");

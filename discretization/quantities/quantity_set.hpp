@@ -13,6 +13,9 @@
 
 namespace mixbeam {
 
+/// Name of a number in formulas: "tip load (2)" -> "tip_load__2_".
+std::string name_in_formulas(std::string name);
+
 /// A state, and what is known of it already.
 struct QuantityState {
   const Model& model;

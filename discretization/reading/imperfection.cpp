@@ -182,8 +182,7 @@ class Imperfection {
     if (bow.amplitude.has_value() == bow.share.has_value())
       throw place.error(std::string(bow.share ? "both" : "neither") +
                         " of \"Amplitude\" and \"Share\" given; allowed: exactly one");
-    std::vector<std::string> known;
-    for (const Member& member : scene_.members) known.push_back(member.name);
+    const std::vector<std::string> known = names_.member_names();
     const std::vector<std::string> meant = names_meant(bow.member, known);
     if (meant.empty()) throw unknown_name(place["Member"], "member", bow.member, known);
     const std::map<std::string, int> chosen = [&] {

@@ -154,6 +154,7 @@ ImportTable::ImportTable(CsvFile file, std::vector<std::string> columns, std::si
     first = false;
     if (names) read_names(record);
   });
+  if (first) throw error(1, columns_.front(), "the table is empty; allowed: columns " + quoted_list(columns_));
 }
 
 void ImportTable::read_names(const CsvRecord& record) {
@@ -439,9 +440,12 @@ Vector3 imported_vector(const ImportTable& table, const CsvRecord& record, const
                         Variables* variables) {
   Vector3 vector{};
   for (std::size_t i = 0; i < 3; ++i) {
-    if (table.cell(record, columns[i]).empty())
-      throw table.error(record, columns[i], "missing \"" + columns[i] + "\"; allowed: a number");
-    vector[i] = imported_number(table, record, columns[i], variables);
+    const bool is_right = table.source().attempt([&] {
+      if (table.cell(record, columns[i]).empty())
+        throw table.error(record, columns[i], "missing \"" + columns[i] + "\"; allowed: a number");
+      vector[i] = imported_number(table, record, columns[i], variables);
+    });
+    if (!is_right) vector[i] = record.line;
   }
   return vector;
 }

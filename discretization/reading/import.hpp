@@ -28,6 +28,7 @@ class ImportTable {
   /// Columns from `required` on may be absent. Throws InputError for an unknown name of a column.
   ImportTable(CsvFile file, std::vector<std::string> columns, std::size_t required, const ParameterSource& source);
 
+  const ParameterSource& source() const { return *source_; }
   /// Calls `action` with each record but the names of columns. Mistakes of a record are kept in the source.
   void for_each(const std::function<void(const CsvRecord&)>& action) const;
 
@@ -78,7 +79,8 @@ ImportTable offsets_table(const Teuchos::ParameterList& list, const InputPlace& 
 /// A cell as a number, 0 where it is empty. Without `variables` it is a number, no formula.
 double imported_number(const ImportTable& table, const CsvRecord& record, const std::string& column,
                        Variables* variables = nullptr);
-/// Three cells of a record as a vector. Without `variables` they are numbers, no formulas.
+/// Three cells of a record as a vector. Without `variables` they are numbers, no formulas. Mistakes are kept in the
+/// source, and numbers that differ from line to line stand in their place.
 Vector3 imported_vector(const ImportTable& table, const CsvRecord& record, const std::array<std::string, 3>& columns,
                         Variables* variables = nullptr);
 

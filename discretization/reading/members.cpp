@@ -8,6 +8,7 @@
 #include "discretization/reading/scene_reader.hpp"
 #include "discretization/scene/division.hpp"
 #include "discretization/scene/limits.hpp"
+#include "discretization/scene/names.hpp"
 #include "discretization/scene/section_law.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
@@ -296,15 +297,13 @@ void SceneReader::add_arm(Member& member, bool at_start, const Vector3& offset, 
 
 /// A section that gives way in nothing.
 std::string SceneReader::rigid_section() {
-  const std::string name = "rigid arm";
-  const auto [entry, is_new] = section_index_.try_emplace(name, scene_.sections.size());
-  if (!is_new) return name;
+  if (!section_index_.try_emplace(kRigidArm, scene_.sections.size()).second) return kRigidArm;
   constexpr double kRigid = std::numeric_limits<double>::infinity();
   Section section;
-  section.name = name;
+  section.name = kRigidArm;
   set_diagonal(section, {kRigid, kRigid, kRigid, kRigid, kRigid, kRigid});
   scene_.sections.push_back(section);
-  return name;
+  return kRigidArm;
 }
 
 namespace {

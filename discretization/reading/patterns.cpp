@@ -117,6 +117,11 @@ class PatternScene {
       if (meant.empty()) throw unknown_name(work.place["Members"], "member", text, names);
       selected.insert(meant.begin(), meant.end());
     }
+    std::unordered_set<std::string> ends;
+    for (const Member& member : scene_.members)
+      if (selected.count(member.name) > 0) ends.insert({member.start_point, member.end_point});
+    for (const Member& member : scene_.members)  // an arm goes with its member
+      if (member.section == kRigidArm && ends.count(member.end_point) > 0) selected.insert(member.name);
     for (std::size_t i = 0; i < names.size(); ++i)
       if (selected.count(names[i]) > 0) work.members.push_back(i);
   }

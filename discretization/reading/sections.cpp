@@ -3,6 +3,7 @@
 #include "discretization/parameters/access.hpp"
 #include "discretization/parameters/binding.hpp"
 #include "discretization/scene/limits.hpp"
+#include "discretization/scene/names.hpp"
 #include "discretization/scene/section_law.hpp"
 #include "discretization/scene/section_shape.hpp"
 #include "discretization/text/message_text.hpp"
@@ -406,6 +407,7 @@ std::vector<Section> read_sections(const ParameterList& sections, const InputPla
     const ParameterList& list = sections.sublist(name);
     Section section;
     place[name].attempt([&] {
+      if (name == kRigidArm) throw place[name].error("the section of arms that offsets make; allowed: another name");
       if (list.isParameter("Profile")) check_profile_alone(list, place[name]);
       section = list.isParameter("Profile") ? SectionReader(profile(list, place[name]), place[name]).read()
                                             : SectionReader(list, place[name]).read();

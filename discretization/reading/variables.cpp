@@ -2,6 +2,7 @@
 
 #include "discretization/parameters/access.hpp"
 #include "discretization/parameters/formula_value.hpp"
+#include "discretization/parameters/validate.hpp"
 #include "discretization/text/formula.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
@@ -9,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace mixbeam {
 namespace {
@@ -16,12 +18,16 @@ namespace {
 const std::string kVariables = "Variables";
 
 /// What formulas of loads, tapers and curves call by these names, and words of all formulas.
-const std::vector<std::string> kTakenNames = {"s", "x", "y", "z", "X", "Y", "Z", "t", "lambda", "pi", "e", "deg"};
+const std::vector<std::string> kTakenNames = {"s", "x",     "y",      "z",  "X", "Y",  "Z",
+                                              "t", "stage", "lambda", "pi", "e", "deg"};
 
 constexpr std::size_t kDeepestFormulas = 200;  // of names that need others: keeps slips from filling the stack
 
 /// A formula for a whole number may miss it by rounding: 0.3 / 0.1.
 constexpr double kRoundingOfWhole = 1e-9;
+
+/// In place of a variable that cannot be evaluated: most formulas of it give numbers that are allowed and differ.
+constexpr double kStandIn = 1.5;
 
 bool contains(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
@@ -29,6 +35,26 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
 
 /// Without the = in front.
 std::string body_of(const std::string& formula) { return is_formula(formula) ? trimmed(formula).substr(1) : formula; }
+
+std::string usual_slip(const std::string& formula, const std::string& problem) {
+  if (formula.find("\u00B0") != std::string::npos) return "; degrees are written deg, as in 25 deg";
+  if (formula.find("**") != std::string::npos) return "; powers are written ^";
+  return problem.find("more than one value") != std::string::npos ? "; decimals have a point" : "";
+}
+
+/// Of a number as the argument of an angle, as in sin(90), that no angle in radians would be.
+std::string angle_in_degrees(const std::string& formula) {
+  constexpr double kWholeTurn = 6.2832;
+  for (std::size_t open = formula.find('('); open < formula.size(); open = formula.find('(', open + 1)) {
+    const std::string function = open < 3 ? "" : formula.substr(open - 3, 3);
+    const std::string argument = formula.substr(open + 1, formula.find(')', open) - open - 1);
+    double angle = 0.0;
+    if ((function == "sin" || function == "cos" || function == "tan") && parse_number(argument, angle).empty() &&
+        std::abs(angle) > kWholeTurn)
+      return ": " + function + "(" + argument + ") is of radians; did you mean " + function + "(" + argument + " deg)?";
+  }
+  return "";
+}
 
 /// Texts of the numbers of a value that may hold formulas.
 std::vector<std::string> texts_of(const ParameterValue& value) {
@@ -70,7 +96,7 @@ Variables::Variables(const Teuchos::ParameterList& scene, const ParameterSource&
     if (list.isSublist(name)) continue;  // validate() says so
     const std::vector<std::string> texts = texts_of(written_value(list.getEntry(name)).value);
     if (texts.size() != 1) continue;
-    check_name(name, place_[kVariables][name]);
+    place_[kVariables][name].attempt([&] { check_name(name, place_[kVariables][name]); });
     names_.push_back(name);
     named_[name] = {
         texts.front(), [this, name](const std::string& p) { return place_[kVariables][name].error(p); }, {}};
@@ -88,15 +114,25 @@ void Variables::check_name(const std::string& name, const InputPlace& place) con
 }
 
 double Variables::number(const std::string& text, ParameterType type, const Refusal& refusal) {
+  double value = kStandIn;
+  if (!place_.source().attempt([&] { value = evaluated(text, type, refusal); })) is_guess_ = true;
+  if (!is_guess_) return value;
+  if (!std::isfinite(value)) return kStandIn;
+  return type == ParameterType::integer || type == ParameterType::integer_array ? std::round(value) : value;
+}
+
+double Variables::evaluated(const std::string& text, ParameterType type, const Refusal& refusal) {
   double value = 0.0;
   if (!is_formula(text) && parse_number(text, value).empty()) return value;
   const auto seen = "value \"" + excerpt(text) + "\"";
+  if (const std::string slip = angle_in_degrees(text); !slip.empty()) throw refusal(seen + slip);
   try {
     value = value_of_formula(body_of(text), {[this](const std::string& name) { return variable(name); },
                                              [this](int axis, const std::string& p) { return coordinate(axis, p); }});
   } catch (const std::invalid_argument& problem) {
-    throw refusal(seen + " is no formula: " + problem.what());
+    throw refusal(seen + " is no formula: " + problem.what() + usual_slip(text, problem.what()));
   }
+  if (is_guess_) return value;
   if (!std::isfinite(value)) throw refusal(seen + " is " + shortest(value) + "; allowed: a finite number");
   if (type != ParameterType::integer && type != ParameterType::integer_array) return value;
   const double whole = std::round(value);
@@ -107,6 +143,7 @@ double Variables::number(const std::string& text, ParameterType type, const Refu
 }
 
 double Variables::value_of(const std::string& name, Named& named) {
+  is_guess_ = is_guess_ || named.is_guess;
   if (named.value) return *named.value;
   const std::string seen = "value \"" + excerpt(named.text) + "\" needs ";
   if (named.is_open) {
@@ -118,7 +155,10 @@ double Variables::value_of(const std::string& name, Named& named) {
     throw named.refusal(seen + "names that need others, more than " + std::to_string(kDeepestFormulas) + " deep");
   named.is_open = true;
   open_.push_back(name);
+  const bool was_guess = std::exchange(is_guess_, false);
   named.value = number(named.text, ParameterType::real, named.refusal);
+  named.is_guess = is_guess_;
+  is_guess_ = is_guess_ || was_guess;
   open_.pop_back();
   named.is_open = false;
   return *named.value;
@@ -178,7 +218,9 @@ ParameterValue Variables::value(const ParameterValue& written, ParameterType typ
     double plain = 0.0;
     if (is_array(type) && !is_formula(text) && !parse_number(text, plain).empty())
       throw refusal("value \"" + excerpt(text) + "\" in an array; allowed: a number, or a formula that begins with =");
+    const bool was_guess = std::exchange(is_guess_, false);
     numbers.push_back(number(text, type, refusal));
+    is_guess_ = is_guess_ || was_guess;
   }
   switch (type) {
     case ParameterType::integer:
@@ -221,7 +263,11 @@ void Variables::resolve(Teuchos::ParameterEntry& entry, const ParameterSpec& spe
                          type != ParameterType::text && type != ParameterType::text_array;
     const auto refusal = [&](const std::string& problem) { return place_.source().error(path, problem); };
     if (!is_said) written.type = xml_name(spec.type);
-    set_result(entry, value(written.value, is_said ? type : spec.type, refusal), written);
+    ParameterValue result;
+    is_guess_ = false;
+    place_.source().attempt([&] { result = value(written.value, is_said ? type : spec.type, refusal); });
+    if (is_guess_ && !problem_of(result, spec).empty()) result = something_allowed(spec);
+    set_result(entry, result, written);
   } else if (!spec.other_words.empty() && spec.choices.empty() && !(names_.empty() && !holds_formula(written.value))) {
     Teuchos::Array<std::string> texts = texts_of(written.value);
     for (std::string& text : texts) text = with_values(body_of(text));
@@ -251,6 +297,13 @@ void set_number(Teuchos::ParameterEntry& entry, int component, double value) {
     }
   };
   entry.isType<int>() || entry.isType<Teuchos::Array<int>>() ? set(0) : set(0.0);
+}
+
+void set_formula(Teuchos::ParameterEntry& entry, int component, const std::string& formula) {
+  Teuchos::Array<std::string> texts = texts_of(written_value(entry).value);
+  if (component < 0) return static_cast<void>(entry = Teuchos::ParameterEntry(formula));
+  texts[component] = formula;
+  entry = Teuchos::ParameterEntry(texts);
 }
 
 std::vector<ParameterPath> paths_of_formulas(const Teuchos::ParameterList& list, const ParameterPath& path) {

@@ -2,6 +2,8 @@
 
 #include "discretization/text/message_text.hpp"
 
+#include <algorithm>
+
 namespace mixbeam {
 
 SceneNames::SceneNames(const Scene& scene) : scene_(scene) {
@@ -27,13 +29,18 @@ const std::vector<const Member*>* SceneNames::members_at(const std::string& poin
 
 std::vector<std::string> SceneNames::member_names() const {
   std::vector<std::string> names;
-  for (const Member& member : scene_.members) names.push_back(member.name);
+  for (const Member& member : scene_.members)
+    if (member.section != kRigidArm) names.push_back(member.name);
   return names;
 }
 
 std::vector<std::string> SceneNames::point_names() const {
   std::vector<std::string> names;
-  for (const Point& point : scene_.points) names.push_back(point.name);
+  for (const Point& point : scene_.points) {
+    const std::vector<const Member*>* members = members_at(point.name);
+    const auto ends_here = [&](const Member* one) { return one->section == kRigidArm && one->end_point == point.name; };
+    if (members == nullptr || std::none_of(members->begin(), members->end(), ends_here)) names.push_back(point.name);
+  }
   return names;
 }
 

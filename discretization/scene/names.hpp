@@ -11,6 +11,10 @@
 
 namespace mixbeam {
 
+/// The section of rigid arms, which offsets of members make. Patterns of names leave these members and their free ends
+/// out: nothing of the scene means them.
+inline const std::string kRigidArm = "(rigid arm)";
+
 /// Index of a scene whose points and members are complete. The scene must outlive it, and its points and members must
 /// stay as they are.
 class SceneNames {
@@ -24,7 +28,7 @@ class SceneNames {
   const Vector3& position(const std::string& point) const { return scene_.points[points_.at(point)].position; }
   /// Members that start, end, or have an inner point there, one entry for each time; null if there is none.
   const std::vector<const Member*>* members_at(const std::string& point) const;
-  /// In the order of the scene.
+  /// Those that patterns may mean, in the order of the scene.
   std::vector<std::string> member_names() const;
   std::vector<std::string> point_names() const;
 

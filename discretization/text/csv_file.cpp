@@ -143,9 +143,16 @@ CsvFile::CsvFile(std::string path, std::string text) : path_(std::move(path)), t
 
 void CsvFile::prepare() {
   if (text_.compare(0, kByteOrderMark.size(), kByteOrderMark) == 0) text_.erase(0, kByteOrderMark.size());
-  const bool has_zero = text_.find('\0') != std::string::npos;
-  if (has_zero || xmlCheckUTF8(reinterpret_cast<const xmlChar*>(text_.c_str())) == 0)
-    throw InputError(path_ + ":1: not a text in UTF-8; allowed: a table as text");
+  std::size_t bad = text_.find('\0');
+  for (std::size_t begin = 0; begin < text_.size() && bad == std::string::npos;) {
+    const std::size_t end = std::min(text_.find('\n', begin), text_.size());
+    if (xmlCheckUTF8(reinterpret_cast<const xmlChar*>(text_.substr(begin, end - begin).c_str())) == 0) bad = begin;
+    begin = end + 1;
+  }
+  if (bad == std::string::npos) return;
+  const auto line = 1 + std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(bad), '\n');
+  throw InputError(path_ + ":" + std::to_string(line) +
+                   ": not a text in UTF-8; allowed: a table as text, which programs save as \"CSV UTF-8\"");
 }
 
 void CsvFile::for_each(const std::function<void(const CsvRecord&)>& action) const {

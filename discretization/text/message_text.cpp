@@ -42,7 +42,7 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
 
 /// Words of other programs for names of scenes: a name, then what others call it (- for a blank).
 const char* const kOtherWords[] = {
-    "start: begin from first node1 node-1 start-point start-node i",
+    "start: begin from first node1 node-1 start-point start-node i points nodes",
     "end: to last node2 node-2 end-point end-node finish j",
     "point: node vertex at joint location",
     "points: nodes vertices coordinates",
@@ -56,7 +56,10 @@ const char* const kOtherWords[] = {
     "distributed loads: line-loads member-loads beam-loads uniform-loads",
     "gravity: self-weight selfweight weight dead-load",
     "eigenstrains: temperature-loads temperatures thermal-loads",
-    "force: load q p f value",
+    "force: load q p f value fx fy fz",
+    "moment: m mx my mz",
+    "hinge: pin pinned revolute",
+    "displacement stiffness: k spring spring-stiffness",
     "fixed displacement: fixed fix dofs",
     "e: young youngs-modulus young's-modulus modulus elastic-modulus emod",
     "nu: poisson poissons-ratio poisson's-ratio poisson-ratio v mu",

@@ -60,16 +60,23 @@ Problem parse_number(const std::string& text, double& value) {
 }
 
 std::string number_hint(const std::string& text) {
-  std::string with_point = trimmed(text);
+  const std::string plain = trimmed(text);
   double number = 0.0;
-  if (std::count(with_point.begin(), with_point.end(), ',') == 1) {
-    with_point.replace(with_point.find(','), 1, ".");
-    if (read_all(with_point, number) == std::errc()) return "; did you mean " + with_point + "?";
+  for (const auto& [character, meant] : {std::pair(',', "."), std::pair('D', "e"), std::pair('d', "e")}) {
+    std::string other = plain;
+    if (std::count(plain.begin(), plain.end(), character) == 1) other.replace(plain.find(character), 1, meant);
+    if (other != plain && read_all(other, number) == std::errc()) return "; did you mean " + other + "?";
   }
+  if (const std::size_t blank = plain.find(' '); blank < plain.size() &&
+                                                 parse_number(plain.substr(0, blank), number).empty() &&
+                                                 parse_number(plain.substr(plain.rfind(' ')), number).empty())
+    return "; a comma stands between numbers, and no blank inside of one";
   const auto [stopped, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   const std::string rest = error == std::errc() ? trimmed({stopped, text.data() + text.size()}) : "";
   const bool has_unit = !rest.empty() && std::isalpha(static_cast<unsigned char>(rest[0])) != 0;
-  return has_unit ? "; numbers stand without units, all in one consistent set" : "";
+  if (has_unit) return "; numbers stand without units, all in one consistent set";
+  if (rest == "%") return "; did you mean " + shortest(number / 100.0) + "?";
+  return plain.find_first_of("*/^(") < plain.size() ? "; did you mean \"=" + plain + "\", a formula?" : "";
 }
 
 std::string shortest(double value) { return written(value); }

@@ -128,12 +128,38 @@ TEST_F(Batch, VariablesVaryWithAllThatComesOfThem) {
   const std::vector<Row> by_force = rows();
   for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(by_variable[i].at("tip moves down"), by_force[i].at("tip moves down"));
   EXPECT_NE(by_variable[0].at("tip moves down"), by_variable[1].at("tip moves down"));
-  const Ended wrong = solve(scene, "Variables/F\n=8*F\n");
-  EXPECT_EQ(wrong.exit_code, kBadInput);
-  expect_in(wrong.err, {"elastica_sweep.csv:2", "=8*F", "no formula"});
-  const Ended outside = solve(with(scene, "Expected: {tip turns: {Value: \"=-1.4*F\"}}"), "Variables/F\n1\n2\n");
-  EXPECT_EQ(outside.exit_code, kBadInput);
-  expect_in(outside.err, {"Expected / tip turns / Value", "a formula outside"});
+  // cells know the variables of their row, in any order
+  ASSERT_EQ(solve(scene, "Variables/twice,Variables/F\n=F+1,1\n=2*F,=1+3\n").exit_code, kOk);
+  const std::vector<Row> by_cell = rows();
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(by_cell[i].at("tip moves down"), by_force[i].at("tip moves down"));
+  const auto expect_refused = [&](const std::string& text, const std::string& table,
+                                  const std::vector<std::string>& parts) {
+    const Ended refused = solve(text, table);
+    EXPECT_EQ(refused.exit_code, kBadInput) << table;
+    expect_in(refused.err, parts);
+  };
+  expect_refused(scene, "Variables/F\n=8*G\n", {"elastica_sweep.csv:2", "=8*G", "no formula", "\n    =8*G\n    ^"});
+  expect_refused(scene, "Variables/F\n=8*F\n", {"elastica_sweep.csv:2", "needs itself"});
+  expect_refused(scene, "Variables/G\n1\n", {"elastica_sweep.csv:1:1: \"Variables/G\": no Parameter", "\n    ^"});
+  expect_refused(with(scene, "Solver: {Load Path: {Maximum Step: \"=F/4\"}}"), "Variables/F\n1\n2\n",
+                 {"case 2", "Solver / Load Path / Maximum Step", "0.5 in this case and 0.25", "limits and expected"});
+  EXPECT_EQ(solve(with(scene, "Solver: {Load Path: {Maximum Step: \"=1/4\"}}"), "Variables/F\n1\n2\n").exit_code, kOk);
+}
+
+/// By elliptic integrals, under forces of 0.5 and 2.
+TEST_F(Batch, ExpectedValuesMayFollowFromVariables) {
+  const auto ended = [&](const std::string& value) {
+    return solve(with(sweep(),
+                      "Scene: {Variables: {F: 1}, Point Loads: {weight: {Force: [0, \"=-F\", 0]}}}, Expected: "
+                      "{tip turns: {Value: \"=F > 1 ? -0.7817498315565 : " +
+                          value + "\"}}"),
+                 "Variables/F\n0.5\n2\n");
+  };
+  const Ended right = ended("-0.2445336471332"), wrong = ended("-0.2445336");
+  EXPECT_EQ(right.exit_code, kOk) << right.err;
+  expect_in(right.out, {"2 of 2 checks passed"});
+  EXPECT_EQ(wrong.exit_code, kCheckFailed);
+  expect_in(wrong.out, {"1 of 2 checks passed"});
 }
 
 TEST_F(Batch, AWrongClosedFormIsFound) {

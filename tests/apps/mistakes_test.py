@@ -71,6 +71,18 @@ IN_YAML = (
     ("Stability: true", "Stability: yes", 23, 14, "did you mean true"),
     ("{Point: foot}", "{Point: foot, Fixed Rotation: none}", 17, 41, r"did you mean \[\]"),
     ("Force: [20, 0, 0]", "Force: [20*x, 0, 0]", 21, 35, 'did you mean "Force Formula"'),
+    ("  Supports:\n", "  Variables: {theta: 25°}\n  Supports:\n", 16, 22, "degrees are written deg, as in 25 deg"),
+    ("knee: [0, 0, 3]", 'knee: ["=3*sin(90)", 0, 3]', 11, 11, r"did you mean sin\(90 deg\)"),
+    ("Diameter: 0.06", 'Diameter: "=0.06**2"', 5, 17, r"powers are written \^"),
+    ("foot: [0, 0, 0]", "foot: [0, 2*3, 0]", 10, 11, r'did you mean "=2\*3", a formula'),
+    ("Component: z}", "Component: z, Limit: L/300}", 25, 66, 'did you mean "=L/300", a formula'),
+    ("Wall: 0.004", "Wall: 4D-3", 6, 13, "did you mean 4e-3"),
+    ("E: 210e9", 'E: "210 000"', 7, 21, "no blank inside of one"),
+    ("{Quantity: displacement, Point", '{Quantity: "displacement, Point', 25, 19,
+     "a quote that is not closed in this line; nothing after this line was read"),
+    ("Material: {E: 210e9, nu: 0.3}", "Material: steel", 7, 0, 'a map of this name, with "E", "nu"'),
+    ("arm: {Start: knee, End: tip, Section: bar}", "arm: [knee, tip, bar]", 15, 0, 'one map per member, with "Start", "End"'),
+    ("Force: [0, 0, -500]", "Fz: -500", 19, 26, 'did you mean "Force"'),
 )
 IN_XML = (
     ('"Wall" type="double" value="0.004"', '"Wall" type="double" value="0,004"', 8, 0, "did you mean 0.004"),
@@ -82,6 +94,8 @@ IN_XML = (
      '"Scene / Points" seems to have no </ParameterList>: "Members" in line 27'),
     ('    <ParameterList name="Supports">\n      <ParameterList name="base">\n        <Parameter name="Point" type="string" '
      'value="foot"/>\n      </ParameterList>\n    </ParameterList>\n', "", 3, 0, 'no support.*<ParameterList name="Supports">'),
+    ('name="tip" type', 'name="tip type', 26, 0, "a quote of an attribute is missing; nothing after this line was read"),
+    ('<ParameterList name="weight">', '<ParameterList name="weight & snow">', 47, 0, "& in a text is written &amp;"),
 )
 TABLES = {"points.csv": "name,x,y,z\nfoot,0,0,0\nknee,0,0,3\ntip,2,0,3\n",
           "members.csv": "name,start,end,section\ncolumn,foot,knee,tube\narm,knee,tip,tube\n",
@@ -109,6 +123,8 @@ IN_PYTHON = (
     ("scene.point_loads['w'] = dict(point='tip', force=-500)", r'"Scene / Point Loads / w / Force".*, like \[0, 0, 1\]'),
     ("scene.members['column'].order = 12", '"Scene / Members / column / Order": value 12; allowed: int, 1 <= value <= 8'),
     ("scene.sections['tube'].diameter = '0,06'", "Scene / Sections / tube / Diameter: '0,06'.*did you mean 0.06"),
+    ("scene.members['a'] = ['foot', 'tip', 'tube']", "Scene / Members / a: .*an object or a dict, with start, end"),
+    ("mixbeam.Tube(0.06, 0.004)", r"^Tube: 0.06 without a name.*help\(mixbeam.Tube\)"),
 )
 MAST = """\
 import sys; sys.path.insert(0, sys.argv[1])
@@ -232,14 +248,19 @@ class Several(Mistakes):
             scene = scene.replace(right, wrong, 1)
         message = self.refusal("wrong.xml", scene)
         self.assertTrue(message.startswith("4 mistakes:\n"), message)
+        self.assertEqual(message.count("^"), 4)
 
     def test_in_csv(self):
-        for table in TABLES:
-            self.write(table, TABLES[table])
-        self.write("points.csv", TABLES["points.csv"].replace("2,0,3", "2,O,3").replace("0,0,0", "0,0,x"))
+        wrong = {"points.csv": TABLES["points.csv"].replace("2,0,3", "2,O,3").replace("0,0,0", "0,0,x"),
+                 "members.csv": TABLES["members.csv"].replace("column,foot", "column,fot").replace("tip,tube", "tip,tub"),
+                 "loads.csv": TABLES["loads.csv"].replace("tip", "tpi")}
+        for table, text in wrong.items():
+            self.write(table, text)
         message = self.refusal("scene.yaml", IMPORT)
-        self.assertTrue(message.startswith("2 mistakes:\npoints.csv:2:10: "), message)
-        self.assertIn("\npoints.csv:4:7: ", message)
+        self.assertTrue(message.startswith("5 mistakes:\n"), message)
+        for place in ("points.csv:2:10", "points.csv:4:7", "members.csv:2:8", "members.csv:3:14", "loads.csv:2:8"):
+            self.assertIn(f"\n{place}: ", message)
+        self.assertEqual(message.count("^"), 5)
 
     def test_in_python(self):
         message = self.python("scene.members['column'].order = 12; scene.supports['base'].point = 'fot'; "

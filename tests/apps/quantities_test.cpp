@@ -141,10 +141,39 @@ TEST_F(Quantities, LimitsOfCasesAndStagesAndOfChanges) {
   expect_refused("Span: 3, Span Ratio: 300, Limit: 1", {"u / Span Ratio", "one of the two"});
 }
 
+/// Since stage 1 the bar is longer by 0.01 times the live load, and by 0.0025: 0.0075 and 0.0125.
+TEST_F(Quantities, LimitsOfABatchMayBeOfChangesAndFollowVariables) {
+  const std::string bars = changed(changed(kBars, "Scene:\n", "Scene:\n  Variables: {live: 0.5}\n"),
+                                   "Force: [0.5, 0, 0]", "Force: [\"=live\", 0, 0]");
+  for (const std::string way : {"Trace: false", "Trace: true"}) {  // side by side, and each alone
+    const auto failed = [&](const std::string& limit) {
+      write_text(folder_ / "scene.yaml", bars + limit + "}\nAnalysis: {" + way +
+                                             "}\nBatch: {Output: quantities, Vary: {live: {Parameter: Variables/live, "
+                                             "First: 0.5, Last: 1, Count: 2}}}\n");
+      const Ended ended = run_process(program("mixbeam"),
+                                      {"batch", "scene.yaml", "--case", "storm", "--output", "many"}, folder_.path());
+      EXPECT_EQ(ended.err, "");
+      if (ended.exit_code == kOk) return std::string();
+      EXPECT_EQ(ended.exit_code, kCheckFailed) << ended.out;
+      std::string cases;
+      for (const std::string one : {"case 1", "case 2"})
+        if (ended.out.find(one + ": size of u") != std::string::npos) cases += one;
+      return cases;
+    };
+    EXPECT_EQ(failed("Limit: 0.0126, Relative To: 1"), "");
+    EXPECT_EQ(failed("Limit: 0.0124, Relative To: 1"), "case 2");
+    EXPECT_EQ(failed("Limit: 0.0126, Relative To: 0"), "case 1case 2");
+    EXPECT_EQ(failed("Limit: \"=0.0026+0.01*live\", Relative To: 1"), "");
+    EXPECT_EQ(failed("Limit: \"=0.0074+0.0001*(live > 0.7)\", Relative To: 1"), "case 1case 2");
+    EXPECT_EQ(failed("Span: \"=live\", Span Ratio: 66, Relative To: 1"), "");
+    EXPECT_EQ(failed("Span: \"=live\", Span Ratio: 70, Relative To: 1"), "case 1");
+  }
+}
+
 /// 0.0175, 0.02 and 0.03 at the ends of the bars, in the storm.
 TEST_F(Quantities, TheLargestOfSeveralPlacesHasAPlace) {
   write_text(folder_ / "scene.yaml",
-             kBars + "}\n  far: {Quantity: displacement, Point: 'end *', Component: norm, Take: largest}\n" +
+             kBars + "}\n  far: {Quantity: displacement, Point: 'end *', Component: norm, Take: largest, Limit: 1}\n" +
                  "  half: {Quantity: displacement, Point: 'bar [12]@50%', Component: norm, Take: smallest}\n");
   const Ended ended =
       run_process(program("mixbeam"),
@@ -152,6 +181,13 @@ TEST_F(Quantities, TheLargestOfSeveralPlacesHasAPlace) {
   ASSERT_EQ(ended.exit_code, kOk) << ended.err;
   expect_in(ended.out, {"at the end: end 3\n", "at the end: bar 1@50%\n"});
   expect_in(text_of(folder_ / "sum.json"), {"\"place\": \"end 3\"", "\"place\": \"bar 1@50%\""});
+  const Ended report = run_process(program("mixbeam"), {"report", "out/scene-storm.h5"}, folder_.path());
+  ASSERT_EQ(report.exit_code, kOk) << report.err;
+  const std::string page = text_of(folder_ / "out/scene-storm-report.html"), place = "<td class=words>end 3</td>";
+  const std::size_t limits = page.find("size of far"), first = page.find(place, limits);
+  EXPECT_LT(first, page.find("</table>", limits));            // beside the limit,
+  EXPECT_NE(page.find(place, first + 1), std::string::npos);  // and the quantity
+  expect_in(page, {"<td class=words>bar 1@50%</td>"});
 }
 
 TEST_F(Quantities, MayBeExpected) {
@@ -277,6 +313,20 @@ TEST_F(Quantities, FormulasReferToWhatStandsAboveThem) {
   const Ended below = run(asking(twice + ", " + kTip));
   EXPECT_EQ(below.exit_code, kBadInput);
   expect_in(below.err, {"Quantities / twice / Formula", "\"sag_y\"", "allowed: a formula of numbers with"});
+}
+
+/// As numbers; a name that is that of a quantity too would be one of the two.
+TEST_F(Quantities, FormulasKnowVariables) {
+  const auto asked = [](const std::string& variable) {
+    return with(asking(kTip + ", share: {Quantity: formula, Formula: \"sag_y / (" + variable + "/8)\"}"),
+                "Scene: {Variables: {" + variable + ": 4}}");
+  };
+  ASSERT_EQ(run(asked("span")).exit_code, kOk);
+  auto row = last_row(folder_ / "out/scene-monitor.csv");
+  EXPECT_NEAR(std::stod(row["share"]), std::stod(row["sag.y"]) * 2.0, 1e-12);
+  const Ended both = run(asked("sag_y"));
+  EXPECT_EQ(both.exit_code, kBadInput);
+  expect_in(both.err, {"share / Formula", "\"sag_y\" names a variable and a quantity"});
 }
 
 TEST_F(Quantities, LargestOfAVectorNeedsAComponent) {

@@ -1,6 +1,8 @@
 // Members through tables of sections, and rigid arms.
 #include "scene_text.hpp"
 
+#include "discretization/checks/scene_warnings.hpp"
+
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -103,6 +105,40 @@ TEST(RigidArms, StandBesideTheirMember) {
                                                         curve("arc", "Center: [0, 0, 0], Axis: [0, 0, 1], Angle: 3") +
                                                             "End Offset: [0, 0, 1]")),
                       {"m / End Offset", "follows from a curve"});
+}
+
+/// Loads, bows and warnings; by its name an arm can be loaded.
+TEST(RigidArms, AreNotMeantByPatternsOfNames) {
+  const std::string lists =
+      "Gravity: {Acceleration: [0, 0, -10]}, Point Loads: {p: {Point: '*', Force: [0, 0, 1]}}, Distributed Loads: "
+      "{all: {Member: '*', Force: [0, 0, 1]}, one: {Member: start arm of m, Force: [0, 0, 1]}}, Eigenstrains: {t: "
+      "{Member: '*', Strain: [1, 0, 0]}}, Imperfection: {Bows: {b: {Member: '*', Share: 0.01, Direction: [0, 1, 0]}}}";
+  const std::string text =
+      changed(scene_text("A: [0, 0, 0], B: [1, 0, 0]",
+                         member("m", "A", "B", "Start Offset: [0, 0, 0.5], End Offset: [0, 0, 1]"), lists),
+              "EA: 10,", "EA: 10, Mass: 1,");
+  const Scene scene = scene_from(text);
+  ASSERT_EQ(scene.members.size(), 3U);
+  EXPECT_EQ(scene.point_loads.size(), 2U);
+  EXPECT_EQ(scene.eigenstrains.size(), 1U);
+  ASSERT_EQ(scene.distributed_loads.size(), 3U);  // all, one, weight
+  EXPECT_EQ(scene.distributed_loads[0].member, "m");
+  EXPECT_EQ(scene.distributed_loads[1].member, "start arm of m");
+  EXPECT_EQ(scene.distributed_loads[2].member, "m");
+  EXPECT_EQ(scene.members[0].curve.shape, CurveShape::line);
+  EXPECT_EQ(scene.members[2].curve.shape, CurveShape::parametric);
+  for (const std::string& warning : warnings(scene)) EXPECT_EQ(warning.find("no weight"), std::string::npos) << warning;
+  expect_text_refused(changed(text, "Member: start arm of m", "Member: 'start*'"), {"one / Member", "allowed: \"m\""});
+  expect_text_refused(changed(text, "Sections: {", "Sections: {(rigid arm): {EA: 1}, "), {"Sections / (rigid arm)"});
+}
+
+TEST(RigidArms, GoWithTheirMemberWhereAPatternCopiesIt) {
+  const Scene scene =
+      scene_from(scene_text("A: [0, 0, 0], B: [1, 0, 0]", member("m", "A", "B", "Start Offset: [0, 0, 0.5]"),
+                            "Patterns: {again: {Members: [m], Kind: repeat, Vector: [0, 3, 0], Count: 2}}"));
+  ASSERT_EQ(scene.members.size(), 4U);
+  ASSERT_NE(member_in(scene, "start arm of m (1)"), nullptr);
+  EXPECT_EQ(member_in(scene, "start arm of m (1)")->end_point, member_in(scene, "m (1)")->start_point);
 }
 
 }  // namespace

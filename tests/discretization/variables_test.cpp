@@ -95,6 +95,32 @@ TEST(Variables, ThePlaceOfFormulasFollowsArcsAndHelices) {
       {"Force Formula", "X", "spline", "s and x"});
 }
 
+TEST(Variables, FormulasOfLoadsKnowTheirStage) {
+  const Scene scene = scene_from(with_variables(
+      "q: 3", "[2, 0, 0]",
+      "  Distributed Loads:\n    q: {Member: m, Force Formula: [q*stage, 0, 0], Amplitude: sin(pi/2*(t-stage+1)), "
+      "Stage: 2}\n  Point Loads: {p: {Point: B, Force: [1, 0, 0]}}\n"));
+  const DistributedLoad& load = scene.distributed_loads[0];
+  EXPECT_EQ(Expression(load.force_formula[0], {"s", "x"})({0.0, 0.0}), 6.0);
+  EXPECT_NEAR(Expression(load.amplitude, {"t"})(1.0), 0.0, kRounding);
+  EXPECT_NEAR(Expression(load.amplitude, {"t"})(2.0), 1.0, kRounding);
+  expect_text_refused(with_variables("stage: 1", "[1, 0, 0]"), {"Variables / stage", "means something else"});
+}
+
+/// Formulas of a wrong variable are not told again, whatever they would give, nor is what follows from them.
+TEST(Variables, MistakesDoNotHideThoseOfTheRest) {
+  const std::string message = message_of([] {
+    const XmlParameters file =
+        parsed(with_variables("a: \"=2*b\", c: \"=d\", d: \"=3*c\", t: 4, e2: \"=a^3\"", "[\"=a\", \"=0*a\", \"=1/0\"]",
+                              "  Accuracy: \"=e2\"\n  Point Loads:\n    w: {Point: C, Force: [0, 0, \"=e2\"]}\n"));
+    read_scene(file.list->sublist("Scene"), file.source);
+  });
+  expect_in(message, {"5 mistakes", "Variables / a", "\"b\"", "needs itself", "Variables / t", "Points / B", "=1/0",
+                      "w / Point", "\"C\""});
+  EXPECT_EQ(message.find("Accuracy"), std::string::npos) << message;
+  EXPECT_EQ(message.find("e2\":"), std::string::npos) << message;
+}
+
 TEST(Variables, ErrorsTellPlaceFormulaAndNearestName) {
   const std::string tip = "[1, 0, 0]";
   expect_text_refused(with_variables("length: 2, h: \"=lenght*2\"", tip),

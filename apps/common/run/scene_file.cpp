@@ -4,11 +4,13 @@
 #include "apps/common/session/guarded_run.hpp"
 #include "apps/common/tables/formatted.hpp"
 #include "discretization/checks/scene_warnings.hpp"
+#include "discretization/parameters/formula_value.hpp"
 #include "discretization/parameters/parameter_file.hpp"
 #include "discretization/parameters/validate.hpp"
 #include "discretization/reading/import.hpp"
 #include "discretization/reading/read_scene.hpp"
 #include "discretization/reading/variables.hpp"
+#include "discretization/text/formula.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 #include "discretization/text/result_names.hpp"
@@ -138,11 +140,33 @@ void check_accuracy_of(const Application& app) {
         "and \"Material\", or with \"Stress Points\"");
 }
 
+/// In a formula the name of a variable stands for its value, so a quantity that it could mean must have another one.
+void check_names_in_formulas(const Application& app, const std::vector<Quantity>& quantities) {
+  if (!app.xml.list->sublist("Scene").isSublist("Variables")) return;
+  std::vector<std::string> names;
+  for (const QuantitySet::Column& column : app.quantities.columns()) names.push_back(name_in_formulas(column.name));
+  for (const Quantity& quantity : quantities) {
+    if (quantity.formula.empty()) continue;
+    const Teuchos::ParameterEntry& entry =
+        app.xml.list->sublist("Quantities").sublist(quantity.name).getEntry("Formula");
+    const std::string written = std::get<std::string>(written_value(entry).value);
+    with_names_replaced(written, [&](const std::string& name) {
+      if (std::count(names.begin(), names.end(), name) > 0 &&
+          app.xml.list->sublist("Scene").sublist("Variables").isParameter(name))
+        throw app.xml.source.error({"Quantities", quantity.name, "Formula"},
+                                   "value \"" + excerpt(written) + "\": \"" + name +
+                                       "\" names a variable and a quantity; allowed: names that differ");
+      return name;
+    });
+  }
+}
+
 void read_quantities_of(Application& app) {
   const ParameterPath path = {"Quantities"};
   const std::vector<Quantity> quantities = read_quantities(app.xml.list->sublist("Quantities"), app.xml.source, path);
   app.quantities = QuantitySet(quantities, app.scene, {app.xml.source, path});
   check_limits(quantities, app.scene, {app.xml.source, path});
+  check_names_in_formulas(app, quantities);
   std::set<std::string> taken(kOwnTimeSeries.begin(), kOwnTimeSeries.end());
   for (const char* kind : {".displacement", ".rotation", ".reaction_force", ".reaction_moment"})
     for (const std::string& point : followed_points(app.scene)) taken.insert(point + kind);

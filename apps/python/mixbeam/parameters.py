@@ -45,6 +45,9 @@ class Declaration:
         """The Declaration of a list of this name, fixed or free; None."""
         return self.lists.get(xml_name) or (self.free_list if xml_name not in self.parameters else None)
 
+    def contents(self):
+        return ", ".join(self.xml_names) or f"one entry per {self.placeholder}"
+
     def places(self, name):
         """Paths of the fixed lists below this one that have `name`."""
         if self.xml_name(name):
@@ -157,7 +160,7 @@ class Parameters(MutableMapping):
             kind, converted = convert(value, parameter, f"{self._place()} / {xml}")
             self._kinds[xml], self._entries[xml] = kind, converted
         elif inner:
-            raise InputError(f"{self._place()} / {xml}: {value!r}; allowed: a list, as an object or a dict")
+            raise InputError(f"{self._place()} / {xml}: {value!r}; allowed: an object or a dict, with {inner.contents()}")
         else:
             raise unknown(self._place(), name, list(declaration.xml_names))
         self._join()
@@ -262,6 +265,7 @@ def convert(value, parameter, place):
         return kind, CONVERSIONS[kind](value)
     except (TypeError, ValueError, OverflowError):
         hint = _core.number_hint(value) if isinstance(value, str) and kind in ("int", "double") else ""
+        hint = ", like (0, 0, 1)" if kind == "Array(double)" else hint
         raise InputError(f"{place}: {value!r}; allowed: {kind}{hint}") from None
 
 

@@ -191,7 +191,9 @@ def classes():
 
 
 def _maker(name, declaration, fixed):
-    def make(**parameters):
+    def make(*values, **parameters):
+        if values:
+            raise InputError(f"{name}: {values[0]!r} without a name; allowed: arguments by their names, see help(mixbeam.{name})")
         return Parameters(declaration, None, declaration.path, **fixed, **parameters)
 
     make.__name__ = make.__qualname__ = name

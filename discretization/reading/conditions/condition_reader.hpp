@@ -7,8 +7,10 @@
 #include "discretization/reading/scene_parts.hpp"
 #include "discretization/scene/names.hpp"
 #include "discretization/scene/what_acts.hpp"
+#include "discretization/text/formula.hpp"
 #include "discretization/text/message_text.hpp"
 
+#include <algorithm>
 #include <set>
 #include <unordered_map>
 #include <utility>
@@ -26,9 +28,10 @@ void bind_schedule(BoundList<Acting>& list, const std::string& what) {
             what +
                 " from zero to full while the load factor goes from stage - 1 to stage, and stays after that; with an "
                 "amplitude: the load factor runs at least up to this number.");
-  list.bind(
-      &Acting::amplitude, text("Amplitude").or_other("a formula"),
-      "Factor of all components as a formula of t = load factor, like sin(pi*t); instead of the growth in one stage.");
+  list.bind(&Acting::amplitude, text("Amplitude").or_other("a formula"),
+            "Factor of all components as a formula of t = load factor and stage = Stage, like sin(pi*t); instead of "
+            "the growth "
+            "in one stage.");
   list.bind(&Acting::load_case, text("Case"),
             "Load case, one of \"Load Cases\", in which alone it acts; in all of them if absent.");
 }
@@ -126,9 +129,18 @@ class ConditionReader {
   void check_any_given(const List& list, const std::vector<std::string>& parameters, const std::string& problem,
                        const InputPlace& place) const;
 
-  /// Checks and remembers when something acts.
+  /// Puts the number of its stage into the formulas of what acts; checks and remembers when it acts.
   template <class Acting>
-  void check_schedule(const Acting& acting, const List& list, const InputPlace& place) {
+  void check_schedule(Acting& acting, const List& list, const InputPlace& place) {
+    const auto put_stage = [&acting](std::string& formula) {
+      formula = with_names_replaced(
+          formula, [&](const std::string& name) { return name == "stage" ? std::to_string(acting.stage) : name; });
+    };
+    put_stage(acting.amplitude);
+    using Kind = std::conditional_t<std::is_base_of_v<Eigenstrain, Acting>, Eigenstrain, Acting>;
+    ActingKind<Kind>::for_each_vector(acting, [&](Vector3&, Formulas* formula, VectorRole) {
+      if (formula != nullptr) std::for_each(formula->begin(), formula->end(), put_stage);
+    });
     check_schedule(acting.stage, acting.amplitude, acting.load_case, list, place);
   }
   void check_schedule(Stage stage, const std::string& amplitude, const std::string& load_case, const List& list,

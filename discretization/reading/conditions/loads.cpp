@@ -82,9 +82,10 @@ BoundList<DistributedLoad> distributed_load_parameters() {
   load.bind(&DistributedLoad::member, text("Member").required(), "Name of the member" + kWildcard);
   load.bind(&DistributedLoad::force, vector3("Force").by_default(), "Force per length [force / length].");
   load.bind(&DistributedLoad::couple, vector3("Couple").by_default(), "Moment per length [force].");
-  load.bind(&DistributedLoad::force_formula, formulas("Force Formula"),
-            "Instead of Force: its components as formulas of s = arc length from the start of the member, x = s / "
-            "length and the place X, Y, Z of the undeformed member in global axes, like {0, 0, -3*(1 - x)}.");
+  load.bind(
+      &DistributedLoad::force_formula, formulas("Force Formula"),
+      "Instead of Force: its components as formulas of s = arc length from the start of the member, x = s / "
+      "length, the place X, Y, Z of the undeformed member in global axes and stage = Stage, like {0, 0, -3*(1 - x)}.");
   load.bind(&DistributedLoad::couple_formula, formulas("Couple Formula"),
             "Instead of Couple: its components likewise.");
   load.bind(&DistributedLoad::frame, text("Frame").by_default(),
@@ -113,7 +114,7 @@ BoundList<EigenstrainDraft> eigenstrain_parameters() {
       "Twist and the curvatures about axes 2 and 3, on top of those of the undeformed member [radian / length].");
   strain.bind(&EigenstrainDraft::strain_formula, formulas("Strain Formula"),
               "Instead of Strain: its components as formulas of s = arc length from the start of the member, x = s / "
-              "length and the place X, Y, Z of the undeformed member in global axes.");
+              "length, the place X, Y, Z of the undeformed member in global axes and stage = Stage.");
   strain.bind(&EigenstrainDraft::curvature_formula, formulas("Curvature Formula"),
               "Instead of Curvature: its components likewise.");
   strain.bind(&EigenstrainDraft::temperature, real("Temperature"),
@@ -176,9 +177,9 @@ void ConditionReader::read_distributed_loads() {
     const std::vector<const Member*> members = members_meant(list, place);
     check_any_given(list, {"Force", "Couple", "Force Formula", "Couple Formula"}, "loads nothing", place);
     DistributedLoad load = kDistributedLoadParameters.read(list);
+    check_schedule(load, list, place);
     check_field(list, "Force", members, load.force_formula, place);
     check_field(list, "Couple", members, load.couple_formula, place);
-    check_schedule(load, list, place);
     check_part(load, list, place);
     const Formulas force = load.force_formula, couple = load.couple_formula;
     for (const Member* member : members) {
@@ -249,7 +250,7 @@ void ConditionReader::read_gravity() {
 }
 
 void ConditionReader::read_weight(const List& list, const InputPlace& place) {
-  const DistributedLoad gravity = kGravityParameters.read(list);
+  DistributedLoad gravity = kGravityParameters.read(list);
   check_schedule(gravity, list, place);
   std::unordered_map<std::string, double> mass;
   for (const Section& section : scene_.sections) mass[section.name] = section.mass;
@@ -275,10 +276,10 @@ void ConditionReader::read_eigenstrains() {
     check_any_given(list, {"Strain", "Curvature", "Strain Formula", "Curvature Formula", "Temperature"},
                     "strains nothing", place);
     EigenstrainDraft strain = kEigenstrainParameters.read(list);
+    check_schedule(strain, list, place);
     check_field(list, "Strain", members, strain.strain_formula, place);
     check_field(list, "Curvature", members, strain.curvature_formula, place);
     add_temperature(strain, place);
-    check_schedule(strain, list, place);
     const Formulas axial = strain.strain_formula, bending = strain.curvature_formula;
     for (const Member* member : members) {
       strain.member = member->name;

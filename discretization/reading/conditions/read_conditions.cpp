@@ -211,12 +211,10 @@ std::vector<const Member*> ConditionReader::members_meant(const List& list, cons
   const InputPlace place = list_place["Member"];
   const auto& text = list.get<std::string>("Member");
   std::vector<const Member*> members;
-  if (const Member* const member = names_.member(text)) {
+  if (const Member* const member = names_.member(text))
     members.push_back(member);
-  } else if (has_wildcard(text) && text.size() <= kLongestPattern) {
-    for (const Member& candidate : scene_.members)
-      if (matches(text, candidate.name)) members.push_back(&candidate);
-  }
+  else if (text.size() <= kLongestPattern)
+    for (const std::string& name : names_meant(text, names_.member_names())) members.push_back(names_.member(name));
   const std::string what = names_.has_point(text) ? "member, but a point," : "member";
   if (members.empty()) throw unknown_name(place, what, text, names_.member_names());
   count(members.size(), place);
