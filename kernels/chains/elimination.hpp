@@ -16,7 +16,7 @@ struct LinkMatrix {
   Real first[triangle_size(N)], coupling[N][N], second[triangle_size(N)];
 };
 
-/// The same without symmetry; `back` has rows at the first vertex.
+/// A link without symmetry; `back` has rows at the first vertex.
 template <int N, class Real>
 struct GeneralLinkMatrix {
   Real first[N][N], coupling[N][N], back[N][N], second[N][N];

@@ -28,7 +28,7 @@ struct LinkMatrices {
   }
 };
 
-/// What an elimination makes of the matrices of links.
+/// Matrix of each link that an elimination starts from.
 enum class ChainKind {
   symmetric,       ///< they are: only their lower triangles are read
   symmetric_part,  ///< (K + K^T) / 2
