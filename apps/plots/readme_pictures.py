@@ -172,10 +172,10 @@ def first_hour(_, docs):
                 picture = drawn(results / "frame.h5", 800, 400, deformed, folder)
             elif number == 3:
                 mixbeam("plot", leads, "--picture", "diagrams", "--format", "png", "--dots", "90", "-o", ".")
-                picture = Image.open(folder / "frame-snow leads_diagrams.png")
+                picture = Image.open(folder / "frame-snow leads-diagrams.png")
             elif number == 4:
                 mixbeam("plot", results / "frame.h5", "--format", "png", "--dots", "90", "-o", ".")
-                picture = Image.open(folder / "frame_envelope.png")
+                picture = Image.open(folder / "frame-envelope.png")
             elif number == 5:
                 picture = drawn(leads, 800, 440, mode, folder)
             else:

@@ -221,6 +221,11 @@ TEST(SceneWarnings, OfMembersThatGravityPassesOver) {
   };
   EXPECT_EQ(of_gravity(told("flat")), 1);
   EXPECT_EQ(of_gravity(told("heavy")), 0);
+  const std::string arm = "beam: {Start: A, End: B, Section: heavy, Start Offset: [0, 0, 0.1]}";
+  for (const std::string& text :
+       warnings(scene_from(scene_text("A: [0, 0, 0], B: [1, 0, 0]", arm, "Gravity: {Acceleration: [0, 0, -1]}", "A",
+                                      "heavy: {" + kFlatSection + "Mass: 3}"))))
+    EXPECT_NE(text.rfind("Gravity", 0), 0U) << text;
 }
 
 TEST(SceneWarnings, OfDensitiesInOtherUnits) {

@@ -317,15 +317,22 @@ class App {
     if (!isMode) this.showStep(0);
     this.stopSwing();
     this.stopPlay();
-    (isMode ? this.swing() : this.play());
     this.filming = true;
-    recorder.start();
-    const end = performance.now() + (isMode ? FILM_SECONDS * 1000 : 60000);
-    const frame = () => {
+    const paint = () => {
       for (const id of ["scene", "marks"]) context.drawImage(byId(id), 0, 0);
+    };
+    let end = 0;
+    const frame = () => {
+      paint();
       if (performance.now() < end && (isMode || this.playing)) requestAnimationFrame(frame);
       else setTimeout(() => { this.filming = false; this.stopSwing(); recorder.stop(); }, 400); // the last step stands
     };
-    requestAnimationFrame(frame);
+    recorder.onstart = () => {
+      end = performance.now() + (isMode ? FILM_SECONDS * 1000 : 60000);
+      (isMode ? this.swing() : this.play());
+      requestAnimationFrame(frame);
+    };
+    paint(); // a recorder that has no picture at its start may stay empty
+    recorder.start();
   }
 }
