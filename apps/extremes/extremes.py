@@ -249,8 +249,7 @@ def run_random_paths(app, given):
     if count == 0:
         return
     table = app.table("random_paths.csv", "family,number,load,imperfection,estimate,outcome,difference,reference_difference,"
-                      "steps,failed_steps,iterations,processor_seconds,negative,critical_points,plain_is_right,"
-                      "plain_iterations,plain_processor_seconds,reference_iterations,reference_processor_seconds,"
+                      "steps,failed_steps,iterations,processor_seconds,negative,critical_points,plain_is_right,plain_iterations,plain_processor_seconds,reference_iterations,reference_processor_seconds,"
                       "reference_step,failure", 12)
     ends = Counter()
     for number in range(count):

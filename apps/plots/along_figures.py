@@ -4,7 +4,7 @@ import numpy as np
 
 import fields
 import style
-from diagram_figures import limits, name_axis, name_extremes
+from diagram_figures import force_panels, name_extremes
 from results import InputError
 
 SAME_PLACE = 1e-6  # of the extent of the structure: ends this near to each other meet
@@ -20,18 +20,11 @@ def along_figure(view, step, patterns):
     exponent = fields.power_of_ten(borders[-1])
     places, borders = places / 10.0 ** exponent, borders / 10.0 ** exponent
     canvas, panels = style.figure(12.4, 7.6, 3, 2, sharex=True)
-    for i, (name, field) in enumerate(fields.SECTION_FORCES.items()):
-        axes = panels[i % 3, i // 3]
-        values = field.values_at(step, view.size, samples)
-        power = fields.power_of_ten(np.abs(values).max(initial=0.0))
-        axes.plot(places, values / 10.0 ** power, color=style.BLUE, gid="diagram")
-        axes.fill_between(places, values / 10.0 ** power, color=(*style.rgb(style.BLUE), 0.18), linewidth=0)
-        axes.axhline(0.0, color=style.BLACK, linewidth=0.7, zorder=1)
-        name_axis(axes, view, name, power)
-        limits(axes, values / 10.0 ** power)
-        name_extremes(axes, places, values / 10.0 ** power)
-        if i % 3 == 2:
-            axes.set_xlabel("running length" + fields.times(exponent, view.run.units[0]))
+    values = {name: field.values_at(step, view.size, samples) for name, field in fields.SECTION_FORCES.items()}
+    for axes, level in force_panels(view, panels, values, "running length" + fields.times(exponent, view.run.units[0])):
+        axes.plot(places, level, color=style.BLUE, gid="diagram")
+        axes.fill_between(places, level, color=(*style.rgb(style.BLUE), 0.18), linewidth=0)
+        name_extremes(axes, places, level)
     draw_borders(panels, row, borders)
     canvas.suptitle(f"{view.title(step)}: along {style.literal(', '.join(patterns)[:60])}", fontsize=13)
     return canvas

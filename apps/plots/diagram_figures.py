@@ -33,10 +33,8 @@ def over_arc_length_figure(view, step):
     others = [i for i in range(len(members)) if i not in named]
     others = others[::max(1, len(others) // 400)]  # a grey cloud needs no more
     long = fields.power_of_ten(max(members[j].arc_length[-1] for j in named))
-    for i, name in enumerate(fields.SECTION_FORCES):
-        axes = panels[i % 3, i // 3]
-        exponent = fields.power_of_ten(np.abs(values[name]).max(initial=0.0))
-        level = values[name] / 10.0 ** exponent
+    across = "arc length $s$ of the undeformed member" + fields.times(long, view.run.units[0])
+    for axes, level in force_panels(view, panels, values, across):
         if others:
             axes.add_collection(LineCollection(
                 [np.column_stack([members[j].arc_length / 10.0 ** long, level[members[j].samples]]) for j in others],
@@ -44,13 +42,8 @@ def over_arc_length_figure(view, step):
         for rank, j in enumerate(named):
             axes.plot(members[j].arc_length / 10.0 ** long, level[members[j].samples], color=COLORS[rank % len(COLORS)],
                       linestyle=DASHES[(rank // 2) % len(DASHES)] if len(named) > 1 else "-", label=style.literal(members[j].name))
-        axes.axhline(0.0, color=style.BLACK, linewidth=0.7, zorder=1)
-        name_axis(axes, view, name, exponent)
-        limits(axes, level)
         for j in named[:1] if len(named) == 1 else ():
             name_extremes(axes, members[j].arc_length / 10.0 ** long, level[members[j].samples])
-        if i % 3 == 2:
-            axes.set_xlabel("arc length $s$ of the undeformed member" + fields.times(long, view.run.units[0]))
     if legend:
         _legend(canvas, panels[0, 0], len(members) - len(named))
     title = f"{view.title(step)}: section forces and moments"
@@ -58,11 +51,18 @@ def over_arc_length_figure(view, step):
     return canvas
 
 
-def name_axis(axes, view, name, exponent):
-    field = fields.SECTION_FORCES[name]
-    words, symbol = field.label.rsplit(" ", 1)
-    axes.set_ylabel(symbol + fields.times(exponent, field.unit(view.run.units)))
-    axes.set_title(words, fontsize=11)
+def force_panels(view, panels, values, across):
+    """(axes, values over their power of ten) of the six section forces; `across` stands below the lowest panels."""
+    for i, (name, field) in enumerate(fields.SECTION_FORCES.items()):
+        axes = panels[i % 3, i // 3]
+        exponent = fields.power_of_ten(np.abs(values[name]).max(initial=0.0))
+        words, symbol = field.label.rsplit(" ", 1)
+        axes.set_ylabel(symbol + fields.times(exponent, field.unit(view.run.units)))
+        axes.set_title(words, fontsize=11)
+        axes.axhline(0.0, color=style.BLACK, linewidth=0.7, zorder=1)
+        limits(axes, values[name] / 10.0 ** exponent)
+        axes.set_xlabel(across if i % 3 == 2 else "")
+        yield axes, values[name] / 10.0 ** exponent
 
 
 def name_extremes(axes, places, values):

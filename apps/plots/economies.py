@@ -12,9 +12,8 @@ REMARKS = {
     "loose": "Solves are direct: the first answer is far below either tolerance, and a looser one saves nothing."}
 INTRODUCTION = (
     "A rod of {elements:.0f} elements of order {order:.0f}, clamped, bent and twisted at its tip, solved from the "
-    "straight rod: seconds from the\nscene to the answer (median), Newton iterations, and how far the two "
-    "displacements "
-    "of the tip are apart, relative.\nLeft: the scene as it is. Right: the same scene with the feature in it, at rest.")
+    "straight rod: seconds from the\nscene to the answer (median), Newton iterations, and how far the two displacements of "
+    "the tip are apart, relative.\nLeft: the scene as it is. Right: the same scene with the feature in it, at rest.")
 COLUMNS = ["name", "plain", "other", "plain_seconds", "other_seconds", "ratio", "plain_iterations", "other_iterations",
            "difference", "order", "elements"]
 

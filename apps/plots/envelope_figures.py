@@ -5,7 +5,7 @@ import numpy as np
 import fields
 import style
 from along_figures import draw_borders, path_of, running_length
-from diagram_figures import limits, name_axis, name_extremes
+from diagram_figures import force_panels, name_extremes
 from results import Run, lines, open_file
 
 MOST_SHOWN = 40  # quantities of a picture
@@ -118,21 +118,15 @@ def along_figure(envelope, patterns, look):
     if not same:
         common = np.unique(np.concatenate([places for places, _ in found]))
     canvas, panels = style.figure(12.4, 7.6, 3, 2, sharex=True)
-    for i, name in enumerate(fields.SECTION_FORCES):
-        axes = panels[i % 3, i // 3]
-        levels = np.array([values[name] if same else np.interp(common, places, values[name]) for places, values in found])
-        power = fields.power_of_ten(np.abs(levels).max(initial=0.0))
-        levels, at = levels / 10.0 ** power, common / 10.0 ** exponent
+    at = common / 10.0 ** exponent
+    forces = {name: np.array([values[name] if same else np.interp(common, places, values[name]) for places, values in found])
+              for name in fields.SECTION_FORCES}
+    for axes, levels in force_panels(view, panels, forces, "running length" + fields.times(exponent, view.run.units[0])):
         axes.plot(at, levels.T, color="#B0B0B0", linewidth=0.8, gid="run")
         axes.plot(at, levels.max(axis=0), color=style.BLUE, gid="largest")
         axes.plot(at, levels.min(axis=0), color=style.RED, gid="smallest")
         axes.fill_between(at, levels.min(axis=0), levels.max(axis=0), color=(*style.rgb(style.BLUE), 0.12), linewidth=0)
-        axes.axhline(0.0, color=style.BLACK, linewidth=0.7, zorder=1)
-        name_axis(axes, view, name, power)
-        limits(axes, levels.ravel())
         name_extremes(axes, np.tile(at, len(levels)), levels.ravel())
-        if i % 3 == 2:
-            axes.set_xlabel("running length" + fields.times(exponent, view.run.units[0]))
     draw_borders(panels, row, borders / 10.0 ** exponent)
     canvas.suptitle(f"{style.literal(envelope.path.stem[:60])}: largest and smallest of {len(found)} runs, along {style.literal(', '.join(patterns)[:60])}", fontsize=13)
     return canvas

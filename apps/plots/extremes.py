@@ -163,8 +163,7 @@ def _overview(sweeps):
                      page.error(worst["error"]) if worst else "-", page.short(worst["value"]) if worst else "-",
                      f"{worst['allowed']:.0e}" if worst else "-"])
     return ("The error is the distance of the tip from the closed form over its displacement, or the angle between the "
-            "two\nrotations over the angle turned (at most 1 rad), whichever is larger; of the last two sweeps the "
-            "largest "
+            "two\nrotations over the angle turned (at most 1 rad), whichever is larger; of the last two sweeps the largest "
             "relative error\nof a critical load factor. `allowed` is what every run checks.\n\n"
             + page.table(["sweep", "values", "converged", "iterations", "largest error", "at", "allowed"], rows))
 

@@ -17,8 +17,6 @@ from html_page import MOST_ROWS, Page, bar, cell_text, page_beside
 from report_inputs import write_inputs, write_sections
 
 NOISE, ROUNDING = 1e-9, 1e-12  # of the largest: forces that count as zero, as in pictures; what rounding leaves of zero
-
-
 REPORT = "report / "  # before the names of the list Report, in the properties of a run
 
 
