@@ -149,10 +149,9 @@ TEST_F(Batch, VariablesVaryWithAllThatComesOfThem) {
 /// By elliptic integrals, under forces of 0.5 and 2.
 TEST_F(Batch, ExpectedValuesMayFollowFromVariables) {
   const auto ended = [&](const std::string& value) {
-    return solve(with(sweep(),
-                      "Scene: {Variables: {F: 1}, Point Loads: {weight: {Force: [0, \"=-F\", 0]}}}, Expected: "
-                      "{tip turns: {Value: \"=F > 1 ? -0.7817498315565 : " +
-                          value + "\"}}"),
+    const std::string scene =
+        with(sweep(), "Scene: {Variables: {F: 1}, Point Loads: {weight: {Force: [0, \"=-F\", 0]}}}");
+    return solve(with(scene, "Expected: {tip turns: {Value: \"=F > 1 ? -0.7817498315565 : " + value + "\"}}"),
                  "Variables/F\n0.5\n2\n");
   };
   const Ended right = ended("-0.2445336471332"), wrong = ended("-0.2445336");
