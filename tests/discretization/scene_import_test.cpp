@@ -149,7 +149,7 @@ TEST_F(SceneImport, ErrorsInMembersNameLineAndColumn) {
   refused("m,A,B,flat\nn,B,C,flat\no,B,A,flat\n",
           {"members.csv:3:1: ", "member \"o\" of section \"flat\" is the same line as \"m\", from \"A\" to \"B\""});
   refused("m,A,B,flat,1,9000000\nn,B,C,flat,1,9000000\n", {"members.csv:2:14: ", "18000000 elements"});
-  refused("\n# nothing\n", {"Scene / Members", "no member"});
+  refused("\n# nothing\n", {"members.csv:1:1", "the table is empty", "\"section\""});
 }
 
 TEST_F(SceneImport, NamesAFileThatIsNotThere) {
