@@ -172,7 +172,8 @@ py::dict batch(const SceneText& scene, const std::optional<std::string>& load_ca
                int output, const std::optional<int>& threads, py::object callback) {
   Listener listener(std::move(callback));
   Batch cases;
-  for (const std::string& parameter : parameters) cases.columns.push_back({parameter, ""});
+  for (const std::string& parameter : parameters)
+    cases.columns.push_back({parameter, [](const std::string& problem) { return InputError{problem}; }});
   cases.values.assign(values.data(), values.data() + values.size());
   cases.output = static_cast<BatchOutput>(output);
   std::vector<std::string> names;
