@@ -9,6 +9,7 @@ namespace {
 using test::NamedShape;
 
 constexpr double kExceeded = 2.5e-7;  // relative; a quarter of what is promised
+constexpr double kTabulated = 1e-8;   // what tables of a rectangle's fields may miss of them; 2e-9 is seen
 constexpr int kCases = 6, kSamples = 100000;
 
 /// A random point of the section; every third one on its boundary.
@@ -55,7 +56,7 @@ double excess(const SectionShape& shape, const SectionStresses& stresses, const 
 }
 
 void expect_attained(const SectionStresses& stresses, const SectionForces& forces, const LargestStresses& largest) {
-  const double close = 1e-10 * largest.von_mises.value;
+  const double close = kTabulated * largest.von_mises.value;
   EXPECT_NEAR(stresses.at(forces, largest.von_mises.point).von_mises(), largest.von_mises.value, close);
   EXPECT_NEAR(stresses.at(forces, largest.shear.point).largest_shear(), largest.shear.value, close);
   EXPECT_NEAR(stresses.at(forces, largest.normal.point).normal, largest.normal.value, close);
@@ -101,6 +102,37 @@ TEST(LargestStresses, OfManyForcesAreNotExceededOnAGrid) {
         const PointStress stress = stresses.at(forces, p);
         ASSERT_LE(stress.von_mises(), largest.von_mises.value * (1.0 + kExceeded)) << s.name << " case " << i;
         ASSERT_LE(stress.largest_shear(), largest.shear.value * (1.0 + kExceeded)) << s.name << " case " << i;
+      }
+    }
+  }
+}
+
+/// A grid that is denser towards the corners, for all sides over thickness: nothing on it exceeds what is reported, and
+/// a hundredth less would be exceeded.
+TEST(LargestStresses, OfRectanglesOfAnySlendernessAreThoseOfAGrid) {
+  std::mt19937_64 random(14);
+  for (const double side : {1.0, 1.02, 1.99, 2.01, 12.5, 100.0, 1000.0}) {
+    for (const bool upright : {false, true}) {
+      SectionShape shape = test::stress_shape(SectionShapeKind::rectangle, 0.3, {side, 1.0});
+      if (upright) std::swap(shape.size2, shape.size3);
+      const SectionStresses stresses(shape);
+      const auto places = [](double half) {
+        std::vector<double> x{0.0};
+        for (int i = 0; i <= 16; ++i) x.push_back(half - std::min(1.0, 2.0 * half) * i / 32.0);
+        for (int i = 1; i < 32; ++i) x.push_back(half * i / 32.0);
+        for (std::size_t i = x.size(); i-- > 0;) x.push_back(-x[i]);
+        return x;
+      };
+      for (int i = 0; i < kCases; ++i) {
+        const SectionForces forces = test::random_forces(shape, random);
+        const LargestStresses largest = stresses.largest(forces);
+        expect_attained(stresses, forces, largest);
+        double most = 0.0;
+        for (const double x2 : places(0.5 * shape.size2))
+          for (const double x3 : places(0.5 * shape.size3))
+            most = std::max(most, stresses.at(forces, {x2, x3}).von_mises());
+        EXPECT_LE(most, largest.von_mises.value * (1.0 + kExceeded)) << side << " case " << i;
+        EXPECT_GT(most, largest.von_mises.value * (1.0 - 1e-2)) << side << " case " << i;
       }
     }
   }
