@@ -245,20 +245,22 @@ class Viewer(unittest.TestCase):
         page = scene_file.with_name("watched-view.html")
         scene_file.write_text(text, encoding="utf-8")
 
-        def other_than(before):
+        def await_that(holds):
             end = time.monotonic() + SECONDS
-            while not page.exists() or page.read_bytes() == before:
+            while not holds():
                 self.assertLess(time.monotonic(), end)
                 time.sleep(0.1)
-            return page.read_bytes()
 
-        with subprocess.Popen([PROGRAM, "view", str(scene_file), "--watch"], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as watcher:
+        with open(self.folder / "watched.txt", "w+", encoding="utf-8") as said, \
+                subprocess.Popen([PROGRAM, "view", str(scene_file), "--watch"], stdout=subprocess.DEVNULL, stderr=said) as watcher:
             try:
-                first = other_than(None)
+                await_that(page.exists)
+                first = page.read_bytes()
                 scene_file.write_text(text.replace('name="m"', 'name="renamed"'), encoding="utf-8")
-                second = other_than(first)
+                await_that(lambda: page.read_bytes() != first)
+                second = page.read_bytes()
                 scene_file.write_text("<ParameterList", encoding="utf-8")
-                self.assertIn("watched.xml", watcher.stderr.readline())
+                await_that(lambda: said.seek(0) or "watched.xml" in said.read())
                 self.assertEqual(page.read_bytes(), second)
             finally:
                 watcher.terminate()

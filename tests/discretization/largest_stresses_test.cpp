@@ -117,9 +117,8 @@ TEST(LargestStresses, OfRectanglesOfAnySlendernessAreThoseOfAGrid) {
       if (upright) std::swap(shape.size2, shape.size3);
       const SectionStresses stresses(shape);
       const auto places = [](double half) {
-        std::vector<double> x{0.0};
-        for (int i = 0; i <= 16; ++i) x.push_back(half - std::min(1.0, 2.0 * half) * i / 32.0);
-        for (int i = 1; i < 32; ++i) x.push_back(half * i / 32.0);
+        std::vector<double> x{0.0, half};
+        for (double from_end = 1.0 / 64.0; from_end < half; from_end *= 1.12) x.push_back(half - from_end);
         for (std::size_t i = x.size(); i-- > 0;) x.push_back(-x[i]);
         return x;
       };
