@@ -308,7 +308,7 @@ class App {
     if (this.filming) return;
     const canvas = document.createElement("canvas");
     Object.assign(canvas, { width: byId("scene").width, height: byId("scene").height });
-    const context = canvas.getContext("2d", { willReadFrequently: true, alpha: false }) // without a graphics card nothing else is recorded;
+    const context = canvas.getContext("2d", { willReadFrequently: true, alpha: false }); // without a graphics card nothing else is recorded
     const isMode = this.shape.modeNumber >= 0;
     const recorder = new MediaRecorder(canvas.captureStream(), { mimeType: "video/webm;codecs=vp8", videoBitsPerSecond: 8e6 });
     const parts = [];
