@@ -140,7 +140,6 @@ void warn_of_weightless(const SceneSurvey& survey, WarningList& list) {
   for (const Member& member : survey.scene.members) {
     if (member.section == kRigidArm) continue;
     const bool has_taper = !member.end_section.empty();
-    if (std::isinf(survey.section_of(member).bending_stiffness[0])) continue;  // a rigid arm has none
     if (survey.section_of(member).mass == 0.0 || (has_taper && survey.sections.at(member.end_section)->mass == 0.0))
       names.push_back(member.name);
   }

@@ -326,12 +326,14 @@ std::pair<int, int> place_of_tab(const std::string& text, int last_line) {
 
 const std::string kNothingAfter = "; nothing after this line was read";
 
-/// The last quote of the first line that has an odd number of them.
-std::pair<int, int> place_of_open_quote(const std::string& text) {
+/// The last quote of the first line, up to `last_line`, that has an odd number of them before its comment.
+std::pair<int, int> place_of_open_quote(const std::string& text, int last_line) {
   int number = 1;
   std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line); ++number)
+  for (std::string line; number <= last_line && std::getline(lines, line); ++number) {
+    line.resize(std::min({line.size(), line.find(" #"), line.rfind('#', 0)}));
     if (std::count(line.begin(), line.end(), '"') % 2 == 1) return {number, static_cast<int>(line.rfind('"')) + 1};
+  }
   return {};
 }
 
@@ -346,7 +348,7 @@ InputError syntax_error(const YAML::ParserException& problem, const YamlFile& fi
     return file.error(
         line, column,
         kind + "a tab in the indentation; allowed: spaces, as many for each entry of a map" + kNothingAfter);
-  if (const auto [line, column] = place_of_open_quote(file.text); line > 0)
+  if (const auto [line, column] = place_of_open_quote(file.text, problem.mark.line + 1); line > 0)
     return file.error(line, column, kind + "a quote that is not closed in this line" + kNothingAfter);
   std::string hint;
   if (is_one_of({ALIAS_NOT_FOUND, CHAR_IN_ALIAS, UNKNOWN_ANCHOR}))

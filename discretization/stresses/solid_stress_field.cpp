@@ -28,8 +28,9 @@ constexpr double kEqualSums = 1e-8;  // what the search leaves of equal maxima
 /// Intervals of a grid: along a side, from the hole of a tube to its outside, around it. Fields of round sections have
 /// at most four maxima around.
 constexpr int kIntervals = 10, kRings = 8, kAngles = 32;
-constexpr std::size_t kMostNodes = 320;  // of a grid
-constexpr std::size_t kMostStarts = 6;   // local maxima of the samples that are followed
+constexpr std::size_t kMostNodes = (kRings + 1) * (kAngles + 1);   // of a grid
+static_assert(kMostNodes >= (kIntervals + 7) * (kIntervals + 1));  // side_places()
+constexpr std::size_t kMostStarts = 6;                             // local maxima of the samples that are followed
 
 /// Newton's method ends where a step would raise F by less than this share, as convergence is quadratic.
 constexpr double kGain = 1e-8, kShrink = 0.25;  // of its reach after a step that leads down

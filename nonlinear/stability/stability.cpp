@@ -313,7 +313,7 @@ Stability::RootResult Stability::factorized_beside_chains(const Look& look) {
   const double beside = chains_->is_unsymmetric() ? asymmetry_of_chains(*chains_, look.tangent) : 0.0;
   const double asymmetry = maximum_over_ranks(*problem_.model.map()->getComm(), beside);
   RootResult root = factorized_beside_chains(look, true, asymmetry);
-  if (asymmetry <= stability_limit.symmetric || root.result.symmetric) return root;
+  if (asymmetry <= stability_limit.symmetric) return root;
   const RootResult whole = factorized_beside_chains(look, false, root.result.asymmetry);
   root.result.sign = whole.result.sign;
   root.result.negative = whole.result.negative;

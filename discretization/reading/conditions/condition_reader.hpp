@@ -30,8 +30,7 @@ void bind_schedule(BoundList<Acting>& list, const std::string& what) {
                 "amplitude: the load factor runs at least up to this number.");
   list.bind(&Acting::amplitude, text("Amplitude").or_other("a formula"),
             "Factor of all components as a formula of t = load factor and stage = Stage, like sin(pi*t); instead of "
-            "the growth "
-            "in one stage.");
+            "the growth in one stage.");
   list.bind(&Acting::load_case, text("Case"),
             "Load case, one of \"Load Cases\", in which alone it acts; in all of them if absent.");
 }
