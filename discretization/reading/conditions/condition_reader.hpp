@@ -42,13 +42,11 @@ struct EigenstrainDraft : Eigenstrain {
 
 extern const BoundList<Support> kSupportParameters;
 extern const BoundList<Joint> kJointParameters;
-extern const BoundList<PointLoad> kPointLoadParameters;
-extern const BoundList<DistributedLoad> kDistributedLoadParameters;
-extern const BoundList<DistributedLoad> kGravityParameters;
-extern const BoundList<EigenstrainDraft> kEigenstrainParameters;
 
 /// The list "Gravity".
 ListSpec gravity_spec();
+/// Adds the lists of all other loads.
+void add_load_lists(ListSpec& spec);
 
 /// One pass over what acts on a scene whose points and members are complete.
 class ConditionReader {
@@ -85,7 +83,11 @@ class ConditionReader {
   void read_combinations();
   void read_supports();
   void read_joints();
-  void read_point_loads();
+  void read_loads();
+  /// Reads a list of loads at points, one or more of the parameters `needed` in each.
+  template <class Load, class Complete>
+  void read_at_points(const BoundList<Load>& parameters, const std::vector<std::string>& needed,
+                      const Complete& complete);
   void read_distributed_loads();
   void check_part(const DistributedLoad& load, const List& list, const InputPlace& place) const;
   void divide_at(const std::string& member, const std::array<double, 2>& range, const InputPlace& place);
@@ -93,17 +95,27 @@ class ConditionReader {
   void read_weight(const List& list, const InputPlace& place);
   void read_eigenstrains();
 
-  using ImagesOf = std::unordered_map<std::string, std::string> PatternCopy::*;
-  template <class Acting, class Add>
-  void copy_with_patterns(std::vector<Acting>& all, std::vector<std::string>& entries, std::string Acting::*at,
-                          ImagesOf images_of, const Add& add);
+  /// Adds one of the kinds of scene/what_acts.hpp.
+  template <class Acting>
+  void add(const Acting& one, const std::string& entry) {
+    (scene_.*ActingKind<Acting>::list).push_back(one);
+    entries_[ActingKind<Acting>::name].push_back(entry);
+  }
+  template <class Acting>
+  void copy_with_patterns();
   void note_left_out(const std::string& list, const std::string& entry, const std::string& point,
                      const std::string& why);
   void copy_supports();
   void copy_joints();
-  void copy_point_loads();
-  void copy_distributed_loads();
-  void copy_eigenstrains();
+  void copy_loads();
+  /// Completes a copy; false: it has no members there.
+  template <class Acting>
+  bool goes_along(const Acting&, const PatternCopy&, const std::string&) {
+    return true;
+  }
+  bool goes_along(Support& copy, const PatternCopy& made, const std::string& entry);
+  bool goes_along(PointLoad& copy, const PatternCopy& made, const std::string& entry);
+  bool goes_along(DistributedLoad& copy, const PatternCopy& made, const std::string& entry);
 
   Support read_support(const List& list, const InputPlace& place);
   void claim_support(const std::string& point, const std::string& name, const InputPlace& place);
@@ -159,8 +171,8 @@ class ConditionReader {
   Scene& scene_;
   const std::vector<CopiedPattern>& copies_;
   const SceneNames names_;
-  /// Of everything that acts: the name under which it was written.
-  std::vector<std::string> support_entries_, point_load_entries_, line_load_entries_, eigenstrain_entries_;
+  /// (kind) of everything that acts, but for weights: the name under which it was written.
+  std::unordered_map<std::string, std::vector<std::string>> entries_;
   std::unordered_map<std::string, std::string> support_at_;           ///< point -> name of its support
   std::unordered_map<std::string, std::set<std::string>> joined_at_;  ///< point -> members in a joint there
   std::vector<UsedStage> stages_used_;

@@ -69,27 +69,28 @@ void turn(const Isometry& motion, Support& support) {
 
 }  // namespace
 
-/// Calls `add` with each copy and the motion that made it; false: it has no members there. An entry acts once at each
-/// place: where it is already, by its name or as another copy, nothing is added.
-template <class Acting, class Add>
-void ConditionReader::copy_with_patterns(std::vector<Acting>& all, std::vector<std::string>& entries,
-                                         std::string Acting::*at, ImagesOf images_of, const Add& add) {
+/// An entry acts once at each place: where it is already, by its name or as another copy, nothing is added.
+template <class Acting>
+void ConditionReader::copy_with_patterns() {
   if (copies_.empty()) return;
+  using Kind = ActingKind<Acting>;
+  auto& all = scene_.*Kind::list;
+  std::vector<std::string>& entries = entries_[Kind::name];
   std::set<std::pair<std::string, std::string>> acts;
-  for (std::size_t i = 0; i < all.size(); ++i) acts.emplace(entries[i], all[i].*at);
+  for (std::size_t i = 0; i < all.size(); ++i) acts.emplace(entries[i], all[i].*Kind::target);
   for (const CopiedPattern& pattern : copies_) {
     const std::size_t originals = all.size();
     for (const PatternCopy& made : pattern)
       for (std::size_t i = 0; i < originals && !made.joints_alone; ++i) {
-        const auto image = (made.*images_of).find(all[i].*at);
-        if (image == (made.*images_of).end() || !acts.emplace(entries[i], image->second).second) continue;
+        const auto& images = Kind::along_member ? made.members : made.points;
+        const auto image = images.find(all[i].*Kind::target);
+        if (image == images.end() || !acts.emplace(entries[i], image->second).second) continue;
         Acting copy = all[i];
-        copy.*at = image->second;
+        copy.*Kind::target = image->second;
         turn(made.motion, copy);
-        if (!add(copy, made, entries[i])) continue;
+        if (!goes_along(copy, made, entries[i])) continue;
         count(1, place_);
-        all.push_back(std::move(copy));
-        entries.push_back(entries[i]);
+        add(copy, std::string(entries[i]));
       }
   }
 }
@@ -99,40 +100,34 @@ void ConditionReader::note_left_out(const std::string& list, const std::string& 
   notes_.push_back("\"" + list + " / " + excerpt(entry) + "\" is not copied to \"" + excerpt(point) + "\": " + why);
 }
 
-void ConditionReader::copy_supports() {
-  copy_with_patterns(scene_.supports, support_entries_, &Support::point, &PatternCopy::points,
-                     [this](const Support& copy, const PatternCopy&, const std::string& entry) {
-                       claim_support(copy.point, entry, place_["Supports"][entry]);
-                       return true;
-                     });
+void ConditionReader::copy_supports() { copy_with_patterns<Support>(); }
+
+void ConditionReader::copy_loads() {
+  for_each_kind([this](auto kind) {
+    using Acting = typename std::decay_t<decltype(scene_.*kind.list)>::value_type;
+    if constexpr (!kind.stays) copy_with_patterns<Acting>();
+  });
 }
 
-void ConditionReader::copy_point_loads() {
-  copy_with_patterns(scene_.point_loads, point_load_entries_, &PointLoad::point, &PatternCopy::points,
-                     [this](PointLoad& copy, const PatternCopy& made, const std::string& entry) {
-                       if (copy.frame == LoadFrame::dead) return true;
-                       const auto image = made.members.find(copy.member);
-                       if (image != made.members.end()) {
-                         copy.member = image->second;
-                         return true;
-                       }
-                       note_left_out("Point Loads", entry, copy.point,
-                                     "no copy of the member \"" + excerpt(copy.member) + "\" that it turns with");
-                       return false;
-                     });
+bool ConditionReader::goes_along(Support& copy, const PatternCopy&, const std::string& entry) {
+  claim_support(copy.point, entry, place_["Supports"][entry]);
+  return true;
 }
 
-void ConditionReader::copy_distributed_loads() {
-  copy_with_patterns(scene_.distributed_loads, line_load_entries_, &DistributedLoad::member, &PatternCopy::members,
-                     [this](const DistributedLoad& copy, const PatternCopy&, const std::string& entry) {
-                       divide_at(copy.member, copy.range, place_["Distributed Loads"][entry]["Range"]);
-                       return true;
-                     });
+bool ConditionReader::goes_along(PointLoad& copy, const PatternCopy& made, const std::string& entry) {
+  if (copy.frame == LoadFrame::dead) return true;
+  const auto image = made.members.find(copy.member);
+  if (image == made.members.end())
+    note_left_out("Point Loads", entry, copy.point,
+                  "no copy of the member \"" + excerpt(copy.member) + "\" that it turns with");
+  else
+    copy.member = image->second;
+  return image != made.members.end();
 }
 
-void ConditionReader::copy_eigenstrains() {
-  copy_with_patterns(scene_.eigenstrains, eigenstrain_entries_, &Eigenstrain::member, &PatternCopy::members,
-                     [](const Eigenstrain&, const PatternCopy&, const std::string&) { return true; });
+bool ConditionReader::goes_along(DistributedLoad& copy, const PatternCopy&, const std::string& entry) {
+  divide_at(copy.member, copy.range, place_["Distributed Loads"][entry]["Range"]);
+  return true;
 }
 
 /// Each listed member takes its joint with it, also to a point that the pattern leaves where it is. Where a pattern

@@ -125,27 +125,45 @@ BoundList<EigenstrainDraft> eigenstrain_parameters() {
   return strain;
 }
 
-}  // namespace
-
 const BoundList<PointLoad> kPointLoadParameters = point_load_parameters();
 const BoundList<DistributedLoad> kDistributedLoadParameters = distributed_load_parameters();
 const BoundList<DistributedLoad> kGravityParameters = gravity_parameters();
 const BoundList<EigenstrainDraft> kEigenstrainParameters = eigenstrain_parameters();
-void ConditionReader::read_point_loads() {
-  for_each("Point Loads", [this](const std::string& name, const List& list, const InputPlace& place) {
+
+}  // namespace
+
+void add_load_lists(ListSpec& spec) {
+  spec.add_list("Point Loads", ListSpec("Loads at points.").with_named_lists("load", kPointLoadParameters.spec));
+  spec.add_list("Distributed Loads",
+                ListSpec("Loads along members.").with_named_lists("load", kDistributedLoadParameters.spec));
+  spec.add_list("Eigenstrains",
+                ListSpec("Strains without stress.").with_named_lists("eigenstrain", kEigenstrainParameters.spec));
+}
+
+void ConditionReader::read_loads() {
+  read_at_points(kPointLoadParameters, {"Force", "Moment"}, [this](PointLoad& load, const InputPlace& place) {
+    if (load.frame == LoadFrame::follower) load.member = follower_member(load.member, load.point, place);
+  });
+  read_distributed_loads();
+  read_eigenstrains();
+  copy_loads();
+}
+
+template <class Load, class Complete>
+void ConditionReader::read_at_points(const BoundList<Load>& parameters, const std::vector<std::string>& needed,
+                                     const Complete& complete) {
+  for_each(ActingKind<Load>::name, [&](const std::string& name, const List& list, const InputPlace& place) {
     const std::vector<std::string> points = points_meant(list, place);
-    check_any_given(list, {"Force", "Moment"}, "loads nothing", place);
-    PointLoad load = kPointLoadParameters.read(list);
+    check_any_given(list, needed, "loads nothing", place);
+    const Load load = parameters.read(list);
     check_schedule(load, list, place);
-    const std::string member = load.member;
     for (const std::string& point : points) {
-      load.point = point;
-      if (load.frame == LoadFrame::follower) load.member = follower_member(member, point, place);
-      scene_.point_loads.push_back(load);
-      point_load_entries_.push_back(name);
+      Load one = load;
+      one.point = point;
+      complete(one, place);
+      add(one, name);
     }
   });
-  copy_point_loads();
 }
 
 /// The one member with one end at the point that `text` means. The load acts on the point: members in a joint there
@@ -187,11 +205,9 @@ void ConditionReader::read_distributed_loads() {
       load.force_formula = along(*member, force, place["Force Formula"]);
       load.couple_formula = along(*member, couple, place["Couple Formula"]);
       if (list.isParameter("Range")) divide_at(load.member, load.range, place["Range"]);
-      scene_.distributed_loads.push_back(load);
-      line_load_entries_.push_back(name);
+      add(load, name);
     }
   });
-  copy_distributed_loads();
 }
 
 void ConditionReader::check_part(const DistributedLoad& load, const List& list, const InputPlace& place) const {
@@ -285,11 +301,9 @@ void ConditionReader::read_eigenstrains() {
       strain.member = member->name;
       strain.strain_formula = along(*member, axial, place["Strain Formula"]);
       strain.curvature_formula = along(*member, bending, place["Curvature Formula"]);
-      scene_.eigenstrains.push_back(strain);
-      eigenstrain_entries_.push_back(name);
+      add<Eigenstrain>(strain, name);
     }
   });
-  copy_eigenstrains();
 }
 
 void ConditionReader::add_temperature(EigenstrainDraft& strain, const InputPlace& place) const {

@@ -40,11 +40,7 @@ void add_condition_lists(ListSpec& spec) {
       "Supports",
       ListSpec("Supports; at least one here or by Import.").with_named_lists("support", kSupportParameters.spec));
   spec.add_list("Joints", ListSpec("Connections that are not rigid.").with_named_lists("joint", kJointParameters.spec));
-  spec.add_list("Point Loads", ListSpec("Loads at points.").with_named_lists("load", kPointLoadParameters.spec));
-  spec.add_list("Distributed Loads",
-                ListSpec("Loads along members.").with_named_lists("load", kDistributedLoadParameters.spec));
-  spec.add_list("Eigenstrains",
-                ListSpec("Strains without stress.").with_named_lists("eigenstrain", kEigenstrainParameters.spec));
+  add_load_lists(spec);
 }
 
 std::vector<std::string> read_conditions(const Teuchos::ParameterList& scene_list, const InputPlace& place,
@@ -58,10 +54,8 @@ std::vector<std::string> ConditionReader::read() {
   place_["Imperfection"]["Case"].attempt([this] { check_case_of_modes(); });
   read_supports();
   read_joints();
-  read_point_loads();
-  read_distributed_loads();
+  read_loads();
   place_["Gravity"].attempt([this] { read_gravity(); });
-  read_eigenstrains();
   if (place_.source().has_mistakes()) return {};
   check_stages();
   check_amplitudes();

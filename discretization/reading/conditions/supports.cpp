@@ -71,8 +71,7 @@ void ConditionReader::read_supports() {
     for (const std::string& point : points) {
       claim_support(point, name, place);
       support.point = point;
-      scene_.supports.push_back(support);
-      support_entries_.push_back(name);
+      add(support, name);
     }
   });
   copy_supports();
