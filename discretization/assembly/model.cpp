@@ -21,7 +21,6 @@ namespace {
 
 Conditions following(const std::shared_ptr<const LoadClock>& clock, Conditions conditions) {
   if (!clock->have_formulas()) return conditions;
-  for (VertexLoad& load : conditions.loads) load.amplitude.follow(clock);
   for (VertexSupport& support : conditions.supports) support.amplitude.follow(clock);
   return conditions;
 }
@@ -36,7 +35,7 @@ Model::Model(std::shared_ptr<const Scene> scene, const Communicator& comm, const
       line_fields_(*scene_, mesh_, structure_),
       conditions_(following(clock_, build_conditions(*scene_, mesh_, structure_))),
       constraints_(conditions_),
-      external_(external_energies(conditions_)),
+      external_(external_energies(*scene_, mesh_, structure_, conditions_, clock_)),
       options_(options),
       workspace_(std::make_unique<Workspace>()) {
   PhaseTimer timer(times_, "setup");
@@ -223,7 +222,7 @@ class PlaneCheck {
       if (!holds(block, e)) return false;
     return true;
   }
-  bool holds(const VertexLoad& load) const { return in_plane(load.force) && along_normal(load.moment); }
+  bool holds(const std::unique_ptr<const ExternalEnergy>& energy) const { return energy->keeps_in_plane(n_, kInPlane); }
   bool holds(const VertexSupport& support) const {
     const bool* fixed = support.fixed;
     Vec displacement{{0.0, 0.0, 0.0}};
@@ -276,12 +275,12 @@ class PlaneCheck {
 };
 
 bool keeps_to(const Vec& normal, const Mesh& mesh, const Structure& structure, const LineFields& line_fields,
-              const Conditions& conditions) {
+              const Conditions& conditions, const ExternalEnergies& external) {
   const PlaneCheck check(normal);
   const auto all = [&](const auto& list) {
     return std::all_of(list.begin(), list.end(), [&](const auto& one) { return check.holds(one); });
   };
-  return all(conditions.loads) && all(conditions.supports) && all(conditions.joints) && all(structure.blocks) &&
+  return all(external) && all(conditions.supports) && all(conditions.joints) && all(structure.blocks) &&
          line_fields.keep_in_plane(structure, normal, kInPlane) && check.holds(mesh, structure.length);
 }
 
@@ -290,13 +289,14 @@ bool keeps_to(const Vec& normal, const Mesh& mesh, const Structure& structure, c
 /// normal, axes of supports and joints in it or along its normal; line loads are dead forces in it, eigenstrains leave
 /// members in it. Sections are plain and constant, force strains integrated with k points. None otherwise. Collective.
 std::optional<PlaneAxes> plane_of(const Teuchos::Comm<int>& comm, const Mesh& mesh, const Structure& structure,
-                                  const LineFields& line_fields, const Conditions& conditions) {
+                                  const LineFields& line_fields, const Conditions& conditions,
+                                  const ExternalEnergies& external) {
   const MeshElement& first = mesh.elements[0];
   const Mat triad = rotation_matrix(
       make_reference_element(mesh.member_of(first), first.index, 1, ForceIntegration::both_reduced).end_triad[0]);
   for (int axis : {2, 1}) {
     const PlaneAxes axes = axes_of(column(triad, axis));
-    const int mine = keeps_to(axes.n, mesh, structure, line_fields, conditions) ? 1 : 0;
+    const int mine = keeps_to(axes.n, mesh, structure, line_fields, conditions, external) ? 1 : 0;
     int everywhere = mine;
     Teuchos::reduceAll(comm, Teuchos::REDUCE_MIN, mine, Teuchos::outArg(everywhere));
     if (everywhere != 0) return axes;
@@ -311,7 +311,7 @@ constexpr double kPlaneRounding = 1e-13;
 
 void Model::build_plane() {
   if (!options_.planar) return;
-  plane_ = plane_of(*maps_.rows->getComm(), mesh_, structure_, line_fields_, conditions_);
+  plane_ = plane_of(*maps_.rows->getComm(), mesh_, structure_, line_fields_, conditions_, external_);
   if (!plane_) return;
   for (const ElementBlock& block : structure_.blocks) planar_blocks_.push_back(make_planar_block(block, *plane_));
   workspace_->rows.planar_rows = KernelView<double* [4]>(

@@ -88,11 +88,11 @@ StateMagnitude magnitude_of(const Model& model, const State& state, double load_
       });
   m.displacement = motions.of[0];
   m.rotation = 2.0 * std::sqrt(motions.of[1]);
-  for (const VertexLoad& load : model.conditions().loads) {
-    const double amplitude = std::abs(load.amplitude(load_factor));
-    m.load_force = std::max(m.load_force, amplitude * largest_component(load.force));
-    m.load_moment = std::max(m.load_moment, amplitude * largest_component(load.moment));
-  }
+  for (const auto& energy : model.external())
+    energy->sizes(state, load_factor, [&m](int, const SpatialLoad& load) {
+      m.load_force = std::max(m.load_force, largest_component(load.force));
+      m.load_moment = std::max(m.load_moment, largest_component(load.moment));
+    });
   const LineFieldMagnitude fields = model.line_fields().magnitude(load_factor);
   m.load_force = std::max(m.load_force, fields.force);
   // what would bend the structure as the eigencurvature does: else a free member, in equilibrium without any force,

@@ -14,26 +14,6 @@ namespace {
 
 using namespace vector_algebra;
 
-/// Reference triad of a member at the vertex where a follower load acts.
-Quat reference_triad_at(const Mesh& mesh, int member, int vertex) {
-  return mesh.members[member].curve.triad(arc_length_of_vertex(mesh, member, vertex));
-}
-
-VertexLoad vertex_load(const PointLoad& load, const Scene& scene, const Mesh& mesh, int global, int local) {
-  VertexLoad result;
-  result.vertex = local;
-  result.frame = load.frame;
-  result.amplitude = Amplitude(load.stage, scene.stages, load.amplitude);
-  result.force = to_vec3(load.force);
-  result.moment = to_vec3(load.moment);
-  if (load.frame == LoadFrame::follower) {
-    const Mat triad = rotation_matrix(reference_triad_at(mesh, member_index(scene, load.member), global));
-    result.force = triad * result.force;
-    result.moment = triad * result.moment;
-  }
-  return result;
-}
-
 Mat matrix_of(const Axes& axes) {
   Mat rows;
   for (int i = 0; i < 3; ++i)
@@ -102,10 +82,6 @@ void CountedAngle::follow(double angle_before, const State& from, double angle, 
 Conditions build_conditions(const Scene& scene, const Mesh& mesh, const Structure& structure) {
   Conditions conditions;
   const VertexPartition& partition = structure.partition;
-  for (const PointLoad& load : scene.point_loads) {
-    const int global = vertex_of(mesh, load.point), local = partition.place(global);
-    if (local >= 0) conditions.loads.push_back(vertex_load(load, scene, mesh, global, local));
-  }
   for (size_t i = 0; i < scene.supports.size(); ++i) {
     const int local = partition.place(vertex_of(mesh, scene.supports[i].point));
     if (local >= 0)

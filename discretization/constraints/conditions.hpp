@@ -1,4 +1,4 @@
-/// Loads and supports as one rank applies them, at any load factor.
+/// Supports and joints as one rank applies them, at any load factor.
 #pragma once
 
 #include "discretization/mesh/structure.hpp"
@@ -8,14 +8,6 @@
 #include <vector>
 
 namespace mixbeam {
-
-/// Force and moment on one vertex; follower components are stored in the vertex frame (turned back by Lambda_V).
-struct VertexLoad {
-  int vertex = 0;  ///< owned local vertex
-  Vec3<double> force{}, moment{};
-  LoadFrame frame = LoadFrame::dead;
-  Amplitude amplitude{};
-};
 
 /// How a support holds rotations: see constraint_rows.hpp.
 enum class SupportRotation { free, fixed, hinge, vector };
@@ -55,9 +47,8 @@ struct VertexJoint {
   bool holds(int component) const { return joint_holds(kind, component); }
 };
 
-/// Everything that acts on vertices from outside.
+/// Everything that holds vertices.
 struct Conditions {
-  std::vector<VertexLoad> loads;
   std::vector<VertexSupport> supports;
   std::vector<VertexJoint> joints;
   int counted_angles = 0;  ///< places in State::turns, of the whole scene

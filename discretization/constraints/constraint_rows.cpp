@@ -64,15 +64,6 @@ void MatrixRows::combine(int vertex, VertexPart part, const Mat& factor) const {
   }
 }
 
-SpatialLoad spatial_load(const VertexLoad& load, double amplitude, const State& state) {
-  SpatialLoad spatial{amplitude * load.force, amplitude * load.moment};
-  if (load.frame == LoadFrame::follower) {
-    const Mat turn = rotation_matrix(load_quaternion(&state.views.vertex_rotation(load.vertex, 0)));
-    spatial = {turn * spatial.force, turn * spatial.moment};
-  }
-  return spatial;
-}
-
 namespace {
 
 Vec axis(const VertexSupport& support, int i) { return {{support.axes(i, 0), support.axes(i, 1), support.axes(i, 2)}}; }

@@ -48,11 +48,10 @@ class MatrixRows {
   KernelView<const int*> place_;
 };
 
-/// Force and moment that a vertex load exerts at a state, spatial.
+/// Force and moment on a vertex.
 struct SpatialLoad {
   Vec3<double> force, moment;
 };
-SpatialLoad spatial_load(const VertexLoad& load, double amplitude, const State& state);
 
 // Supports as equations of a vertex: theory (41).
 //

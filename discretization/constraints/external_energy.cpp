@@ -1,34 +1,77 @@
 #include "discretization/constraints/external_energy.hpp"
 
+#include "kernels/math/vector_algebra.hpp"
+
+#include <algorithm>
+#include <cmath>
+
 namespace mixbeam {
 
 namespace {
+
+using vector_algebra::to_vec3;
 
 Vec displacement_of_vertex(int vertex, const State& state) {
   return load_vector(&state.views.vertex_displacement(vertex, 0));
 }
 
+/// Force and moment on one vertex; follower components are stored in the vertex frame (turned back by Lambda_V).
+struct VertexLoad {
+  int vertex = 0;  ///< owned local vertex
+  SpatialLoad full{};
+  LoadFrame frame = LoadFrame::dead;
+  Amplitude amplitude{};
+
+  SpatialLoad scaled(double factor) const { return {factor * full.force, factor * full.moment}; }
+  SpatialLoad spatial(double factor, const State& state) const {
+    const SpatialLoad load = scaled(factor);
+    if (frame == LoadFrame::dead) return load;
+    const Mat turn = rotation_matrix(load_quaternion(&state.views.vertex_rotation(vertex, 0)));
+    return {turn * load.force, turn * load.moment};
+  }
+};
+
 class PointLoads : public ExternalEnergy {
  public:
-  explicit PointLoads(const std::vector<VertexLoad>& loads) : loads_(loads) {}
+  PointLoads(const Scene& scene, const Mesh& mesh, const Structure& structure,
+             const std::shared_ptr<const LoadClock>& clock) {
+    for (const PointLoad& load : scene.point_loads) {
+      const int global = vertex_of(mesh, load.point), local = structure.partition.place(global);
+      if (local < 0) continue;
+      VertexLoad one{local,
+                     {to_vec3(load.force), to_vec3(load.moment)},
+                     load.frame,
+                     Amplitude(load.stage, scene.stages, load.amplitude)};
+      if (load.frame == LoadFrame::follower) {
+        const int member = member_index(scene, load.member);
+        const Mat triad = rotation_matrix(mesh.members[member].curve.triad(arc_length_of_vertex(mesh, member, global)));
+        one.full = {triad * one.full.force, triad * one.full.moment};
+      }
+      if (clock->have_formulas()) one.amplitude.follow(clock);
+      loads_.push_back(one);
+    }
+  }
 
   std::vector<int> vertices() const override {
     std::vector<int> vertices;
     for (const VertexLoad& load : loads_) vertices.push_back(load.vertex);
     return vertices;
   }
-  void add_rows(const State& state, double load_factor, const KernelView<double*>& rows) const override {
-    for (const VertexLoad& load : loads_) subtract(load, load.amplitude(load_factor), state, rows);
+  void forces(const State& state, double load_factor, const Act& act) const override {
+    for (const VertexLoad& load : loads_) act(load.vertex, load.spatial(load.amplitude(load_factor), state));
   }
-  void add_slopes(const State& state, double load_factor, const KernelView<double*>& rows) const override {
-    for (const VertexLoad& load : loads_) subtract(load, load.amplitude.slope(load_factor), state, rows);
+  void slopes(const State& state, double load_factor, const Act& act) const override {
+    for (const VertexLoad& load : loads_) act(load.vertex, load.spatial(load.amplitude.slope(load_factor), state));
+  }
+  void sizes(const State&, double load_factor, const Act& act) const override {
+    for (const VertexLoad& load : loads_) act(load.vertex, load.scaled(load.amplitude(load_factor)));
   }
   /// Loads whose virtual work is not that of a potential, or that follow the vertex: theory (44). The internal rows are
   /// second variations; their derivative at equilibrium holds -hat(m)/2 beside them, m the total external moment on the
   /// vertex.
   void add_tangent(const State& state, double load_factor, const MatrixRows& rows) const override {
     for (const VertexLoad& load : loads_) {
-      const SpatialLoad spatial = spatial_load(load, load.amplitude(load_factor), state);
+      const SpatialLoad spatial = load.spatial(load.amplitude(load_factor), state);
       const bool follower = load.frame == LoadFrame::follower;
       rows.add(load.vertex, kMomentPart, load.vertex, kMomentPart, (follower ? 0.5 : -0.5) * hat(spatial.moment));
       if (follower) rows.add(load.vertex, kForcePart, load.vertex, kMomentPart, hat(spatial.force));
@@ -36,21 +79,19 @@ class PointLoads : public ExternalEnergy {
   }
   double energy(const State& state, double load_factor) const override {
     double sum = 0.0;
-    for (const VertexLoad& load : loads_)
-      sum -=
-          dot(spatial_load(load, load.amplitude(load_factor), state).force, displacement_of_vertex(load.vertex, state));
+    forces(state, load_factor,
+           [&](int vertex, const SpatialLoad& load) { sum -= dot(load.force, displacement_of_vertex(vertex, state)); });
     return sum;
+  }
+  bool keeps_in_plane(const Vec& normal, double tolerance) const override {
+    return std::all_of(loads_.begin(), loads_.end(), [&](const VertexLoad& load) {
+      const auto& [force, moment] = load.full;
+      return std::abs(dot(force, normal)) <= tolerance * norm(force) &&
+             norm(cross(moment, normal)) <= tolerance * norm(moment);
+    });
   }
 
  private:
-  static void subtract(const VertexLoad& load, double amplitude, const State& state, const KernelView<double*>& rows) {
-    const SpatialLoad spatial = spatial_load(load, amplitude, state);
-    for (int i = 0; i < 3; ++i) {
-      rows(vertex_row(load.vertex, i)) -= spatial.force[i];
-      rows(vertex_row(load.vertex, kMomentPart + i)) -= spatial.moment[i];
-    }
-  }
-
   std::vector<VertexLoad> loads_;
 };
 
@@ -69,13 +110,10 @@ class SupportSprings : public ExternalEnergy {
     return vertices;
   }
   bool is_support() const override { return true; }
-  void add_rows(const State& state, double, const KernelView<double*>& rows) const override {
+  void forces(const State& state, double, const Act& act) const override {
     for (const Spring& spring : springs_)
-      set_rows_of(
-          rows, spring.vertex, kForcePart,
-          rows_of(rows, spring.vertex, kForcePart) + spring.stiffness * displacement_of_vertex(spring.vertex, state));
+      act(spring.vertex, {-(spring.stiffness * displacement_of_vertex(spring.vertex, state)), {}});
   }
-  void add_slopes(const State&, double, const KernelView<double*>&) const override {}
   void add_tangent(const State&, double, const MatrixRows& rows) const override {
     for (const Spring& spring : springs_)
       rows.add(spring.vertex, kForcePart, spring.vertex, kForcePart, spring.stiffness);
@@ -88,6 +126,8 @@ class SupportSprings : public ExternalEnergy {
     }
     return sum;
   }
+  /// The axes and stiffnesses of supports say so.
+  bool keeps_in_plane(const Vec&, double) const override { return true; }
 
  private:
   struct Spring {
@@ -106,11 +146,31 @@ class SupportSprings : public ExternalEnergy {
   std::vector<Spring> springs_;
 };
 
+/// From the rows.
+struct Subtract {
+  const KernelView<double*>& rows;
+  void operator()(int vertex, const SpatialLoad& load) const {
+    for (int i = 0; i < 3; ++i) {
+      rows(vertex_row(vertex, i)) -= load.force[i];
+      rows(vertex_row(vertex, kMomentPart + i)) -= load.moment[i];
+    }
+  }
+};
+
 }  // namespace
 
-ExternalEnergies external_energies(const Conditions& conditions) {
+void ExternalEnergy::add_rows(const State& state, double load_factor, const KernelView<double*>& rows) const {
+  forces(state, load_factor, Subtract{rows});
+}
+
+void ExternalEnergy::add_slopes(const State& state, double load_factor, const KernelView<double*>& rows) const {
+  slopes(state, load_factor, Subtract{rows});
+}
+
+ExternalEnergies external_energies(const Scene& scene, const Mesh& mesh, const Structure& structure,
+                                   const Conditions& conditions, const std::shared_ptr<const LoadClock>& clock) {
   ExternalEnergies all;
-  all.push_back(std::make_unique<PointLoads>(conditions.loads));
+  all.push_back(std::make_unique<PointLoads>(scene, mesh, structure, clock));
   all.push_back(std::make_unique<SupportSprings>(conditions.supports));
   return all;
 }

@@ -1,10 +1,11 @@
 /// Energies that act on vertices beside the elements and need no condition in place of an equilibrium: loads, springs
-/// to the ground. Residual, tangent, potential, reactions and chains ask for them here alone, so that another one (an
-/// obstacle, a mass in a field) is a class and a line in external_energies().
+/// to the ground. Residual and its scales, tangent, potential, reactions and chains ask for them here alone, so that
+/// another one (an obstacle, a mass in a field) is a class and a line in external_energies().
 #pragma once
 
 #include "discretization/constraints/constraint_rows.hpp"
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -19,19 +20,32 @@ class ExternalEnergy {
   virtual std::vector<int> vertices() const = 0;
   /// Whether it belongs to the supports: then its forces are reactions, not loads.
   virtual bool is_support() const { return false; }
-  /// Adds its gradient to the rows (6 * owned vertex + component): the negative of forces and moments on the vertices.
-  virtual void add_rows(const State& state, double load_factor, const KernelView<double*>& rows) const = 0;
-  /// Adds the derivative of the gradient with respect to the load factor.
-  virtual void add_slopes(const State& state, double load_factor, const KernelView<double*>& rows) const = 0;
+  /// Calls act(vertex, force and moment on it).
+  using Act = std::function<void(int, const SpatialLoad&)>;
+  virtual void forces(const State& state, double load_factor, const Act& act) const = 0;
+  /// Calls act with their derivatives with respect to the load factor.
+  virtual void slopes(const State&, double, const Act&) const {}
+  /// Calls act with what counts as a load in the scales of the residual, theory (40), in any frame.
+  virtual void sizes(const State& state, double load_factor, const Act& act) const {
+    if (!is_support()) forces(state, load_factor, act);
+  }
   /// The derivative of the rows, less half of what a moment on the vertex adds to it by theory (44).
   virtual void add_tangent(const State& state, double load_factor, const MatrixRows& rows) const = 0;
   /// Moments and what turns with the structure have none.
   virtual double energy(const State& state, double load_factor) const = 0;
+  /// Whether it leaves in a plane what lies and moves in it.
+  virtual bool keeps_in_plane(const Vec& /*normal*/, double /*tolerance*/) const { return false; }
+
+  /// Adds its gradient to the rows (6 * owned vertex + component): the negative of forces and moments on the vertices.
+  void add_rows(const State& state, double load_factor, const KernelView<double*>& rows) const;
+  /// Adds the derivative of the gradient with respect to the load factor.
+  void add_slopes(const State& state, double load_factor, const KernelView<double*>& rows) const;
 };
 
 using ExternalEnergies = std::vector<std::unique_ptr<const ExternalEnergy>>;
 
 /// All of a structure.
-ExternalEnergies external_energies(const Conditions& conditions);
+ExternalEnergies external_energies(const Scene& scene, const Mesh& mesh, const Structure& structure,
+                                   const Conditions& conditions, const std::shared_ptr<const LoadClock>& clock);
 
 }  // namespace mixbeam

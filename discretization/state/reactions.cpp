@@ -174,8 +174,10 @@ class BalanceSums {
     part.largest_moment = std::max({part.largest_moment, norm(load.moment), norm(cross(lever, load.force))});
   }
   void add_point_loads() {
-    for (const VertexLoad& load : model_.conditions().loads)
-      add(&PartSums::applied, load.vertex, spatial_load(load, load.amplitude(load_factor_), state_));
+    for (const auto& energy : model_.external())
+      if (!energy->is_support())
+        energy->forces(state_, load_factor_,
+                       [this](int vertex, const SpatialLoad& load) { add(&PartSums::applied, vertex, load); });
   }
   void add_line_loads(const MixedVector& loaded) {
     MixedVector difference = model_.create_vector();

@@ -35,7 +35,11 @@ class PartMeasure {
         sizes_(parts.count) {
     measure_vertices(point.state);
     measure_elements(point.state);
-    measure_loads(point.load_factor);
+    for (const auto& energy : model.external())
+      energy->sizes(point.state, point.load_factor, [this](int vertex, const SpatialLoad& load) {
+        raise(part_at(vertex).state.load_force, largest_component(load.force));
+        raise(part_at(vertex).state.load_moment, largest_component(load.moment));
+      });
     for (const PartSize& size : sizes_)
       scales_.push_back(residual_scales(size.state, size.length(), size.shortest_element, structure_.bending_reference,
                                         model.options().residual_tolerance));
@@ -49,7 +53,6 @@ class PartMeasure {
   PartSize& part_at(int vertex) { return sizes_[parts_.of_vertex[vertex]]; }
   void measure_vertices(const State& state);
   void measure_elements(const State& state);
-  void measure_loads(double load_factor);
   void measure_line_fields(const ElementBlock& block, int e, PartSize& size) const;
 
   const Model& model_;
@@ -107,15 +110,6 @@ void PartMeasure::measure_line_fields(const ElementBlock& block, int e, PartSize
       raise(size.state.load_moment, largest * structure_.bending_reference);
       raise(size.state.eigenstrain, largest * length);
     }
-  }
-}
-
-void PartMeasure::measure_loads(double load_factor) {
-  for (const VertexLoad& load : model_.conditions().loads) {
-    const double amplitude = load.amplitude(load_factor);
-    StateMagnitude& size = part_at(load.vertex).state;
-    raise(size.load_force, amplitude * largest_component(load.force));
-    raise(size.load_moment, amplitude * largest_component(load.moment));
   }
 }
 
