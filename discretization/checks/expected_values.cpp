@@ -206,8 +206,9 @@ void check_expected_values(const std::vector<ExpectedValue>& expected, const Sce
   const SceneNames names(scene);
   const auto check = [&](const ExpectedValue& value, const InputPlace& place) {
     check_case(value, scene, place);
-    if (!value.point.empty() && names.members_at(value.point) == nullptr)
-      throw unknown_name(place["Point"], "point", value.point, names.point_names());
+    const bool is_apart = !value.point.empty() && names.members_at(value.point) == nullptr;
+    if (is_apart && names.has_point(value.point) && source.has_mistakes()) throw InputError("");  // of members
+    if (is_apart) throw unknown_name(place["Point"], "point", value.point, names.point_names());
     if (!value.member.empty() && names.member(value.member) == nullptr)
       throw unknown_name(place["Member"], "member", value.member, names.member_names());
     if (is_reaction(value.quantity)) check_supported(value, scene, place);

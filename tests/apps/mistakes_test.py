@@ -196,6 +196,14 @@ class OneByOne(Mistakes):
                 self.assertIn(right, SCENE)
                 self.expect(self.refusal("scene.yaml", SCENE.replace(right, wrong, 1)), "scene.yaml", line, column, said)
 
+    def test_one_of_a_member_without_what_follows_from_it(self):
+        scene = SCENE.replace("End: tip", "End: top").replace("-500]", "-500], Frame: follower, Member: arm")
+        expected = "Expected:\n  sag: {Quantity: displacement, Point: tip, Component: z, Value: 0}\n"
+        self.assertNotIn("tip, Section", scene)
+        message = self.refusal("scene.yaml", scene + expected)
+        self.assertTrue(message.startswith("scene.yaml:15:29: "), message)
+        self.assertEqual(message.count("^"), 1, message)
+
     def test_in_xml(self):
         scene = self.in_xml()
         for right, wrong, line, column, said in IN_XML:

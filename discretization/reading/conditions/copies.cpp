@@ -104,8 +104,8 @@ void ConditionReader::copy_supports() { copy_with_patterns<Support>(); }
 
 void ConditionReader::copy_loads() {
   for_each_kind([this](auto kind) {
-    using Acting = typename std::decay_t<decltype(scene_.*kind.list)>::value_type;
-    if constexpr (!kind.stays) copy_with_patterns<Acting>();
+    using Load = typename std::decay_t<decltype(scene_.*kind.list)>::value_type;
+    if constexpr (!kind.stays) copy_with_patterns<Load>();
   });
 }
 

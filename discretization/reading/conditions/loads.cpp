@@ -155,7 +155,7 @@ void ConditionReader::read_at_points(const BoundList<Load>& parameters, const st
   for_each(ActingKind<Load>::name, [&](const std::string& name, const List& list, const InputPlace& place) {
     const std::vector<std::string> points = points_meant(list, place);
     check_any_given(list, needed, "loads nothing", place);
-    const Load load = parameters.read(list);
+    Load load = parameters.read(list);
     check_schedule(load, list, place);
     for (const std::string& point : points) {
       Load one = load;
@@ -174,8 +174,10 @@ std::string ConditionReader::follower_member(const std::string& text, const std:
   const auto is_joined = [&](const std::string& name) {
     return joined != joined_at_.end() && joined->second.count(name) > 0;
   };
+  const std::vector<const Member*>* const members = names_.members_at(point);
+  if (members == nullptr) return text;  // a member with a mistake may be meant to touch it
   std::vector<std::string> touching;
-  for (const Member* candidate : *names_.members_at(point))
+  for (const Member* candidate : *members)
     if (has_one_end_at(*candidate, point) && !is_joined(candidate->name)) touching.push_back(candidate->name);
   const std::vector<std::string> meant = names_meant(text, touching);
   if (meant.size() == 1) return meant.front();
