@@ -35,6 +35,8 @@ std::string described(YamlNode::Kind kind) {
   return kind == YamlNode::Kind::map ? "a map" : kind == YamlNode::Kind::sequence ? "a sequence" : "a value";
 }
 
+const std::string kNothingAfter = "; nothing after this line was read";
+
 /// In which file, and its text.
 struct YamlFile {
   const std::string& name;
@@ -76,6 +78,8 @@ class YamlTree : public YAML::EventHandler {
     const auto is_control = [](unsigned char c) { return c < ' ' && c != '\t' && c != '\n' && c != '\r'; };
     if (std::any_of(value.begin(), value.end(), is_control))
       throw file_.error(mark, "\"" + excerpt(value) + "\" holds a control character; allowed: text");
+    if (is_open_quote(static_cast<std::size_t>(mark.pos)))
+      throw file_.error(mark, "not well-formed YAML: a quote that is not closed in this line" + kNothingAfter);
     add(is_text ? YamlNode::Kind::quoted : YamlNode::Kind::plain, mark, is_text ? "!" : tag, anchor).text = value;
   }
   void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
@@ -109,6 +113,14 @@ class YamlTree : public YAML::EventHandler {
       throw file_.error(mark, "lists nested deeper than " + std::to_string(kDeepestLists));
     add(kind, mark, tag, anchor);
     open_.push_back(nodes_.size() - 1);
+  }
+  /// The parser takes the end of the file for the end of a quote.
+  bool is_open_quote(std::size_t at) const {
+    const char quote = at < file_.text.size() ? file_.text[at] : ' ';
+    if (quote != '"' && quote != '\'') return false;
+    while (++at < file_.text.size() && file_.text[at] != quote)
+      if (quote == '"' && file_.text[at] == '\\') ++at;
+    return at >= file_.text.size();
   }
   /// The parser tells that a scalar means null, not how it was written, which matters where it is a name.
   std::string null_word(const YAML::Mark& mark) const {
@@ -323,8 +335,6 @@ std::pair<int, int> place_of_tab(const std::string& text, int last_line) {
   }
   return {};
 }
-
-const std::string kNothingAfter = "; nothing after this line was read";
 
 /// The last quote of the first line, up to `last_line`, that has an odd number of them before its comment.
 std::pair<int, int> place_of_open_quote(const std::string& text, int last_line) {

@@ -185,11 +185,13 @@ std::pair<std::size_t, std::size_t> fitting(const std::string& pattern, std::siz
   const std::size_t end = pattern[p] == '[' ? end_of_choice(pattern, p) : 0;
   if (end == 0)
     return pattern[p] == name[n] ? std::make_pair<std::size_t, std::size_t>(1, 1) : std::make_pair(0UL, 0UL);
-  const std::string choice = pattern.substr(p + 1, end - p - 2);
+  const bool is_other = pattern[p + 1] == '!' && end - p > 3;
+  const std::size_t begin = p + (is_other ? 2 : 1);
+  const std::string choice = pattern.substr(begin, end - begin - 1);
   bool is_one = choice.find(name.substr(n, bytes)) != std::string::npos;
   for (std::size_t i = 1; i + 1 < choice.size(); ++i)
     is_one = is_one || (choice[i] == '-' && choice[i - 1] <= name[n] && name[n] <= choice[i + 1]);
-  return is_one ? std::make_pair(end - p, bytes) : std::make_pair(0UL, 0UL);
+  return is_one != is_other ? std::make_pair(end - p, bytes) : std::make_pair(0UL, 0UL);
 }
 
 }  // namespace

@@ -34,7 +34,7 @@ std::string marked_line(const std::string& text, std::size_t offset);
 std::string lower_case(std::string text);
 
 /// What a pattern may hold, for messages and pages.
-inline const std::string kWildcards = "* stands for any characters, ? for one, [abc] or [a-c] for one of these";
+inline const std::string kWildcards = "* stands for any characters, ? for one, [abc] or [a-c] for one of these, [!abc] for another";
 
 /// Whether `text` is a pattern: it contains a `*`, which stands for any characters, also none, a `?`, which stands for
 /// one, or characters in brackets, which stand for one of them.

@@ -210,6 +210,7 @@ FailureReport report_failure(BeamProblem& problem, const SolverParameters& param
   report.failures = problem.attempts.failures();
   report.attempts = problem.attempts.attempts();
   report.steps_used_up = end.steps_used_up;
+  report.lost_at = end.lost_at;
   if (!report.attempts.empty()) {
     const double tried = std::abs(report.attempts.back().load_factor - end.load_factor);
     report.step_at_minimum = tried > 0.0 && tried <= end.minimum_step * (1.0 + kFactorRounding) + kFactorRounding;

@@ -92,6 +92,7 @@ struct FailureReport {
   double minimum_step = 0.0;
   bool step_at_minimum = false;
   bool steps_used_up = false;
+  std::string lost_at{};                  ///< as of PathEnd
   int failures = 0;                       ///< attempts since the last equilibrium
   std::vector<FailedAttempt> attempts{};  ///< the last of them
   std::vector<WideAngle> wide_angles{};   ///< widest first
@@ -109,6 +110,7 @@ struct PathEnd {
   double load_factor = 0.0;
   double minimum_step = 0.0;  ///< change of the load factor below which no step is tried
   bool steps_used_up = false;
+  std::string lost_at{};  ///< where the path became unstable, in words; empty: nowhere, or not known
 };
 
 /// Reports the attempts that `problem` has kept and the equations at the last equilibrium. Collective; throws nothing:

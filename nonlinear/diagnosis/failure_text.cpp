@@ -87,6 +87,9 @@ void write_mode(std::ostream& out, const CriticalMode& mode) {
 }
 
 void write_tangent(std::ostream& out, const FailureReport& report) {
+  if (!report.lost_at.empty())
+    out << "The structure is stable up to a " << report.lost_at
+        << ": there it buckles or snaps through, and what was followed beyond is unstable.\n";
   const TangentReport& tangent = report.tangent;
   if (!tangent.known) {
     out << "Tangent at the last equilibrium: unknown (" << tangent.unknown_because << ").\n";

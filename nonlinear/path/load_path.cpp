@@ -106,7 +106,8 @@ void give_up(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& p
   const double minimum = step_size_rule(problem->model, parameters).minimum;
   const int most = parameters.load_path.most_steps(problem->model.scene().stages);
   const bool used_up = result.steps + result.failed_steps >= most;
-  result.report = report_failure(*problem, parameters, {state, result.steps, result.load_factor, minimum, used_up});
+  result.report =
+      report_failure(*problem, parameters, {state, result.steps, result.load_factor, minimum, used_up, result.lost_at});
   result.failure = text_of(*result.report);
 }
 

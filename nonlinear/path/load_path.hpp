@@ -50,6 +50,7 @@ struct LoadPathResult {
   double load_factor = 0.0;  ///< last converged
   int steps = 0, failed_steps = 0, newton_iterations = 0;
   std::vector<int> iterations_of_stage;
+  std::string lost_at{};                  ///< kind and load factor of the first point where the path became unstable
   std::optional<FailureReport> report{};  ///< why the path ended early, and what to try
   std::string failure;                    ///< the same as a page of text; empty if it did not
 };

@@ -1,5 +1,7 @@
 #include "nonlinear/path/path_recorder.hpp"
 
+#include "discretization/text/number_text.hpp"
+
 #include <cmath>
 #include <utility>
 
@@ -43,6 +45,10 @@ void PathRecorder::keep(const ConvergedStep& step) {
   if (started_) ++successes_;
   for (const CriticalPoint& point : step.critical_points) {
     passed_.push_back(point);
+    const bool is_loss = result_.lost_at.empty() && point.negative_before == 0 && point.negative_after > 0;
+    if (is_loss)
+      result_.lost_at =
+          std::string(name_of(point.kind)) + " at load factor " + rounded(clock.load_factor(point.load_factor), 6);
     if (!clock.piece()) continue;
     const double low = clock.load_factor(point.load_factor - point.error),
                  high = clock.load_factor(point.load_factor + point.error);

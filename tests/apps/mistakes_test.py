@@ -80,6 +80,7 @@ IN_YAML = (
     ("E: 210e9", 'E: "210 000"', 7, 21, "no blank inside of one"),
     ("{Quantity: displacement, Point", '{Quantity: "displacement, Point', 25, 19,
      "a quote that is not closed in this line; nothing after this line was read"),
+    ("Shape: tube", "Shape: 'tube", 4, 14, "a quote that is not closed in this line; nothing after"),
     ("Material: {E: 210e9, nu: 0.3}", "Material: steel", 7, 0, 'a map of this name, with "E", "nu"'),
     ("arm: {Start: knee, End: tip, Section: bar}", "arm: [knee, tip, bar]", 15, 0, 'one map per member, with "Start", "End"'),
     ("Force: [0, 0, -500]", "Fz: -500", 19, 26, 'did you mean "Force"'),
@@ -198,10 +199,11 @@ class OneByOne(Mistakes):
 
     def test_one_of_a_member_without_what_follows_from_it(self):
         scene = SCENE.replace("End: tip", "End: top").replace("-500]", "-500], Frame: follower, Member: arm")
-        expected = "Expected:\n  sag: {Quantity: displacement, Point: tip, Component: z, Value: 0}\n"
+        expected = ("Expected:\n  sag: {Quantity: displacement, Point: tip, Component: z, Value: 0, "
+                    "Absolute Tolerance: 1, Source: hand}\n")
         self.assertNotIn("tip, Section", scene)
         message = self.refusal("scene.yaml", scene + expected)
-        self.assertTrue(message.startswith("scene.yaml:15:29: "), message)
+        self.assertTrue(message.startswith("scene.yaml:15:24: "), message)
         self.assertEqual(message.count("^"), 1, message)
 
     def test_in_xml(self):

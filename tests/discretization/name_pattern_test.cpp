@@ -25,6 +25,9 @@ TEST(NamePattern, StarsStandForAnyCharacters) {
   for (const std::string name : {"leg 2", "leg 8", "leg 13", "leg "})
     EXPECT_FALSE(matches("leg [135-7]", name)) << name;
   EXPECT_TRUE(matches("*[ab]?", "xxbay"));
+  for (const std::string name : {"leg 2", "leg 8", "leg !"}) EXPECT_TRUE(matches("leg [!135-7]", name)) << name;
+  for (const std::string name : {"leg 3", "leg 6", "leg 22"}) EXPECT_FALSE(matches("leg [!135-7]", name)) << name;
+  EXPECT_TRUE(matches("a[!]", "a!"));
   EXPECT_TRUE(matches("a[", "a["));  // never closed, or empty: nothing special
   EXPECT_TRUE(matches("a[]", "a[]"));
   EXPECT_FALSE(has_wildcard("a[] ]"));

@@ -276,6 +276,22 @@ TEST(FailureReport, SuggestsJumpsWhereTheyAreAWay) {
   }
 }
 
+/// A column that is twice as strong as its Euler load pi^2 EI / (4 L^2), and its twin that stays below.
+TEST(FailureReport, NamesTheLoadAtWhichTheStructureBuckles) {
+  const auto text_under = [](double force) {
+    Scene scene = elastica(0.0);
+    scene.point_loads[0].force = {-force, 0.0, 0.0};
+    SolverParameters parameters = in_steps(0.3, 1e-3);
+    parameters.load_path.maximum_steps = 3;
+    const Outcome outcome = follow(scene, parameters);
+    return outcome.result.finished ? std::string() : text_of(*outcome.result.report);
+  };
+  expect_in(text_under(kPi * kPi / 2.0), {"more steps are needed", "stable up to a bifurcation at load factor 0.500"});
+  const std::string twin = text_under(0.8 * kPi * kPi / 4.0);
+  expect_in(twin, {"more steps are needed"});
+  EXPECT_EQ(twin.find("stable up to"), std::string::npos);
+}
+
 TEST(FailureReport, APathWithoutDirectionIsNotTheFaultOfALoad) {
   FailedAttempt attempt;
   attempt.load_factor = kNaN;
