@@ -10,7 +10,7 @@ PRODUCT = ("kernels", "discretization", "nonlinear", "apps")
 
 # Folders and their rooms: includes point to the same room or to what stands before it.
 ROOMS = {
-    "kernels": "execution math element condensation planar loops chains",
+    "kernels": "execution math element condensation planar loops vibration chains",
     "discretization": "text parameters geometry scene stresses mesh checks reading constraints linear_system assembly"
                       " state quantities results",
     "nonlinear": "parameters linear multilevel newton stability diagnosis path accuracy run",

@@ -253,6 +253,7 @@ void check_scene(Application& app, const std::optional<std::string>& load_case) 
     throw placed(app, error);
   }
   warn_of_scene(app);
+  if (app.solver.analysis.modes.number > 0) return;  // supports may be missing
   const std::string skipped = check_supports(app.scene, app.xml.source);
   if (!skipped.empty()) app.out() << "warning: " << skipped << "\n";
 }

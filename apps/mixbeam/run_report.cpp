@@ -233,6 +233,21 @@ void RunReport::print_buckling(std::ostream& out) const {
   finish();
 }
 
+void RunReport::print_modes(std::ostream& out) const {
+  if (last_.vibration.empty()) return;
+  out << "  natural modes\n"
+      << formatted("  %6s %18s %16s %12s %38s\n", "mode", "omega", "frequency", "modal mass", "participation x, y, z");
+  for (std::size_t i = 0; i < last_.vibration.size(); ++i) {
+    const RecordedVibrationMode& mode = last_.vibration[i];
+    const auto part = [](double value) { return std::abs(value) < 1e-10 ? 0.0 : value; };
+    out << formatted("  %6zu %18.10g %16.10g %12.5g %12.5g %12.5g %12.5g", i + 1, mode.omega, mode.frequency,
+                     mode.modal_mass, part(mode.participation_x), part(mode.participation_y),
+                     part(mode.participation_z))
+        << (mode.eigenvalue < 0.0 && mode.omega == 0.0 ? formatted("  omega^2 %.3g", mode.eigenvalue) : "")
+        << (mode.confirmed ? "\n" : "  not confirmed\n");
+  }
+}
+
 /// The least load that the path or, where it does not say, linear buckling about its last prestressed state tells.
 std::string RunReport::collapse_text() const {
   if (!collapse_.empty()) return collapse_;
@@ -483,6 +498,7 @@ void RunReport::print(std::ostream& out) const {
   }
   print_left_out(out, points);
   print_reactions(out);
+  print_modes(out);
   out << formatted("  strain energy %.10g (forces %.10g, moments %.10g)\n", last_.strain_energy, last_.force_energy,
                    last_.moment_energy);
   print_quantities(out);

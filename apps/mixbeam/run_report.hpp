@@ -51,6 +51,7 @@ class RunReport {
 
  private:
   void print_buckling(std::ostream& out) const;
+  void print_modes(std::ostream& out) const;
   std::string collapse_text() const;
   void print_critical_points(std::ostream& out) const;
   void print_jumps(std::ostream& out) const;

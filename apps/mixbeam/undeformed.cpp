@@ -127,6 +127,7 @@ void write_undeformed(const std::function<XmlParameters()>& read, const Communic
       if (left_out == LeftOut::curves) keep_chords(parameters.list->sublist("Scene"));
       read_scene_file(app, std::move(parameters), mixbeam_definition(), mixbeam_root_spec());
       app.solver.analysis.buckling_modes = 0;
+      app.solver.analysis.modes = {};
       prepare_output_folder(folder);
       std::vector<std::string> cases = alternatives(app.scene);
       if (load_case && !cases.empty()) cases = chosen_cases(app.scene, load_case);

@@ -224,6 +224,11 @@ def _write_answers(page, run):
         if factors:
             page.table((f"linear buckling mode about the end of stage {step.load_factor:.4g}", "factor of the loads of the next stage"),
                        list(enumerate(factors, 1)))
+    for step in run.steps:
+        roots = [np.sqrt(max(value, 0.0)) for value, _ in step.natural_modes()]
+        if roots:
+            page.table((f"natural mode about load factor {step.load_factor:.4g}", "omega", "omega / (2 pi)"),
+                       [(number, root, root / (2 * np.pi)) for number, root in enumerate(roots, 1)])
     jumps = [(step.number, step.jump) for step in run.steps if step.jump]
     if jumps:
         page.text(f"{len(jumps)} jump{'s' * (len(jumps) > 1)} from a stable state to the next:")

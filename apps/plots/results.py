@@ -277,6 +277,10 @@ class Step:
         """[(factor of the loads of the next stage, displacements (n, 3))] about this state, at the end of a stage."""
         return [(mode.attribute("load_factor"), self._selection.of(mode, "mode")) for mode in self._group.numbered("buckling")]
 
+    def natural_modes(self):
+        """[(omega^2, displacements (n, 3))] of the vibrations about this state, where a run was asked for them."""
+        return [(mode.attribute("eigenvalue"), self._selection.of(mode, "mode")) for mode in self._group.numbered("vibration")]
+
     @property
     def jump(self):
         """With which the step was made: {"from", "to", "released", "motion", "largest", "place"}; None where it was not."""

@@ -163,6 +163,14 @@ py::list buckling_modes_of(const SolvedRun& run, int count, int step) {
   return result;
 }
 
+py::list natural_modes_of(const SolvedRun& run, int count, int step, bool in_plane) {
+  py::list result;
+  for (RecordedVibrationMode& mode :
+       in_turn([&] { return run.at(step).vibration_modes(count, in_plane, kPointsByOrder); }))
+    result.append(dict_of(mode));
+  return result;
+}
+
 py::object error_estimate_of(const SolvedRun& run, int step) {
   const ErrorEstimate estimate = in_turn([&] { return run.at(step).estimate_error(); });
   if (!estimate.exists()) return py::str(estimate.not_estimated);
@@ -226,6 +234,7 @@ void bind_run(py::module_& module) {
       .def("state", state_of)
       .def("critical_points", critical_points_of)
       .def("buckling_modes", buckling_modes_of)
+      .def("natural_modes", natural_modes_of)
       .def("error_estimate", error_estimate_of)
       .def("value_errors", value_errors_of)
       .def("checks", checks_of)

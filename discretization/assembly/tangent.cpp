@@ -143,11 +143,13 @@ void Tangent::gather(const VertexMatrix& matrix) const {
   gather(matrix, LinkMatrices<kSpatialDofs>{arrays_->elements.condensed_tangent, {}});
 }
 
-void Tangent::gather(const VertexMatrix& matrix, const LinkMatrices<kSpatialDofs>& links) const {
+void Tangent::gather(const VertexMatrix& matrix, const LinkMatrices<kSpatialDofs>& links,
+                     const std::function<void(const MatrixRows&)>& add_more) const {
   matrix.gather(links);
   const MatrixRows rows = matrix.rows();
   for (const auto& energy : model_->external()) energy->add_tangent(point_.state, point_.load_factor, rows);
   add_springs(rows);
+  if (add_more) add_more(rows);
   model_->constraints().project(point_.state, *point_.carried, rows);
 }
 

@@ -3,6 +3,8 @@
 
 #include "discretization/assembly/cap.hpp"
 
+#include <functional>
+
 namespace mixbeam {
 
 struct TangentArrays;
@@ -43,8 +45,9 @@ class Tangent {
 
   /// Adds up the elements, loads, supports and joints in a matrix over all vertices (whole_matrix). Collective.
   void gather(const VertexMatrix& matrix) const;
-  /// Gathers some of the vertices, from the links between them.
-  void gather(const VertexMatrix& matrix, const LinkMatrices<kSpatialDofs>& links) const;
+  /// Gathers some of the vertices, from the links between them; `add_more` adds to them before motions are projected.
+  void gather(const VertexMatrix& matrix, const LinkMatrices<kSpatialDofs>& links,
+              const std::function<void(const MatrixRows&)>& add_more = {}) const;
   /// Model::project_on_free_motions at the state of the tangent.
   void project_on_free_motions(const KernelView<double*>& rows) const {
     model_->project_on_free_motions(point_.state, rows);

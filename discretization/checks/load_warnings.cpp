@@ -1,3 +1,4 @@
+#include "discretization/checks/scene_warnings.hpp"
 #include "discretization/checks/survey.hpp"
 #include "discretization/mesh/reference_element.hpp"
 #include "discretization/scene/division.hpp"
@@ -222,7 +223,7 @@ void add_load_warnings(const SceneSurvey& survey, WarningList& list) {
   warn_of_narrow_formulas(survey, list);
   const bool is_moved = imposes_deformation(scene);
   if (found.forces.empty() && !is_moved)
-    list.add("scenes", "nothing acts: no loads, eigenstrains or prescribed motions");
+    list.add("scenes", kNothingActs);
   if (!is_moved) warn_of_small(found, stiffness, list);
   if (scene.gravity == 0.0) return;
   warn_of_weightless(survey, list);

@@ -13,4 +13,7 @@ namespace mixbeam {
 /// rarely meets them, and may run all the same.
 std::vector<std::string> warnings(const Scene& scene);
 
+/// Warning of a scene in which nothing acts: none where its vibrations are asked for.
+inline constexpr const char* kNothingActs = "nothing acts: no loads, eigenstrains or prescribed motions";
+
 }  // namespace mixbeam

@@ -36,6 +36,8 @@ std::vector<Form> forms_of(const QuantityKind& kind) {
       return {{{"Point", "Other Point", "Corner"}, {"Limit"}}};
     case QuantitySource::length:
       return {{{"Member"}, {"Take", "Limit"}}};
+    case QuantitySource::mode:
+      return {{{"Mode"}, {"Limit"}}};
     case QuantitySource::structure:
       return {{{}, {"Limit"}}};
     case QuantitySource::formula:
@@ -64,6 +66,10 @@ BoundList<Quantity> declared_quantity_parameters() {
            "Where: name of a point, MEMBER@s (arc length from the start of the member) or MEMBER@p% (share of its "
            "length), or a pattern with *, ?, [abc]: each place that fits, or what Take says. Of a reaction: supported "
            "points.");
+  one.bind(
+      &Quantity::mode, integer("Mode").at_least(1),
+      "natural frequency: number of the mode, one of those that the list Modes of Analysis asks for; omega / (2 pi), "
+      "known in the steps that have modes.");
   one.bind(&Quantity::other_point, text("Other Point"), "distance, angle: the second place.");
   one.bind(&Quantity::corner, text("Corner"), "angle: the place where its two sides meet.");
   one.bind(&Quantity::member, text("Member"),

@@ -35,6 +35,7 @@ struct Quantity {
   std::string component{};           ///< empty: all
   Take take = Take::each;
   std::string formula{};
+  int mode = 0;                           ///< of vibrations, from 1
   std::optional<double> limit{};          ///< largest absolute value allowed in any completed step, ...
   std::optional<double> span{}, ratio{};  ///< ... or their quotient
   std::string load_case{};                ///< in which alone the limit counts, or a pattern; empty: in all

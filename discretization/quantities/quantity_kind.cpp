@@ -93,6 +93,7 @@ std::vector<QuantityKind> all_kinds() {
       of_structure("jumps", "", [](const State& at) { return static_cast<double>(at.jumps); }),
       of_structure("negative eigenvalues", "",
                    [](const State& at) { return at.negative < 0 ? kNotKnown : static_cast<double>(at.negative); }),
+      {"natural frequency", QuantitySource::mode, ""},
       {"formula", QuantitySource::formula, ""}};
 }
 

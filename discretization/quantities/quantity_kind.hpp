@@ -22,6 +22,7 @@ enum class QuantitySource {
   between,    ///< number, of two or three places
   length,     ///< number, of a member
   structure,  ///< number
+  mode,       ///< number, of a natural mode
   formula     ///< of other quantities
 };
 

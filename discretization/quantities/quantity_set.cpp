@@ -336,6 +336,8 @@ Numbers QuantitySet::Resolved::at(std::size_t place, const QuantityState& at) co
 /// Of kinds that have no place, or two or three.
 Numbers QuantitySet::Resolved::whole(const QuantityState& at) const {
   if (kind.of_structure != nullptr) return {kind.of_structure(at)};
+  if (kind.is(QuantitySource::mode))
+    return {at.natural_frequency ? at.natural_frequency(asked.mode) : std::numeric_limits<double>::quiet_NaN()};
   const auto position = [&](const QuantityPlace& place) {
     const Numbers p = at_place(place, at);
     return Vector3{p[0], p[1], p[2]};

@@ -7,6 +7,7 @@
 #include "discretization/state/sampling.hpp"
 #include "discretization/text/expression.hpp"
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -34,6 +35,8 @@ struct QuantityState {
   /// Which section forces and stresses at ends of members, and extremes, take into account, with forces by their
   /// spatial components, as the state of a richer space does; null: neither.
   const std::vector<EndLayer>* layers = nullptr;
+  /// omega / (2 pi) of a natural mode, NaN where it is not known; null: of none.
+  std::function<double(int mode)> natural_frequency{};
   std::shared_ptr<StressedSections> stresses{};  ///< made by QuantitySet::values()
 };
 

@@ -26,8 +26,8 @@ const std::string kPointsFile = "Points File", kMembersFile = "Members File", kP
 const std::vector<std::string> kNumberColumns = {"x", "y", "z", "dx", "dy", "dz", "order", "elements"};
 
 /// Lists of the scene whose entries a table may give: the name of the list is that of the parameter without " File".
-const std::vector<std::string> kImportedLists = {"Sections",    "Supports",          "Joints",
-                                                 "Point Loads", "Distributed Loads", "Eigenstrains"};
+const std::vector<std::string> kImportedLists = {"Sections",     "Supports",          "Joints",      "Point Loads",
+                                                 "Point Masses", "Distributed Loads", "Eigenstrains"};
 
 /// All files that a scene names: list, parameter.
 std::vector<std::pair<std::string, std::string>> file_parameters() {

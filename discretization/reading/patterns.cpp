@@ -302,14 +302,17 @@ class PatternScene {
   std::string mirrored_section(const std::string& name) {
     const Section& section = scene_.sections[section_index_.at(name)];
     const bool has_top = section.shape && section.shape->kind == SectionShapeKind::t_section;
-    if (!section.matrix && !has_top) return name;
+    const bool is_offset = section.mass_offset[1] != 0.0;
+    if (!section.matrix && !has_top && !is_offset) return name;
     const auto known = mirrored_sections_.find(name);
     if (known != mirrored_sections_.end()) return known->second;
     Section mirrored = section;
     if (section.matrix) mirrored.matrix = mirrored_stiffness(*section.matrix);
+    mirrored.mass_offset[1] = -section.mass_offset[1];
+    mirrored.inertia_product = -section.inertia_product;
     if (section.shape)
       mirrored.shape->mirrored = !section.shape->mirrored;
-    else if (*mirrored.matrix == *section.matrix && !section.stress_points)
+    else if (section.matrix && *mirrored.matrix == *section.matrix && !section.stress_points && !is_offset)
       return mirrored_sections_[name] = name;
     if (section.stress_points) mirror_stress_points(*mirrored.stress_points);
     mirrored.name += " (mirrored)";

@@ -3,6 +3,7 @@
 #include "discretization/parameters/access.hpp"
 #include "discretization/parameters/binding.hpp"
 #include "discretization/scene/limits.hpp"
+#include "discretization/scene/mass.hpp"
 #include "discretization/scene/names.hpp"
 #include "discretization/scene/section_law.hpp"
 #include "discretization/scene/section_shape.hpp"
@@ -38,6 +39,8 @@ struct SectionDraft {
   std::optional<double> youngs_modulus{}, poisson_ratio{};
   std::vector<double> matrix{};
   std::optional<double> mass{};
+  std::optional<std::array<double, 3>> rotary_inertia{};
+  std::optional<std::array<double, 2>> mass_offset{};
   std::optional<double> inner_radius{};
   std::optional<StressPoints> stress_points{};
   std::optional<SectionShape> drawn_as{};
@@ -61,7 +64,7 @@ BoundList<SectionDraft> material_parameters() {
       "the utilisation.");
   material.bind(
       [](auto& d) -> auto& { return d.shape.density; }, real("Density").at_least(0.0),
-      "Mass per volume, for the list Gravity.");
+      "Mass per volume, for the list Gravity and for Modes.");
   return material;
 }
 
@@ -160,7 +163,8 @@ void bind_shape(BoundList<SectionDraft>& section) {
                                     {"T", form({"Width", "Height", "Flange", "Web"})},
                                     {"L", form({"Width", "Height", "Wall"})},
                                     {"U", form({"Width", "Height", "Flange", "Web"})}});
-  section.spec.without_form({"EA", "GA2", "GA3", "GIt", "EI2", "EI3", "Matrix", "Mass", "Stress Points", "Drawn As"});
+  section.spec.without_form({"EA", "GA2", "GA3", "GIt", "EI2", "EI3", "Matrix", "Mass", "Rotary Inertia", "Mass Offset",
+                             "Stress Points", "Drawn As"});
 }
 
 BoundList<SectionDraft> section_parameters() {
@@ -176,9 +180,18 @@ BoundList<SectionDraft> section_parameters() {
       &SectionDraft::matrix, array("Matrix", ParameterType::real_array).at_least(-std::numeric_limits<double>::max()),
       "Stiffness of a coupled section in the order EA, GA2, GA3, GIt, EI2, EI3: all 36 entries or the 21 of the "
       "upper triangle, row by row; symmetric and positive definite.");
-  section.bind(&SectionDraft::mass, real("Mass").at_least(0.0),
-               "Mass per length of a section given by stiffnesses or Matrix, for the list Gravity (Density of Material "
-               "of one given by Shape).");
+  section.bind(
+      &SectionDraft::mass, real("Mass").at_least(0.0),
+      "Mass per length of a section given by stiffnesses or Matrix, for the list Gravity and for Modes (Density "
+      "of Material of one given by Shape).");
+  section.bind(&SectionDraft::rotary_inertia, array("Rotary Inertia", ParameterType::real_array, 3).at_least(0.0),
+               "With Mass: moments of inertia per length about axes 1, 2 and 3 through the centre of mass, for Modes; "
+               "zero if absent (those of one given by Shape follow from Density) [mass * length].");
+  section.bind(
+      &SectionDraft::mass_offset,
+      array("Mass Offset", ParameterType::real_array, 2).at_least(-kLargestCoordinate).at_most(kLargestCoordinate),
+      "With Mass: place of the centre of mass along axes 2 and 3, for Modes; zero if absent. Weight acts on "
+      "the axis all the same [length].");
   section.bind_list(&SectionDraft::stress_points, "Stress Points", stress_points_parameters(), Presence::optional);
   section.bind_list(&SectionDraft::drawn_as, "Drawn As", drawn_as_parameters(), Presence::optional);
   section.bind(&SectionDraft::inextensible, boolean("Inextensible").by_default(),
@@ -207,7 +220,7 @@ class SectionReader {
                       : list_.isParameter("Matrix") ? section_from_matrix()
                                                     : section_from_stiffnesses();
     section.largest_strain = draft_.largest_strain;
-    if (draft_.mass) section.mass = *draft_.mass;
+    if (draft_.mass) read_mass(section);
     if (draft_.stress_points) section.stress_points = checked_stress_points(section);
     section.drawn_as = draft_.drawn_as;
     return section;
@@ -221,7 +234,11 @@ class SectionReader {
   /// Parameters of one way to give a section must not stand beside those of another.
   void check_one_way() const {
     const bool shape = list_.isParameter("Shape"), matrix = list_.isParameter("Matrix");
-    if (shape && draft_.mass) throw error("Mass", "given beside \"Shape\"; allowed: \"Density\" in \"Material\"");
+    for (const char* name : {"Mass", "Rotary Inertia", "Mass Offset"}) {
+      if (!is_given(list_, name)) continue;
+      if (shape) throw error(name, "given beside \"Shape\"; allowed: \"Density\" in \"Material\"");
+      if (!draft_.mass) throw error(name, "given without \"Mass\"; allowed: with it");
+    }
     if (shape && draft_.drawn_as)
       throw error("Drawn As", "given beside \"Shape\"; allowed: beside stiffness values or \"Matrix\"");
     const std::string owner = shape ? "\"Shape\"" : matrix ? "\"Matrix\"" : "stiffness values";
@@ -232,6 +249,16 @@ class SectionReader {
     for (const std::string& name : kOfShape)
       if (!shape && is_given(list_, name))
         throw error(name, "given beside " + owner + "; allowed: with \"Shape\" only");
+  }
+
+  void read_mass(Section& section) const {
+    section.mass = *draft_.mass;
+    section.rotary_inertia = draft_.rotary_inertia.value_or(section.rotary_inertia);
+    section.mass_offset = draft_.mass_offset.value_or(section.mass_offset);
+    if (!is_inertia(section.rotary_inertia))
+      throw error("Rotary Inertia",
+                  "one of the three is larger than the sum of the others, which no body has; "
+                  "allowed: for flat sections {J2 + J3, J2, J3}");
   }
 
   StressPoints checked_stress_points(const Section& section) const {
@@ -383,7 +410,7 @@ class SectionReader {
 void check_profile_alone(const ParameterList& list, const InputPlace& place) {
   std::vector<std::string> others = kStiffnesses;
   others.insert(others.end(), profile_parameters().begin(), profile_parameters().end());
-  others.insert(others.end(), {"Matrix", "Mass", "Stress Points", "Drawn As"});
+  others.insert(others.end(), {"Matrix", "Mass", "Rotary Inertia", "Mass Offset", "Stress Points", "Drawn As"});
   for (const std::string& name : others)
     if (is_given(list, name) || list.isSublist(name))
       throw place[name].error("given beside \"Profile\"; allowed: \"Material\", \"Shear Correction\"");

@@ -59,6 +59,7 @@ bool has_complete_rows(const StepRecord& record) {
     complete = complete && is_complete(point.state) && point.position.size() == samples &&
                point.displacement.size() == samples && point.mode.size() == samples;
   for (const auto& mode : record.buckling) complete = complete && mode.mode.size() == samples;
+  for (const auto& mode : record.vibration) complete = complete && mode.mode.size() == samples;
   return complete;
 }
 

@@ -256,6 +256,8 @@ std::vector<ResultTable> tables_of_step(const StepRecord& record, RankNumber ran
   const std::string buckling = record.step == 0 ? "/buckling/" : group + "buckling/";
   for (std::size_t i = 0; i < record.buckling.size(); ++i)
     add_fields_of(buckling + std::to_string(i) + "/", record.buckling[i]);
+  for (std::size_t i = 0; i < record.vibration.size(); ++i)
+    add_fields_of(group + "vibration/" + std::to_string(i) + "/", record.vibration[i]);
   add_fields(group, record.members, tables);
   const std::vector<std::string> stresses = stresses_of_step(record);
   for (std::size_t i = 0; i < stresses.size(); ++i)

@@ -122,13 +122,12 @@ void write_error_estimate(hid_t step, const RecordedErrorEstimate& estimate) {
   write_values(group, "sections", estimate.sections);
 }
 
-void write_buckling(hid_t file, const std::vector<RecordedBucklingMode>& modes) {
+template <class Mode>
+void write_modes(hid_t file, const char* name, const std::vector<Mode>& modes) {
   if (modes.empty()) return;
-  const auto buckling = hdf5::create_group(file, "buckling");
+  const auto all = hdf5::create_group(file, name);
   int number = 0;
-  for (const auto& mode : modes) {
-    visit_fields(mode, Writing{hdf5::create_group(buckling, std::to_string(number++))});
-  }
+  for (const Mode& mode : modes) visit_fields(mode, Writing{hdf5::create_group(all, std::to_string(number++))});
 }
 
 /// The time series that every run has are what a step tells of itself.
@@ -153,7 +152,8 @@ RecordedCriticalPoint read_critical_point(hid_t group) {
 void write_step(hid_t file, const StepRecord& record) {
   const auto steps = hdf5::open_group(file, "steps");
   const auto group = hdf5::create_group(steps, step_group_name(record.step));
-  write_buckling(record.step == 0 ? file : static_cast<hid_t>(group), record.buckling);
+  write_modes(record.step == 0 ? file : static_cast<hid_t>(group), "buckling", record.buckling);
+  write_modes(group, "vibration", record.vibration);
   visit_fields<const StepSummary>(record, Writing{group});
   write_reactions(group, record);
   write_history(group, record.history);

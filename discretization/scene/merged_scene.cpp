@@ -20,6 +20,7 @@ class PartOfScene {
     });
     for (auto load = merged_.point_loads.end() - scene.point_loads.size(); load != merged_.point_loads.end(); ++load)
       rename(load->member);
+    append(merged_.point_masses, scene.point_masses, [this](PointMass& body) { rename(body.point); });
     append(merged_.joints, scene.joints, [this](Joint& joint) {
       rename(joint.name);
       rename(joint.point);

@@ -64,6 +64,9 @@ struct Section {
   /// of the compliance are zero whatever the matrix says.
   std::optional<Matrix6> matrix{};
   double mass = 0.0;  ///< per length, which Gravity acts on; 0: none is known
+  std::array<double, 3> rotary_inertia{};  ///< per length about axes 1, 2, 3 through the centre of mass
+  double inertia_product = 0.0;            ///< per length: integral of density x2 x3
+  std::array<double, 2> mass_offset{};     ///< of the centre of mass, along axes 2 and 3
   /// The shape that the numbers above come from, if any; a taper between two sections of one kind interpolates it. That
   /// of an L has a matrix too, since its axes are not the principal ones.
   std::optional<SectionShape> shape{};
@@ -193,6 +196,14 @@ struct PointLoad {
   std::string load_case{};
 };
 
+/// A body at a point, rigidly joined to what meets there.
+struct PointMass {
+  std::string point{};
+  double mass = 0.0;
+  Vector3 inertia{};  ///< about `axes` through the point
+  Axes axes = kGlobalAxes;
+};
+
 /// Load per unit reference length of a member: dead (spatial components) or follower (components in the triad of the
 /// section on which it acts).
 struct DistributedLoad {
@@ -245,6 +256,7 @@ struct Scene {
   std::vector<Member> members{};
   std::vector<Support> supports{};
   std::vector<PointLoad> point_loads{};
+  std::vector<PointMass> point_masses{};
   std::vector<DistributedLoad> distributed_loads{};
   int stages = 1;  ///< largest stage in use; the load factor runs from 0 to this number
   std::vector<Joint> joints{};

@@ -159,6 +159,10 @@ Section interpolated_stiffness(double weight, const Section& start, const Sectio
   section.name = start.name;
   set_diagonal(section, interpolated_diagonal(weight, start, end));
   section.mass = interpolated(weight, start.mass, end.mass);
+  for (int i = 0; i < 3; ++i)
+    section.rotary_inertia[i] = interpolated(weight, start.rotary_inertia[i], end.rotary_inertia[i]);
+  for (int i = 0; i < 2; ++i)
+    section.mass_offset[i] = interpolated(weight, start.mass_offset[i], end.mass_offset[i]);
   section.stress_points = interpolated_points(weight, start, end);
   const auto &drawn = start.drawn_as, &drawn_end = end.drawn_as;
   if (drawn && drawn_end && drawn->kind == drawn_end->kind) {

@@ -359,6 +359,9 @@ Section make_section(const std::string& name, const SectionShape& shape) {
     section.bending_stiffness[i] = e * geometry.second_moment[i];
   }
   section.mass = shape.density * geometry.area;
+  const auto [about2, about3] = geometry.second_moment;
+  section.rotary_inertia = {shape.density * (about2 + about3), shape.density * about2, shape.density * about3};
+  section.inertia_product = shape.density * geometry.product_moment;
   section.shape = shape;
   check_stiffnesses(section);
   if (geometry.product_moment == 0.0) return section;

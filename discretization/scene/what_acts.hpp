@@ -97,6 +97,15 @@ struct ActingKind<Support> : UsualKind<Support> {
   }
 };
 
+/// Bodies are read and copied as loads at points are, but act by their weight alone: for_each_kind() leaves them out.
+template <>
+struct ActingKind<PointMass> {
+  static constexpr auto list = &Scene::point_masses;
+  static constexpr const char* name = "Point Masses";
+  static constexpr auto target = &PointMass::point;
+  static constexpr bool along_member = false;
+};
+
 /// Calls visit(kind) for each of them.
 template <class Visit>
 void for_each_kind(const Visit& visit) {

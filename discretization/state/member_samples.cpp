@@ -66,6 +66,8 @@ StepRecord without_rows(const StepRecord& record) {
   for (const RecordedCriticalPoint& point : record.critical_points) kept.critical_points.push_back(without_rows(point));
   for (const RecordedBucklingMode& mode : record.buckling)
     kept.buckling.push_back({mode.load_factor, {}, mode.residual, mode.confirmed});
+  kept.vibration = record.vibration;
+  for (RecordedVibrationMode& mode : kept.vibration) mode.mode.clear();
   if (record.error_estimate) kept.error_estimate = summary_of<ErrorSummary>(*record.error_estimate);
   kept.state = without_rows(record.state);
   return kept;

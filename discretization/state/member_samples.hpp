@@ -47,8 +47,8 @@ struct MemberSamples : SampledMember {
   std::vector<Vector3> moment_strain;       ///< kappa, material (torsion, bending 2, bending 3), 1/length
   std::vector<Vector3> material_force;      ///< N, material
   std::vector<Vector3> material_moment;     ///< M, material
-  /// Largest stresses of the section at each sample, where they are asked for (else empty): normal with its sign. NaN: a section that is
-  /// not given by its shape.
+  /// Largest stresses of the section at each sample, where they are asked for (else empty): normal with its sign. NaN:
+  /// a section that is not given by its shape.
   std::vector<double> largest_normal_stress, largest_shear_stress, von_mises_stress;
   std::vector<double> utilisation;  ///< likewise: von Mises stress over strength. NaN: no strength is given
 
@@ -196,6 +196,18 @@ struct RecordedBucklingMode {
   double error = std::numeric_limits<double>::quiet_NaN();  ///< of the mesh, estimated; NaN: not known
 };
 
+/// A natural mode of the structure about a state in equilibrium.
+struct RecordedVibrationMode {
+  double eigenvalue = 0.0;  ///< omega^2; below zero where the state is not stable
+  double omega = 0.0;       ///< its root, zero below zero
+  double frequency = 0.0;   ///< omega / (2 pi)
+  double modal_mass = 0.0;  ///< twice its kinetic energy at unit rate
+  double participation_x = 0.0, participation_y = 0.0, participation_z = 0.0;  ///< momentum over the modal mass
+  double residual = 0.0;                                                       ///< see vibration_modes()
+  bool confirmed = false;       ///< by the inertia: none is missing below
+  std::vector<Vector3> mode{};  ///< displacement at the samples as of a critical point, scaled likewise
+};
+
 /// An estimated error and the size of the quantity that it belongs to.
 struct RecordedError {
   double error = 0.0, size = 0.0;
@@ -277,6 +289,7 @@ struct StepRecord : StepSummary {
   SampledMembers members{};                               ///< same members, same samples in every record of a run
   std::vector<RecordedCriticalPoint> critical_points{};   ///< passed since the last step, in the order of the path
   std::vector<RecordedBucklingMode> buckling{};           ///< in at most one record of a run: nearest to zero first
+  std::vector<RecordedVibrationMode> vibration{};         ///< where asked for: lowest first
   std::optional<RecordedErrorEstimate> error_estimate{};  ///< at the end of the path, where asked for
   StateShare state{};                                     ///< for resuming; empty: this record cannot be resumed from
   std::shared_ptr<const Acting> acting{};                 ///< what acts on the structure; of the first record of a run

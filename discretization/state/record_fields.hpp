@@ -105,6 +105,21 @@ inline constexpr auto kFields<RecordedBucklingMode> =
                field("error", &RecordedBucklingMode::error, "", "of the mesh, estimated", Kept::if_known),
                field("mode", &RecordedBucklingMode::mode, "", "displacement of the mode, spatial")};
 
+template <>
+inline constexpr auto kFields<RecordedVibrationMode> = std::tuple{
+    field("eigenvalue", &RecordedVibrationMode::eigenvalue, "1 / time^2", "omega^2; negative: the state is not stable"),
+    field("omega", &RecordedVibrationMode::omega, "radian / time", "zero where omega^2 is negative"),
+    field("frequency", &RecordedVibrationMode::frequency, "1 / time", "omega / (2 pi): Hz where seconds are the unit"),
+    field("modal_mass", &RecordedVibrationMode::modal_mass, "mass",
+          "twice the kinetic energy of the mode at unit rate"),
+    field("participation_x", &RecordedVibrationMode::participation_x, "",
+          "momentum along x over the modal mass; its square times that mass takes part"),
+    field("participation_y", &RecordedVibrationMode::participation_y, "", "likewise along y"),
+    field("participation_z", &RecordedVibrationMode::participation_z, "", "likewise along z"),
+    field("residual", &RecordedVibrationMode::residual, "", "of the pair"),
+    field("confirmed", &RecordedVibrationMode::confirmed, "", "1: the inertia tells that none below is missing"),
+    field("mode", &RecordedVibrationMode::mode, "", "displacement of the mode, spatial")};
+
 template <class Record, class Fields, class Visit>
 void visit_fields(Record& record, const Fields& fields, const Visit& visit) {
   std::apply([&](const auto&... field) { (visit(field, record.*field.member), ...); }, fields);

@@ -29,6 +29,21 @@ BoundList<MonitoredComponent> control_parameters() {
   return control;
 }
 
+BoundList<ModesParameters> modes_parameters() {
+  constexpr int kMostModes = 1000;
+  BoundList<ModesParameters> modes(
+      "Natural frequencies and modes about states in equilibrium, lowest first. Needs masses: Density of Material, or "
+      "Mass, of sections, Point Masses. The structure may lack supports where nothing acts.");
+  modes.bind(&ModesParameters::number, integer("Number").at_least(1).at_most(kMostModes).required(),
+             "How many; fewer are found where not as many unknowns carry mass.");
+  modes.bind(&ModesParameters::every_step, text("At").by_default(),
+             "States about which the structure vibrates: that at the end of the path, or each converged one.",
+             {{"end", false}, {"every step", true}});
+  modes.bind(&ModesParameters::in_plane, boolean("In Plane").by_default(),
+             "Of a scene in a plane: leave out the modes that leave it.");
+  return modes;
+}
+
 BoundList<AnalysisParameters> analysis_parameters() {
   BoundList<AnalysisParameters> analysis("Questions about the path, beyond the state at its end.");
   analysis.bind(&AnalysisParameters::stability, boolean("Stability"),
@@ -66,6 +81,7 @@ BoundList<AnalysisParameters> analysis_parameters() {
       "Material, and look at strains (Largest Strain); auto: at the end of the path, in structures of at most "
       "20,000 elements.",
       {{"auto", StressesOf::automatic}, {"every step", StressesOf::every_step}, {"off", StressesOf::none}});
+  analysis.bind_list(&AnalysisParameters::modes, "Modes", modes_parameters(), Presence::optional);
   analysis.bind_list(&AnalysisParameters::control, "Control", control_parameters(), Presence::optional);
   const Form with_branch{{}, {"Branch Point", "Branch Component"}};
   analysis.spec.with_forms("Branch", {{"primary", {Form{}}}, {"positive", {with_branch}}, {"negative", {with_branch}}});

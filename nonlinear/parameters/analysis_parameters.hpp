@@ -35,6 +35,13 @@ enum class ErrorEstimation { automatic, on, off };
 /// States of which the stresses along members are computed, for sections given by their shape.
 enum class StressesOf { automatic, every_step, none };
 
+/// Natural modes about converged states.
+struct ModesParameters {
+  int number = 0;
+  bool every_step = false;  ///< at the end of the path alone otherwise
+  bool in_plane = false;    ///< of a scene in a plane: without the motions that leave it
+};
+
 struct AnalysisParameters {
   /// Count the negative eigenvalues of every converged state and locate critical points. Not said: for all but the
   /// largest meshes (kVerticesForStability).
@@ -48,6 +55,7 @@ struct AnalysisParameters {
   std::optional<MonitoredComponent> branch_point{};
   Snap snap = Snap::follow;
   int buckling_modes = 0;  ///< of the linear buckling analysis of the unloaded structure
+  ModesParameters modes{};
   std::optional<MonitoredComponent> control{};
   ErrorEstimation error_estimate = ErrorEstimation::automatic;  ///< automatic: see kElementsForEstimate
   StressesOf stresses = StressesOf::automatic;                  ///< automatic: see kElementsForStresses

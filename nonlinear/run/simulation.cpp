@@ -3,9 +3,11 @@
 #include "discretization/state/member_stresses.hpp"
 #include "discretization/text/result_names.hpp"
 #include "kernels/execution/execution_space.hpp"
+#include "kernels/math/constants.hpp"
 #include "nonlinear/linear/condition_estimate.hpp"
 #include "nonlinear/linear/linear_solver.hpp"
 #include "nonlinear/stability/linear_buckling.hpp"
+#include "nonlinear/stability/vibration.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -244,6 +246,32 @@ std::vector<RecordedBucklingMode> Simulation::buckling_modes(int count, int poin
   } catch (const LinearSolverError&) {  // of the first, or of the richer space: no factors, or no errors
   }
   return recorded;
+}
+
+std::vector<RecordedVibrationMode> Simulation::vibration_modes(int count, bool in_plane, int points_per_element) const {
+  std::vector<RecordedVibrationMode> recorded;
+  for (const VibrationMode& mode : mixbeam::vibration_modes(*problem_, state_, load_factor_, count, in_plane)) {
+    RecordedVibrationMode& record = recorded.emplace_back();
+    record.eigenvalue = mode.pair.eigenvalue;
+    record.omega = std::sqrt(std::max(0.0, mode.pair.eigenvalue));
+    record.frequency = record.omega / (2.0 * kPi);
+    record.modal_mass = mode.modal_mass;
+    record.participation_x = mode.participation[0];
+    record.participation_y = mode.participation[1];
+    record.participation_z = mode.participation[2];
+    record.residual = mode.pair.error;
+    record.confirmed = mode.pair.converged;
+    record.mode = displacement_of_mode(mode.pair.mode, points_per_element);
+  }
+  return recorded;
+}
+
+double Simulation::natural_frequency(int mode) const {
+  const ModesParameters& asked = parameters_.analysis.modes;
+  const std::vector<VibrationMode> modes =
+      mixbeam::vibration_modes(*problem_, state_, load_factor_, asked.number, asked.in_plane);
+  if (mode > static_cast<int>(modes.size())) return std::numeric_limits<double>::quiet_NaN();
+  return std::sqrt(std::max(0.0, modes[mode - 1].pair.eigenvalue)) / (2.0 * kPi);
 }
 
 /// Derivative of the positions along the mode, by a central difference.

@@ -105,6 +105,10 @@ class Simulation {
   /// The first `count` modes of linear_buckling(), about state() between two stages, else of the undeformed structure;
   /// none when that is not stable. Of this rank's samples.
   std::vector<RecordedBucklingMode> buckling_modes(int count, int points_per_element) const;
+  /// omega / (2 pi) of a natural mode about state(), one of those that the parameters ask for; NaN where it has fewer.
+  double natural_frequency(int mode) const;
+  /// The first `count` of vibration_modes() about state(). Of this rank's samples.
+  std::vector<RecordedVibrationMode> vibration_modes(int count, bool in_plane, int points_per_element) const;
 
  private:
   std::array<double, 6> motion(const std::string& point) const;

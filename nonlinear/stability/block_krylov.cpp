@@ -258,11 +258,11 @@ std::vector<double> small_eigenproblem(std::vector<double>& a, int m) {
 std::vector<RitzPair> largest_eigenpairs(const KrylovProblem& problem, int count) {
   if (problem.unknowns == 0) return {};  // all vertices are fixed
   const int wanted = std::min(count, problem.unknowns);
-  const int width = std::min(problem.unknowns, wanted + kGuardVectors);
+  const int width = std::min(problem.unknowns, problem.width > 0 ? problem.width : wanted + kGuardVectors);
   std::vector<Vector> start = start_block(problem.unknowns, width);
   std::vector<RitzPair> pairs;
   for (int blocks = 0; blocks < kMostBlocks;) {
-    KrylovSpace krylov(problem, width);
+    KrylovSpace krylov(problem, std::max(width, wanted));
     std::vector<Vector> block = start;
     Progress progress(problem.tolerance);
     for (int step = 0; step < stability_limit.longest_space && blocks < kMostBlocks; ++step, ++blocks) {

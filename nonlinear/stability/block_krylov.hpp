@@ -21,6 +21,7 @@ struct KrylovProblem {
   /// Largest residual of the pairs asked for. The inverse of a stiff tangent is known to about 1e-16 times its
   /// condition; eigenvalues of symmetric operators have the square of this.
   double tolerance = 1e-9;
+  int width = 0;  ///< columns of a block, the largest multiplicity that is surely found; 0: count + 2
 };
 
 struct RitzPair {
@@ -35,7 +36,7 @@ struct RitzPair {
 
 /// Up to `count` pairs of largest magnitude, fewer only when there are not as many unknowns. Deterministic: the start
 /// vectors are always the same. Multiple eigenvalues are found up to multiplicity `count`. Applies the operator at most
-/// kMostBlocks times to blocks of count + 2 columns; what has not converged by then comes with its residual.
+/// kMostBlocks times to such blocks; what has not converged by then comes with its residual.
 constexpr int kMostBlocks = 30;
 std::vector<RitzPair> largest_eigenpairs(const KrylovProblem& problem, int count);
 

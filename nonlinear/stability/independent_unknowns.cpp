@@ -170,8 +170,13 @@ void IndependentUnknowns::list_shares() {
 }
 
 const SparseMatrix& IndependentUnknowns::reduce(const Tangent& tangent) {
+  return reduce(tangent, [&](const VertexMatrix& matrix) { tangent.gather(matrix); });
+}
+
+const SparseMatrix& IndependentUnknowns::reduce(const Tangent& tangent,
+                                                const std::function<void(const VertexMatrix&)>& gather) {
   probe(tangent);
-  if (whole_ != nullptr) tangent.gather(*whole_);
+  if (whole_ != nullptr) gather(*whole_);
   root_.gather_values();
   if (!is_root()) return reduced_;
   list_shares();

@@ -39,6 +39,8 @@ class IndependentUnknowns {
   /// Takes Z of the state of a tangent and reduces the tangent. Collective; rank 0 has the result, other ranks an empty
   /// matrix.
   const SparseMatrix& reduce(const Tangent& tangent);
+  /// The same of what `gather` puts in place of the tangent.
+  const SparseMatrix& reduce(const Tangent& tangent, const std::function<void(const VertexMatrix&)>& gather);
   const SparseMatrix& matrix() const { return reduced_; }
   /// Motion of all vertices that belongs to y (rank 0, `count()` numbers; ignored elsewhere) at the state of reduce();
   /// not for the vertices that chains leave.

@@ -355,6 +355,7 @@ TEST(ResultFields, ThePageNamesAll) {
   expect_listed<RecordedJump>(page);
   expect_listed<RecordedCriticalPoint>(page);
   expect_listed<RecordedBucklingMode>(page);
+  expect_listed<RecordedVibrationMode>(page);
 }
 
 /// Files of versions that did not follow paths by their length lack its attributes.

@@ -1,14 +1,18 @@
 #include "apps/common/run/expected_quantity.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace mixbeam {
 
 std::vector<double> values_of(const QuantitySet& quantities, const Simulation& simulation) {
   if (quantities.empty()) return {};
   const std::vector<Reaction> reactions = simulation.reactions();
-  return quantities.values({simulation.model(), simulation.state(), simulation.load_factor(), reactions,
-                            simulation.strain_energy(), simulation.stability().negative, simulation.jumps()});
+  QuantityState at{simulation.model(), simulation.state(),         simulation.load_factor(),
+                   reactions,          simulation.strain_energy(), simulation.stability().negative,
+                   simulation.jumps()};
+  at.natural_frequency = [&](int mode) { return simulation.natural_frequency(mode); };
+  return quantities.values(at);
 }
 
 std::vector<std::string> places_of(const QuantitySet& quantities, const Simulation& simulation) {
@@ -20,9 +24,19 @@ std::vector<std::string> places_of(const QuantitySet& quantities, const Simulati
 
 std::vector<double> values_of(const QuantitySet& quantities, const Simulation& simulation, const StepRecord& record) {
   if (quantities.empty()) return {};
-  return quantities.values({simulation.model(), simulation.state(), record.load_factor, record.reactions,
-                            StrainEnergy{record.force_energy, record.moment_energy}, record.stability.negative,
-                            record.point.jumps, &record.members});
+  QuantityState at{simulation.model(),
+                   simulation.state(),
+                   record.load_factor,
+                   record.reactions,
+                   StrainEnergy{record.force_energy, record.moment_energy},
+                   record.stability.negative,
+                   record.point.jumps,
+                   &record.members};
+  at.natural_frequency = [&](int mode) {
+    return mode <= static_cast<int>(record.vibration.size()) ? record.vibration[mode - 1].frequency
+                                                             : std::numeric_limits<double>::quiet_NaN();
+  };
+  return quantities.values(at);
 }
 
 std::vector<std::optional<double>> present_values(const Simulation& simulation,

@@ -103,6 +103,9 @@ class Application::Recorder {
   StepRecord record(const Simulation& running, const StepReport& report, const ErrorEstimate* estimate) const {
     StepRecord step = running.record(report, recording_.points_per_element, points_);
     follow_reactions(points_, step);
+    if (const ModesParameters& modes = parameters_.analysis.modes;
+        modes.number > 0 && (modes.every_step || running.is_end_of_path(running.load_factor())))
+      step.vibration = running.vibration_modes(modes.number, modes.in_plane, recording_.points_per_element);
     if (recording_.quantities != nullptr) follow_quantities(running, report, step);
     if ((report.step == 0 || running.is_between_stages()) && parameters_.analysis.buckling_modes > 0)
       step.buckling = running.buckling_modes(parameters_.analysis.buckling_modes, recording_.points_per_element);

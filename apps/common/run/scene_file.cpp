@@ -10,6 +10,8 @@
 #include "discretization/reading/import.hpp"
 #include "discretization/reading/read_scene.hpp"
 #include "discretization/reading/variables.hpp"
+#include "discretization/scene/names.hpp"
+#include "discretization/scene/what_acts.hpp"
 #include "discretization/text/formula.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
@@ -76,6 +78,43 @@ void check_critical_points_are_found(const Application& app) {
 }  // namespace
 
 namespace {
+
+/// Unknowns that carry mass, or more: displacements, and spins where sections or bodies resist them.
+long long most_modes(const Scene& scene) {
+  long long count = 6LL * static_cast<long long>(scene.point_masses.size());
+  for (const Member& member : scene.members) count += member.elements * (9LL * member.order - 3) + 3;
+  for (const Support& support : scene.supports)
+    count -= std::count(support.displacement_fixed.begin(), support.displacement_fixed.end(), true);
+  return count;
+}
+
+/// Every section has a mass, or bodies at points have all of it; loads have a potential.
+void check_modes(const Application& app, const std::string& free_motions) {
+  const ParameterSource& source = app.xml.source;
+  if (app.solver.analysis.modes.number == 0) return;
+  if (!free_motions.empty() && anything_acts(app.scene)) throw InputError(free_motions);
+  for (const Section& section : app.scene.sections) {
+    const auto uses = [&](const Member& m) { return m.section == section.name || m.end_section == section.name; };
+    if (section.mass > 0.0 || section.name == kRigidArm || !app.scene.point_masses.empty() ||
+        std::none_of(app.scene.members.begin(), app.scene.members.end(), uses))
+      continue;
+    throw section.shape ? source.error({"Scene", "Sections", section.name, "Material", "Density"},
+                                       "missing; needed: the list \"Modes\" asks for vibrations")
+                        : source.error({"Scene", "Sections", section.name, "Mass"},
+                                       "missing; needed: the list \"Modes\" asks for vibrations");
+  }
+  const ParameterPath number = {"Analysis", "Modes", "Number"};
+  if (const long long most = most_modes(app.scene); !app.scene.accuracy && app.solver.analysis.modes.number > most)
+    throw source.error(number, "value " + std::to_string(app.solver.analysis.modes.number) + ", but no more than " +
+                                   std::to_string(most) +
+                                   " unknowns carry mass; allowed: fewer modes, or more elements");
+  const auto follows = [](const auto& load) { return load.frame == LoadFrame::follower; };
+  if (std::any_of(app.scene.point_loads.begin(), app.scene.point_loads.end(), follows) ||
+      std::any_of(app.scene.distributed_loads.begin(), app.scene.distributed_loads.end(), follows))
+    throw source.error({"Analysis", "Modes"},
+                       "given, but a load follows the structure, so that it has no potential; "
+                       "allowed: dead forces, prescribed motions");
+}
 
 /// Before anything is checked: entries of lists may stand in tables.
 void import_tables(XmlParameters& xml) {
@@ -164,6 +203,12 @@ void check_names_in_formulas(const Application& app, const std::vector<Quantity>
 void read_quantities_of(Application& app) {
   const ParameterPath path = {"Quantities"};
   const std::vector<Quantity> quantities = read_quantities(app.xml.list->sublist("Quantities"), app.xml.source, path);
+  for (const Quantity& quantity : quantities)
+    if (quantity.mode > app.solver.analysis.modes.number)
+      throw app.xml.source.error(child(child(path, quantity.name), "Mode"),
+                                 "value " + std::to_string(quantity.mode) +
+                                     "; allowed: up to the \"Number\" of the list \"Modes\" in \"Analysis\", " +
+                                     std::to_string(app.solver.analysis.modes.number));
   app.quantities = QuantitySet(quantities, app.scene, {app.xml.source, path});
   check_limits(quantities, app.scene, {app.xml.source, path});
   check_names_in_formulas(app, quantities);
@@ -193,7 +238,10 @@ void read_lists(Application& app, const ApplicationDefinition& definition) {
   const ParameterSource& source = app.xml.source;
   Teuchos::ParameterList& root = *app.xml.list;
   std::vector<std::string> notes;
-  app.scene = read_scene(root.sublist("Scene"), source, {"Scene"}, {&notes, app.loose});
+  std::string free_motions;  // that supports leave: no fault where vibrations are asked for
+  const bool asks_for_modes = root.isSublist("Analysis") && root.sublist("Analysis").isSublist("Modes");
+  std::string* const loose = app.loose == nullptr && asks_for_modes ? &free_motions : app.loose;
+  app.scene = read_scene(root.sublist("Scene"), source, {"Scene"}, {&notes, loose});
   for (const std::string& note : notes) app.out() << "note: " << note << "\n";
   source.attempt([&] {
     if (app.scene.accuracy && !definition.chooses_meshes)
@@ -207,6 +255,11 @@ void read_lists(Application& app, const ApplicationDefinition& definition) {
       app.scene = with_mode_shapes(app.scene, app.solver, app.communicator, {source, {"Scene"}});
   });
   source.attempt([&] { app.solver.analysis = read_analysis_parameters(root.sublist("Analysis"), app.scene, source); });
+  source.attempt([&] { check_modes(app, free_motions); });
+  if (!free_motions.empty()) {  // nothing to count, and nothing that an error could be of
+    app.solver.analysis.stability = false;
+    app.solver.analysis.error_estimate = ErrorEstimation::off;
+  }
   if (root.isSublist("Quantities")) source.attempt([&] { read_quantities_of(app); });
   app.expected = read_expected_values(root.sublist("Expected"), source, definition.own_quantities, {"Expected"},
                                       app.quantities.names());
@@ -250,7 +303,8 @@ void warn(Application& app, const std::string& text) {
 }  // namespace
 
 void warn_of_scene(Application& app) {
-  for (const std::string& text : warnings(app.scene)) warn(app, text);
+  for (const std::string& text : warnings(app.scene))
+    if (app.solver.analysis.modes.number == 0 || text != kNothingActs) warn(app, text);
 }
 
 InputError placed(const Application& app, const MemberError& error) {

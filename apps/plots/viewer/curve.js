@@ -48,7 +48,7 @@ class Curve {
     }
     if (steps <= 150) for (const i of known) if (i < steps) this.dot(i, 2.4, "step");
     result.modes.forEach((mode, i) => {
-      if (mode.kind !== "buckling mode" && known.includes(steps + i)) this.dot(steps + i, 4.2, mode.kind === "bifurcation" ? "critical bifurcation" : "critical");
+      if (mode.before !== undefined && known.includes(steps + i)) this.dot(steps + i, 4.2, mode.kind === "bifurcation" ? "critical bifurcation" : "critical");
     });
     this.now = svgElement("circle", { r: 5.5, class: "now" }, this.inside);
   }

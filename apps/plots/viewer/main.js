@@ -111,7 +111,7 @@ class App {
     if (result.preview) return [result.title, shape.modeNumber >= 0 ? `not solved · ${result.modes[shape.modeNumber].kind}` : "not solved"];
     if (shape.modeNumber >= 0) {
       const mode = result.modes[shape.modeNumber];
-      return [result.title, `${mode.kind} at λ = ${numberText(mode.factor, 6)}${scaled}`];
+      return [result.title, `${mode.kind} at ${placeOfMode(mode)}${scaled}`];
     }
     const step = result.steps[shape.step];
     const stable = { true: "stable", false: "not stable", neutral: "neutral", unknown: "stability unknown" }[step.stable];

@@ -91,7 +91,7 @@ class Panel {
     modes.forEach((mode, i) => {
       const button = element("button");
       button.dataset.mode = i;
-      button.append(element("span", mode.kind), element("span", this.result.preview ? i + 1 : `λ = ${numberText(mode.factor, 6)}`));
+      button.append(element("span", mode.kind), element("span", this.result.preview ? i + 1 : placeOfMode(mode)));
       if (mode.before !== undefined) button.title = `negative eigenvalues: ${mode.before} before, ${mode.after} after; ${mode.modes} become singular together`;
       byId("modes").append(button);
     });
@@ -170,6 +170,12 @@ class Panel {
 }
 
 /** Numbers behind a word; a single one stands in the last columns. */
+/** Where a mode is: its load factor, or the frequency at which the structure vibrates in it. */
+function placeOfMode(mode) {
+  if (mode.omega === undefined) return `λ = ${numberText(mode.factor, 6)}`;
+  return `ω = ${numberText(mode.omega, 6)}, f = ${numberText(mode.omega / (2 * Math.PI), 6)}`;
+}
+
 function tableRow(kind, cells) {
   const made = element("tr");
   cells.forEach((cell, i) => {

@@ -314,6 +314,19 @@ class Run:
             raise InputError(f"buckling modes: {count}; allowed: 1, 2, ...")
         return [SimpleNamespace(**one) for one in self._core.buckling_modes(count, self._number(step))]
 
+    def modes(self, count=10, step=-1, in_plane=False):
+        """The lowest natural modes about the state of a step: omega, frequency (omega / (2 pi)), eigenvalue (omega^2, negative
+        where the state is not stable), mode (samples, 3), modal_mass, participation_x, ..._y, ..._z, residual, confirmed.
+        `in_plane`: of a scene in a plane, without the modes that leave it."""
+        if operator.index(count) < 1:
+            raise InputError(f"natural modes: {count}; allowed: 1, 2, ...")
+        return [SimpleNamespace(**one) for one in self._core.natural_modes(count, self._number(step), in_plane)]
+
+    def frequencies(self, count=10, in_plane=False):
+        """Natural frequencies over the path: (load factors, omega (steps, count)), NaN where there are fewer."""
+        table = [[mode.omega for mode in self.modes(count, step, in_plane)] for step in range(len(self))]
+        return self.load_factors, np.array([row + [np.nan] * (count - len(row)) for row in table])
+
     def error_estimate(self, step=-1):
         """Estimated discretization errors: {name: (error, size of the quantity)}; a text: why there are none."""
         return self._core.error_estimate(self._number(step))

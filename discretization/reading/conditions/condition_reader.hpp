@@ -88,6 +88,7 @@ class ConditionReader {
   template <class Load, class Complete>
   void read_at_points(const BoundList<Load>& parameters, const std::vector<std::string>& needed,
                       const Complete& complete);
+  void read_point_masses();
   void read_distributed_loads();
   void check_part(const DistributedLoad& load, const List& list, const InputPlace& place) const;
   void divide_at(const std::string& member, const std::array<double, 2>& range, const InputPlace& place);

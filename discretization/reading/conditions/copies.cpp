@@ -67,6 +67,10 @@ void turn(const Isometry& motion, Support& support) {
   turn<Support>(motion, support);
 }
 
+void turn(const Isometry& motion, PointMass& body) {
+  for (Vector3& axis : body.axes) axis = motion.direction(axis);  // their signs do not matter
+}
+
 }  // namespace
 
 /// An entry acts once at each place: where it is already, by its name or as another copy, nothing is added.
@@ -107,6 +111,7 @@ void ConditionReader::copy_loads() {
     using Load = typename std::decay_t<decltype(scene_.*kind.list)>::value_type;
     if constexpr (!kind.stays) copy_with_patterns<Load>();
   });
+  copy_with_patterns<PointMass>();
 }
 
 bool ConditionReader::goes_along(Support& copy, const PatternCopy&, const std::string& entry) {

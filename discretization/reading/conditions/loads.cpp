@@ -5,6 +5,7 @@
 #include "discretization/parameters/input_place.hpp"
 #include "discretization/reading/conditions/condition_reader.hpp"
 #include "discretization/scene/division.hpp"
+#include "discretization/scene/mass.hpp"
 #include "discretization/text/formula.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
@@ -102,6 +103,16 @@ BoundList<DistributedLoad> distributed_load_parameters() {
   return load;
 }
 
+BoundList<PointMass> point_mass_parameters() {
+  BoundList<PointMass> body("Body at a point, rigidly joined to what meets there.");
+  body.bind(&PointMass::point, text("Point").required(), "Name of the point" + kWildcard);
+  body.bind(&PointMass::mass, real("Mass").at_least(0.0).by_default(), "Its mass, on which Gravity acts.");
+  body.bind(&PointMass::inertia, vector3("Inertia").at_least(0.0).by_default(),
+            "Moments of inertia about the global axes through the point, of the undeformed structure "
+            "[mass * length^2].");
+  return body;
+}
+
 BoundList<EigenstrainDraft> eigenstrain_parameters() {
   BoundList<EigenstrainDraft> strain(
       "Strain of a whole member without any stress: temperature, growth, actuation; components in the axes 1 (along), "
@@ -126,6 +137,7 @@ BoundList<EigenstrainDraft> eigenstrain_parameters() {
 }
 
 const BoundList<PointLoad> kPointLoadParameters = point_load_parameters();
+const BoundList<PointMass> kPointMassParameters = point_mass_parameters();
 const BoundList<DistributedLoad> kDistributedLoadParameters = distributed_load_parameters();
 const BoundList<DistributedLoad> kGravityParameters = gravity_parameters();
 const BoundList<EigenstrainDraft> kEigenstrainParameters = eigenstrain_parameters();
@@ -134,6 +146,8 @@ const BoundList<EigenstrainDraft> kEigenstrainParameters = eigenstrain_parameter
 
 void add_load_lists(ListSpec& spec) {
   spec.add_list("Point Loads", ListSpec("Loads at points.").with_named_lists("load", kPointLoadParameters.spec));
+  spec.add_list("Point Masses", ListSpec("Bodies at points, for the list Gravity and for Modes.")
+                                    .with_named_lists("body", kPointMassParameters.spec));
   spec.add_list("Distributed Loads",
                 ListSpec("Loads along members.").with_named_lists("load", kDistributedLoadParameters.spec));
   spec.add_list("Eigenstrains",
@@ -144,6 +158,7 @@ void ConditionReader::read_loads() {
   read_at_points(kPointLoadParameters, {"Force", "Moment"}, [this](PointLoad& load, const InputPlace& place) {
     if (load.frame == LoadFrame::follower) load.member = follower_member(load.member, load.point, place);
   });
+  read_point_masses();
   read_distributed_loads();
   read_eigenstrains();
   copy_loads();
@@ -162,6 +177,21 @@ void ConditionReader::read_at_points(const BoundList<Load>& parameters, const st
       one.point = point;
       complete(one, place);
       add(one, name);
+    }
+  });
+}
+
+void ConditionReader::read_point_masses() {
+  for_each("Point Masses", [this](const std::string& name, const List& list, const InputPlace& place) {
+    const std::vector<std::string> points = points_meant(list, place);
+    check_any_given(list, {"Mass", "Inertia"}, "has no inertia", place);
+    PointMass body = kPointMassParameters.read(list);
+    if (!is_inertia(body.inertia))
+      throw place["Inertia"].error("value " + to_text(body.inertia) +
+                                   ": one of the three is larger than the sum of the others, which no body has");
+    for (const std::string& point : points) {
+      body.point = point;
+      add(body, name);
     }
   });
 }
@@ -282,6 +312,16 @@ void ConditionReader::read_weight(const List& list, const InputPlace& place) {
     weight.force = vector_algebra::scaled(mass[member.section], gravity.force);
     weight.is_weight = !member.end_section.empty();
     scene_.distributed_loads.push_back(weight);
+  }
+  for (const PointMass& body : scene_.point_masses) {
+    if (body.mass == 0.0) continue;
+    is_any = true;
+    PointLoad& weight = scene_.point_loads.emplace_back();
+    weight.point = body.point;
+    weight.force = vector_algebra::scaled(body.mass, gravity.force);
+    weight.stage = gravity.stage;
+    weight.amplitude = gravity.amplitude;
+    weight.load_case = gravity.load_case;
   }
   if (!is_any)
     throw place.error("no section has a mass; allowed: \"Density\" in \"Material\", or \"Mass\", of some section");

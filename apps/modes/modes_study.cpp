@@ -1,0 +1,243 @@
+// Natural frequencies of straight rods against closed forms: rates of convergence over orders and meshes.
+#include "apps/common/studies/study.hpp"
+#include "apps/common/studies/variants.hpp"
+#include "apps/common/tables/formatted.hpp"
+#include "discretization/text/errors.hpp"
+#include "kernels/math/constants.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <ostream>
+
+namespace mixbeam {
+
+namespace {
+
+constexpr double kRigid = std::numeric_limits<double>::infinity();
+/// Beside what bends.
+constexpr double kStiff = 1e6;
+/// Relative errors of omega^2 that rounding leaves; a rate is told of errors above a hundred times this.
+constexpr double kRounding = 2e-12;
+/// A rate of 2 k, less what coarse meshes miss.
+constexpr double kMissingRate = 0.5;
+/// omega^2 of rigid motions over the first elastic one.
+constexpr double kRigidMotion = 1e-12;
+/// Most orders of the tables below.
+constexpr int kTabulated = 4;
+
+/// Errors with 8 elements of order 1 to 4, at most twice as large: measured with another program (all unknowns in one
+/// matrix, dense eigenvalues); zero: not tabulated.
+using Tabulated = std::array<double, kTabulated>;
+
+struct Reference {
+  std::string name;
+  double squared = 0.0;  ///< omega^2
+  Tabulated tabulated{};
+};
+
+/// A rod, how many of its modes are computed, and those that are compared.
+struct Case {
+  std::string name;
+  Scene scene;
+  int modes = 0, rigid = 0;  ///< the latter: that come first, with omega zero
+  bool in_plane = true;
+  std::vector<Reference> references{};
+};
+
+/// Roots of f in ascending order, from sign changes on a fine grid.
+std::vector<double> roots(const std::function<double(double)>& f, double from, int count) {
+  constexpr double kStep = 1e-2;
+  constexpr int kHalvings = 60;
+  std::vector<double> found;
+  for (double a = from; static_cast<int>(found.size()) < count; a += kStep) {
+    double low = a, high = a + kStep;
+    if (f(low) * f(high) > 0.0) continue;
+    for (int i = 0; i < kHalvings; ++i) {
+      const double middle = 0.5 * (low + high);
+      (f(low) * f(middle) <= 0.0 ? high : low) = middle;
+    }
+    found.push_back(0.5 * (low + high));
+  }
+  return found;
+}
+
+double fourth(double x) { return x * x * x * x; }
+
+/// Both omega^2 of a hinged Timoshenko beam with n half waves, EI = m = L = 1: the roots of a quadratic equation.
+std::array<double, 2> timoshenko(int n, double shear, double inertia) {
+  const double b = n * kPi, sum = shear * b * b + (b * b + shear) / inertia, product = shear * fourth(b) / inertia;
+  const double larger = 0.5 * (sum + std::sqrt(sum * sum - 4.0 * product));
+  return {product / larger, larger};
+}
+
+/// Of a cantilever with a body at its end, the determinant of the conditions there.
+double with_body(double beta, double mass, double inertia) {
+  const double c = std::cos(beta), s = std::sin(beta), ch = std::cosh(beta), sh = std::sinh(beta);
+  // w = A (cos - cosh) + B (sin - sinh); w'' = J beta^4 w', w''' = -m beta^4 w at the end
+  const auto row = [&](double w, double slope, double moment, double force) {
+    const double b3 = beta * beta * beta;
+    return std::array<double, 2>{moment - inertia * b3 * slope, force + mass * beta * w};
+  };
+  const auto of_a = row(c - ch, -s - sh, -c - ch, s - sh), of_b = row(s - sh, c - ch, -s - sh, -c - ch);
+  return (of_a[0] * of_b[1] - of_a[1] * of_b[0]) / (ch * ch);
+}
+
+Support hinge(const std::string& point, bool slides) {
+  return support_of(point, {!slides, true, true}, {true, true, false});
+}
+
+std::vector<Case> cases_of(const Scene& cantilever) {
+  const auto changed = [&](auto change) {
+    Scene scene = cantilever;
+    change(scene);
+    return scene;
+  };
+  const auto cosines = [](double sign, double from, int count) {
+    return roots([sign](double x) { return std::cos(x) + sign / std::cosh(x); }, from, count);
+  };
+  const auto bending = [](const std::vector<double>& beta, const std::vector<Tabulated>& tabulated) {
+    std::vector<Reference> all;
+    for (size_t i = 0; i < beta.size(); ++i)
+      all.push_back(
+          {"bending " + std::to_string(i + 1), fourth(beta[i]), i < tabulated.size() ? tabulated[i] : Tabulated{}});
+    return all;
+  };
+  std::vector<Case> cases;
+  cases.push_back({"cantilever", cantilever, 3, 0, true,
+                   bending(cosines(1.0, 1.0, 3), {{2e-3, 8e-6, 8e-10, 7e-13}, {}, {1e-1, 2e-3, 1e-5, 7e-8}})});
+  cases.push_back({"clamped at both ends", changed([](Scene& s) {
+                     s.supports.push_back(support_of("end", {true, true, true}, {true, true, true}));
+                   }),
+                   2, 0, true, bending(cosines(-1.0, 4.0, 2), {{}, {1e-1, 2e-3, 1e-5, 7e-8}})});
+  cases.push_back({"hinged", changed([](Scene& s) {
+                     s.supports = {hinge("start", false), hinge("end", true)};
+                   }),
+                   2, 0, true, bending({kPi, 2.0 * kPi}, {})});
+  cases.push_back(
+      {"free", changed([](Scene& s) { s.supports.clear(); }), 5, 3, true, bending(cosines(-1.0, 4.0, 2), {})});
+  const double axial = 0.25 * kPi * kPi;
+  const Tabulated of_axial{3e-3, 2e-6, 6e-10, 9e-14};
+  cases.push_back({"axial",
+                   changed([](Scene& s) {
+                     s.sections[0].axial_stiffness = 1.0;
+                     s.sections[0].bending_stiffness = {kStiff, kStiff};
+                   }),
+                   1,
+                   0,
+                   true,
+                   {{"axial 1", axial, of_axial}}});
+  cases.push_back({"torsion",
+                   changed([](Scene& s) {
+                     s.sections[0].rotary_inertia = {1.0, 0.5, 0.5};
+                     s.sections[0].bending_stiffness = {kStiff, kStiff};
+                   }),
+                   1,
+                   0,
+                   false,
+                   {{"torsion 1", axial, of_axial}}});
+  cases.push_back({"body at the end", changed([](Scene& s) {
+                     s.point_masses.push_back({"end", 1.0, {0.1, 0.1, 0.1}});
+                   }),
+                   2, 0, true,
+                   bending(roots([](double x) { return with_body(x, 1.0, 0.1); }, 0.2, 2),
+                           {{6e-4, 1e-6, 4e-11, 2e-14}, {5e-3, 7e-6, 6e-9, 2e-12}})});
+  constexpr double kShear = 100.0, kInertia = 0.005;
+  Case timoshenko_beam{"hinged, Timoshenko",
+                       changed([](Scene& s) {
+                         s.supports = {hinge("start", false), hinge("end", true)};
+                         s.sections[0].shear_stiffness = {kShear, kShear};
+                         s.sections[0].rotary_inertia = {kInertia, 0.0, kInertia};
+                       }),
+                       14,
+                       0,
+                       true,
+                       {{"n = 1", timoshenko(1, kShear, kInertia)[0]},
+                        {"n = 3", timoshenko(3, kShear, kInertia)[0]},
+                        {"second spectrum, n = 1", timoshenko(1, kShear, kInertia)[1]},
+                        {"omega^2 = GA/J", kShear / kInertia}}};
+  cases.push_back(timoshenko_beam);
+  return cases;
+}
+
+std::vector<RecordedVibrationMode> modes_of(Application& app, const Case& one, int order, int elements) {
+  SolverParameters parameters = app.solver;
+  parameters.threads = 1;
+  return Simulation(with_mesh(one.scene, order, elements), parameters, app.communicator)
+      .vibration_modes(one.modes, one.in_plane, 2);
+}
+
+/// omega^2 nearest to a reference.
+double nearest(const std::vector<RecordedVibrationMode>& modes, double squared) {
+  double best = 0.0;
+  for (const RecordedVibrationMode& mode : modes)
+    if (std::abs(mode.eigenvalue - squared) < std::abs(best - squared)) best = mode.eigenvalue;
+  return best;
+}
+
+void check_rigid(Application& app, const Case& one, const std::string& label,
+                 const std::vector<RecordedVibrationMode>& modes) {
+  for (int i = 0; i < one.rigid; ++i)
+    app.summary.check_upper_bound(
+        label + ": rigid motion " + std::to_string(i + 1) + ", omega^2 over the first elastic",
+        std::abs(modes[i].eigenvalue) / modes[one.rigid].eigenvalue, kRigidMotion,
+        "requirement: motions without strain have no frequency");
+}
+
+void run_modes_study(Application& app) {
+  const std::vector<int> orders = study_list<int>(app, "Orders"), meshes = study_list<int>(app, "Elements");
+  if (orders.back() > kTabulated) throw InputError("Study / Orders: allowed: 1 to 4");
+  StudyTable csv(app, "convergence.csv", words("case,mode,order,elements,omega squared,reference,error,rate"));
+  for (const Case& one : cases_of(app.scene)) {
+    app.out() << one.name << ": relative error of omega^2 (rate)\n";
+    for (const int order : orders) {
+      std::vector<double> before(one.references.size(), 0.0);
+      for (size_t m = 0; m < meshes.size(); ++m) {
+        const std::string label = formatted("%s, k=%d, %d elements", one.name.c_str(), order, meshes[m]);
+        const std::vector<RecordedVibrationMode> modes = modes_of(app, one, order, meshes[m]);
+        app.summary.check_upper_bound(
+            label + ": modes that are not confirmed",
+            static_cast<double>(
+                std::count_if(modes.begin(), modes.end(), [](const auto& mode) { return !mode.confirmed; })),
+            0.0, "requirement: the inertia counts them");
+        check_rigid(app, one, label, modes);
+        app.out() << formatted("  k=%d %4d elements", order, meshes[m]);
+        for (size_t r = 0; r < one.references.size(); ++r) {
+          const Reference& reference = one.references[r];
+          const double found = nearest(modes, reference.squared), error = std::abs(found / reference.squared - 1.0);
+          const double rate = m == 0 ? 0.0 : std::log(before[r] / error) / std::log(double(meshes[m]) / meshes[m - 1]);
+          app.out() << formatted("  %s %.1e", reference.name.c_str(), error)
+                    << (m > 0 ? formatted(" (%.1f)", rate) : "");
+          csv.add_row({one.name, reference.name, order, meshes[m], found, reference.squared, error, rate});
+          const double tabulated = reference.tabulated[order - 1];
+          if (meshes[m] == 8 && tabulated > 0.0)
+            app.summary.check_upper_bound(label + ", " + reference.name, error, std::max(2.0 * tabulated, kRounding),
+                                          "twice the error of a prototype with dense eigenvalues");
+          if (m + 1 == meshes.size())
+            app.summary.check_upper_bound(label + ", " + reference.name + ": missing of the rate 2 k",
+                                          error > kRounding && before[r] > 1e2 * kRounding ? 2.0 * order - rate : 0.0,
+                                          kMissingRate, "theory: the error of omega^2 falls with h^(2k)");
+          before[r] = error;
+        }
+        app.out() << "\n";
+      }
+    }
+  }
+}
+
+ListSpec modes_study_spec() {
+  ListSpec spec(
+      "Straight rods of the scene's section: clamped, hinged, free, with a body, in bending, tension, torsion and "
+      "shear.");
+  spec.add(counts("Orders", {1, 2, 3, 4}, kTabulated, "Element orders."));
+  spec.add(counts("Elements", {4, 8, 16}, 1000, "Meshes."));
+  return spec;
+}
+
+}  // namespace
+
+}  // namespace mixbeam
+
+int main(int argc, char** argv) {
+  return mixbeam::run_study(argc, argv, "modes", "natural frequencies of straight rods against closed forms.",
+                            mixbeam::modes_study_spec(), mixbeam::run_modes_study);
+}

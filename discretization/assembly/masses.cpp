@@ -1,0 +1,255 @@
+#include "discretization/assembly/masses.hpp"
+
+#include "discretization/mesh/element_view.hpp"
+#include "discretization/mesh/reference_element.hpp"
+#include "discretization/scene/mass.hpp"
+
+#include <Teuchos_CommHelpers.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace mixbeam {
+
+namespace {
+
+/// Entries of a body: its velocity and spin.
+constexpr int kOfBody = 6;
+/// Directions within this of the normal of the plane are along it: as Model::plane() has them.
+constexpr double kAlongNormal = 0.5;
+
+}  // namespace
+
+Masses::Masses(const Model& model, bool in_plane) : model_(&model), in_plane_(in_plane) {
+  const Structure& structure = model.structure();
+  int order = 1;
+  for (const ElementBlock& block : structure.blocks) {
+    blocks_.push_back(allocate_vibrating_block(block));
+    fill_mass(blocks_.back());
+    order = std::max(order, block.order);
+  }
+  order = static_cast<int>(maximum_over_ranks(*model.map()->getComm(), order));
+  stride_ = VibrationLayout{order, 0}.velocities();
+  count_ = stride_ * structure.mesh_elements + kOfBody * static_cast<int>(model.scene().point_masses.size());
+  const int local = structure.local_elements();
+  condensed_ = KernelView<double**>("mixbeam::vibration::condensed", local, kFullTangent);
+  of_elements_ = KernelView<double**>("mixbeam::vibration::momenta", local, stride_);
+  vertex_rows_ = KernelView<double* [12]>("mixbeam::vibration::rows", local);
+  place_bodies();
+  if (in_plane) keep_in_plane();
+}
+
+void Masses::fill_mass(VibratingBlock& vibrating) const {
+  const Mesh& mesh = model_->mesh();
+  const GaussPoints& rule = gauss_points(vibrating.block.order + 1);
+  int member = -1;
+  SectionLaw law;
+  std::array<double, kMassNumbers> factor{};
+  for (int e = 0; e < vibrating.block.count; ++e) {
+    const MeshElement& element = mesh.elements[ElementView(model_->structure(), vibrating.block, e).mesh_element()];
+    const Member& of = model_->scene().members[element.member];
+    if (element.member != member) {
+      member = element.member;
+      law = SectionLaw(model_->scene(), of);
+      factor = mass_factor(law.section(0.0));
+    }
+    const double length = mesh.members[member].curve.length;
+    for (size_t q = 0; q < rule.xi.size(); ++q) {
+      if (!of.end_section.empty()) factor = mass_factor(law.section(mesh.arc_length(element, rule.xi[q]) / length));
+      std::copy(factor.begin(), factor.end(), &vibrating.mass(e, static_cast<int>(q) * kMassNumbers));
+    }
+  }
+}
+
+void Masses::place_bodies() {
+  const std::vector<PointMass>& all = model_->scene().point_masses;
+  for (size_t i = 0; i < all.size(); ++i) {
+    const int local = model_->structure().partition.place(vertex_of(model_->mesh(), all[i].point));
+    if (local < 0) continue;
+    const double m = all[i].mass;
+    VertexBody body{local, {{m, m, m}}, vector_algebra::to_vec3(all[i].inertia), {}, static_cast<int>(i)};
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) body.axes(r, c) = all[i].axes[r][c];
+    bodies_.push_back(body);
+  }
+}
+
+/// Velocities along the normal of the plane and spins about other axes get no mass.
+void Masses::keep_in_plane() {
+  const Vec normal = model_->plane()->n;
+  for (VibratingBlock& block : blocks_)
+    for (int e = 0; e < block.block.count; ++e) {
+      const double* end = &block.block.reference(e, block.block.reference_layout.end_triad(0));
+      const Vec along = transpose_times(rotation_matrix(load_quaternion(end)), normal);
+      for (int q = 0; q <= block.block.order; ++q)
+        for (int i = 0; i < 6; ++i) {
+          const bool is_along = std::abs(along[i % 3]) > kAlongNormal;
+          for (int j = i; is_along == (i < 3) && j < 6; ++j) block.mass(e, kMassNumbers * q + triangle(j, i)) = 0.0;
+        }
+    }
+  for (VertexBody& body : bodies_) {
+    const Vec along = body.axes * normal;
+    for (int i = 0; i < 3; ++i) (std::abs(along[i]) > kAlongNormal ? body.mass : body.inertia)[i] = 0.0;
+  }
+}
+
+/// By springs whose size does not matter: nothing that they hold has a mass.
+void Masses::hold_vertices(const Tangent& at, const MatrixRows& rows) const {
+  const Structure& structure = at.model().structure();
+  const double length = structure.shortest_element, turning = structure.bending_reference / length;
+  const Mat along = outer(model_->plane()->n, model_->plane()->n);
+  for (int v = 0; v < structure.owned_vertices; ++v) {
+    rows.add(v, kForcePart, v, kForcePart, (turning / (length * length)) * along);
+    rows.add(v, kMomentPart, v, kMomentPart, turning * (identity_matrix<double>() - along));
+  }
+}
+
+void Masses::condense(const Tangent& at, double shift, bool counts) {
+  for (const VibratingBlock& block : blocks_)
+    evaluate_vibration(block, at.cap().structure, at.point().state.views, shift, counts, condensed_);
+}
+
+/// Axes of a body as they are turned with its vertex, as rows.
+Mat Masses::turned_axes(const State& state, const VertexBody& body) const {
+  return times_transpose(body.axes, rotation_matrix(load_quaternion(&state.views.vertex_rotation(body.vertex, 0))));
+}
+
+void Masses::gather(const Tangent& at, double shift, const VertexMatrix& matrix) const {
+  at.gather(matrix, LinkMatrices<kSpatialDofs>{condensed_, {}}, [&](const MatrixRows& rows) {
+    for (const VertexBody& body : bodies_) {
+      const Mat axes = turned_axes(at.point().state, body);
+      Mat mass{}, inertia{};
+      for (int i = 0; i < 3; ++i)
+        for (int r = 0; r < 3; ++r)
+          for (int c = 0; c < 3; ++c) {
+            mass(r, c) += shift * body.mass[i] * body.axes(i, r) * body.axes(i, c);
+            inertia(r, c) += shift * body.inertia[i] * axes(i, r) * axes(i, c);
+          }
+      rows.add(body.vertex, kForcePart, body.vertex, kForcePart, mass);
+      rows.add(body.vertex, kMomentPart, body.vertex, kMomentPart, inertia);
+    }
+    if (in_plane_) hold_vertices(at, rows);
+  });
+}
+
+Tangent::InteriorCount Masses::interior_count() const {
+  double sums[2] = {0.0, 0.0};
+  for (const VibratingBlock& block : blocks_)
+    for (int e = 0; e < block.block.count; ++e) {
+      if (!ElementView(model_->structure(), block.block, e).is_owned()) continue;
+      const int negative = block.negative(e);
+      sums[negative == kUncertainCount ? 1 : 0] += negative == kUncertainCount ? 1.0 : negative;
+    }
+  double all[2] = {0.0, 0.0};
+  Teuchos::reduceAll(*model_->map()->getComm(), Teuchos::REDUCE_SUM, 2, sums, all);
+  return {static_cast<long>(all[0]), all[1] > 0.0};
+}
+
+std::vector<double> Masses::momenta_of(const State& state, const MixedVector& motion) const {
+  const KernelView<const double* [6]> vertex = model_->local_increment(motion);
+  for (const VibratingBlock& block : blocks_) mixbeam::momenta_of(block, vertex, motion.interior(), of_elements_);
+  std::vector<double> mine(count_, 0.0), all(count_);
+  for_each_element(model_->structure(), [&](const ElementView& element) {
+    if (!element.is_owned()) return;
+    const int count = VibrationLayout{element.order(), 0}.velocities();
+    std::copy_n(&of_elements_(element.local(), 0), count, &mine[static_cast<size_t>(stride_) * element.mesh_element()]);
+  });
+  for (const VertexBody& body : bodies_) {
+    double* out = &mine[static_cast<size_t>(stride_) * model_->structure().mesh_elements + kOfBody * body.number];
+    const Mat axes = turned_axes(state, body);
+    const double* moved = &vertex(body.vertex, 0);
+    const Vec velocity = body.axes * load_vector(moved), spin = axes * load_vector(moved + 3);
+    for (int i = 0; i < 3; ++i) {
+      out[i] = std::sqrt(body.mass[i]) * velocity[i];
+      out[3 + i] = std::sqrt(body.inertia[i]) * spin[i];
+    }
+  }
+  Teuchos::reduceAll(*model_->map()->getComm(), Teuchos::REDUCE_SUM, count_, mine.data(), all.data());
+  return all;
+}
+
+void Masses::gather_vertices(const KernelView<double*>& rows) const {
+  const Adjacency adjacency = model_->adjacency();
+  Kokkos::parallel_for("mixbeam::vibration::gather",
+                       Kokkos::RangePolicy<ExecutionSpace>(0, model_->structure().owned_vertices),
+                       [adjacency, rows, of = vertex_rows_](int v) {
+                         for (int i = 0; i < kVertexDofs; ++i) {
+                           double sum = 0.0;
+                           for (int a = adjacency.start(v); a < adjacency.start(v + 1); ++a)
+                             sum += of(adjacency.element(a, 0), kVertexDofs * adjacency.element(a, 1) + i);
+                           rows(kVertexDofs * v + i) = sum;
+                         }
+                       });
+}
+
+void Masses::condense_momenta(const State& state, const double* momenta, MixedVector& rows) const {
+  for_each_element(model_->structure(), [&](const ElementView& element) {
+    std::copy_n(momenta + static_cast<size_t>(stride_) * element.mesh_element(), stride_,
+                &of_elements_(element.local(), 0));
+  });
+  const KernelView<double*> interior = rows.writable_interior(false);
+  for (const VibratingBlock& block : blocks_) {
+    rows_of_momenta(block, of_elements_, interior, vertex_rows_);
+    condense_rows(block, interior, vertex_rows_);
+  }
+  const KernelView<double*> vertex = rows.vertex();
+  gather_vertices(vertex);
+  for (const VertexBody& body : bodies_) {
+    const double* own = momenta + static_cast<size_t>(stride_) * model_->structure().mesh_elements +
+                        kOfBody * static_cast<size_t>(body.number);
+    Vec velocity{}, spin{};
+    for (int i = 0; i < 3; ++i) {
+      velocity[i] = std::sqrt(body.mass[i]) * own[i];
+      spin[i] = std::sqrt(body.inertia[i]) * own[3 + i];
+    }
+    const Vec force = transpose_times(body.axes, velocity), moment = transpose_times(turned_axes(state, body), spin);
+    for (int i = 0; i < 3; ++i) {
+      vertex(kVertexDofs * body.vertex + i) += force[i];
+      vertex(kVertexDofs * body.vertex + 3 + i) += moment[i];
+    }
+  }
+}
+
+void Masses::condense_interior(MixedVector& rows) const {
+  Kokkos::deep_copy(vertex_rows_, 0.0);
+  for (const VibratingBlock& block : blocks_) condense_rows(block, rows.interior(), vertex_rows_);
+  gather_vertices(rows.vertex());
+}
+
+void Masses::recover(const MixedVector& rows, MixedVector& motion) const {
+  const KernelView<const double* [6]> vertex = model_->local_increment(motion);
+  const KernelView<double*> interior = motion.writable_interior(false);
+  for (const VibratingBlock& block : blocks_) recover_motion(block, rows.interior(), vertex, interior);
+}
+
+void Masses::excess_rows(const MixedVector& motion, MixedVector& rows) const {
+  Kokkos::deep_copy(rows.vertex(), 0.0);
+  const KernelView<double*> interior = rows.writable_interior(false);
+  for (const VibratingBlock& block : blocks_) mixbeam::excess_rows(block, motion.interior(), interior);
+}
+
+double Masses::stiffness_form(const MixedVector& motion) const {
+  const KernelView<const double* [6]> vertex = model_->local_increment(motion);
+  const KernelView<double*> forms("mixbeam::vibration::forms", model_->structure().local_elements());
+  for (const VibratingBlock& block : blocks_) stiffness_forms(block, vertex, motion.interior(), forms);
+  double sum = 0.0;
+  for (const int local : model_->structure().elements_in_order)
+    if (ElementView(model_->structure(), State{}, local).is_owned()) sum += forms(local);
+  return sum_over_ranks(*model_->map()->getComm(), sum);
+}
+
+void Masses::gather_outside(const Tangent& at, const VertexMatrix& matrix) const {
+  const KernelView<double**> none("mixbeam::vibration::none", condensed_.extent(0), kFullTangent);
+  at.gather(matrix, LinkMatrices<kSpatialDofs>{none, {}});
+}
+
+std::vector<double> Masses::translation(const State& state, int axis) const {
+  MixedVector motion = model_->create_vector();
+  motion.fill(0.0);
+  const KernelView<double*> vertex = motion.vertex();
+  for (int v = 0; v < model_->structure().owned_vertices; ++v) vertex(vertex_row(v, axis)) = 1.0;
+  motion.writable_interior(true);
+  return momenta_of(state, motion);
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,70 @@
+/// Inertia of a structure about a state: its elements with their mass, and bodies at vertices.
+#pragma once
+
+#include "discretization/assembly/tangent.hpp"
+#include "kernels/vibration/vibration.hpp"
+
+namespace mixbeam {
+
+/// A body at an owned local vertex.
+struct VertexBody {
+  int vertex = 0;
+  Vec mass{}, inertia{};  ///< along and about its axes
+  Mat axes{};             ///< rows: its axes in the undeformed structure
+  int number = 0;         ///< in Scene::point_masses
+};
+
+/// Momenta of all ranks in one vector: those of each element of the mesh in turn, then those of the bodies. All
+/// functions but equations() are collective.
+class Masses {
+ public:
+  /// Inertia alone; condense() makes the rest. `in_plane`: of a model with a plane: what leaves it has no mass, and
+  /// vertices are held in it.
+  Masses(const Model& model, bool in_plane);
+
+  const std::vector<VibratingBlock>& blocks() const { return blocks_; }
+  int momenta() const { return count_; }
+
+  /// Condenses K + shift M of the elements, with the sections of a cap. `counts`: as TangentKind::counts_interior.
+  void condense(const Tangent& at, double shift, bool counts);
+  /// The elements and bodies in a matrix over all vertices.
+  void gather(const Tangent& at, double shift, const VertexMatrix& matrix) const;
+  /// Sums over all ranks, see Tangent::interior_count().
+  Tangent::InteriorCount interior_count() const;
+
+  /// G dx.
+  std::vector<double> momenta_of(const State& state, const MixedVector& motion) const;
+  /// Rows G^T of momenta: of interiors in `rows`, with those of vertices gathered after the elimination of interiors.
+  void condense_momenta(const State& state, const double* momenta, MixedVector& rows) const;
+  /// Rows of vertices from interior rows alone.
+  void condense_interior(MixedVector& rows) const;
+  /// The interior of `motion` from its vertices and the interior rows.
+  void recover(const MixedVector& rows, MixedVector& motion) const;
+  /// Computes the interior rows that the cap of the tangent makes of the stresses of a motion.
+  void excess_rows(const MixedVector& motion, MixedVector& rows) const;
+  /// phi . K phi of the elements, with the stresses of phi and the true compliance. Collective.
+  double stiffness_form(const MixedVector& motion) const;
+  /// The matrix without elements and bodies.
+  void gather_outside(const Tangent& at, const VertexMatrix& matrix) const;
+  /// Velocity one along an axis of space, everywhere.
+  std::vector<double> translation(const State& state, int axis) const;
+
+ private:
+  void fill_mass(VibratingBlock& vibrating) const;
+  void place_bodies();
+  void keep_in_plane();
+  void hold_vertices(const Tangent& at, const MatrixRows& rows) const;
+  void gather_vertices(const KernelView<double*>& rows) const;
+  Mat turned_axes(const State& state, const VertexBody& body) const;
+
+  const Model* model_;
+  bool in_plane_;
+  std::vector<VibratingBlock> blocks_;
+  std::vector<VertexBody> bodies_;
+  int stride_ = 0, count_ = 0;            ///< momenta of an element, at most; of all
+  KernelView<double**> condensed_;        ///< (local element, kFullTangent)
+  KernelView<double**> of_elements_;      ///< (local element, stride): momenta
+  KernelView<double* [12]> vertex_rows_;  ///< (local element)
+};
+
+}  // namespace mixbeam

@@ -1,0 +1,219 @@
+/// Second variation and velocities of one element as dense matrices over all that moves: what vibrations are computed
+/// of. N and M are kept apart, so that a compliance of zero is one number among others, and nothing is condensed before
+/// the mass has been added.
+#pragma once
+
+#include "kernels/condensation/moment_elimination.hpp"
+
+namespace mixbeam {
+
+/// Sizes and places. Stresses are N and M as in InteriorLayout. Motions, the columns, are psi | beta | w as there, then
+/// u_a | theta_a | u_b | theta_b, spatial. Velocities are three of the section (along its axes) and its spin at each of
+/// the k + 1 moment points.
+struct VibrationLayout {
+  int order = 0, force_points = 0;
+  constexpr int stresses() const { return 3 * (force_points + order + 1); }
+  constexpr int interior() const { return 3 * (2 * order - 1); }
+  constexpr int motions() const { return interior() + 12; }
+  constexpr int velocities() const { return 6 * (order + 1); }
+};
+
+/// Where the blocks of the reduced system go among the columns: a block of an m x 3 matrix becomes blocks of others.
+template <int K>
+struct MotionColumns {
+  Mat back;  ///< Lambda_lo^T
+  double inverse_length;
+
+  static constexpr int kInterior = FullSystem<K>::kInteriorSize;
+  template <class Add>
+  void spread(int block, const Mat& m, const Add& add) const {
+    using Blocks = ReducedBlocks<K>;
+    if (block == Blocks::spin()) {
+      add(kInterior - 3, m);
+    } else if (block < K) {
+      add(3 * (block - 1), m);
+    } else if (block < Blocks::kInterior) {
+      add(3 * (block - 1), m * back);
+    } else if (block == Blocks::slope(0)) {
+      const Mat by_end = inverse_length * (m * back);
+      add(kInterior, -1.0 * by_end);
+      add(kInterior + 6, by_end);
+    } else {
+      add(kInterior + 3 + 6 * (block - Blocks::vertex(0)), m * back);
+    }
+  }
+};
+
+/// Rows of a matrix with all motions as columns.
+struct MotionRows {
+  double* numbers;
+  int columns;
+
+  double* row(int i) const { return numbers + static_cast<size_t>(i) * columns; }
+  void add(int first_row, int first_column, const Mat& m) const {
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) row(first_row + i)[first_column + j] += m(i, j);
+  }
+};
+
+/// Compliance of the stresses, weighted, as the tangent has it, the true one, and the excess over it: one number for
+/// each stress of a plain section, else a matrix.
+struct StressCompliance {
+  double *capped, *own, *excess;
+};
+
+/// Inverse of a positive definite matrix in its place.
+inline void invert_positive(double* a, int n) {
+  for (int k = 0; k < n; ++k) {
+    const double inverse = 1.0 / a[k * n + k];
+    a[k * n + k] = 1.0;
+    for (int j = 0; j < n; ++j) a[k * n + j] *= inverse;
+    for (int i = 0; i < n; ++i) {
+      if (i == k) continue;
+      const double factor = a[i * n + k];
+      a[i * n + k] = 0.0;
+      for (int j = 0; j < n; ++j) a[i * n + j] -= factor * a[k * n + j];
+    }
+  }
+}
+
+/// The matrices of one element; all of them come zeroed.
+template <int K>
+struct ElementMatrices {
+  const ElementTables<K>& tables;
+  const InteriorLayout& layout;
+  const ReferenceLayout& reference;
+  MotionRows strain;     ///< changes of weighted strains, (stress, motion)
+  MotionRows geometric;  ///< what the present stresses add to the second variation
+  MotionRows velocity;   ///< (velocity, motion)
+
+  void evaluate(const ElementInput<double>& in) const {
+    const ElementKinematics<K> kinematics(in, layout);
+    const MotionColumns<K> columns{transpose(kinematics.triad), 1.0 / kinematics.length};
+    ReducedSystem<K> system;
+    GeneralMomentRows<K, double> moments;
+    system.clear();
+    moments.clear();
+    const SectionNumbers<double> no_section{};
+    for (int q = 0; q < tables.force_points; ++q) {
+      const ForcePoint<K> point(q, in, kinematics, tables, layout, reference, no_section);
+      add_force_tangent(point, Vec{{0.0, 0.0, 0.0}}, tables.force_legendre[q], system);
+      add_force_strain(q, point, columns);
+    }
+    for (int q = 0; q <= K; ++q) {
+      const MomentPoint<K> point(q, in, kinematics, tables, layout, reference);
+      add_moment_tangent(point, tables.moment_legendre[q], tables.moment_slope[q], kinematics.length, moments, system);
+      add_velocity(q, point.rotation, kinematics.length, columns);
+    }
+    for (int end = 0; end < 2; ++end)
+      add_end_tangent(end, EndRotation<K>(end, in, kinematics, layout, reference), moments, system);
+    add_moment_strain(moments, columns);
+    add_geometric(system, columns);
+  }
+
+ private:
+  using Blocks = ReducedBlocks<K>;
+
+  void spread(const MotionRows& rows, int first_row, int block, const Mat& m, const MotionColumns<K>& columns) const {
+    columns.spread(block, m, [&](int column, const Mat& part) { rows.add(first_row, column, part); });
+  }
+  /// Theory (15).
+  void add_force_strain(int q, const ForcePoint<K>& point, const MotionColumns<K>& columns) const {
+    const double* P = tables.force_legendre[q];
+    const Mat by_slope = point.weight * transpose(point.rotation.exp);
+    const Mat by_psi = point.weight * (hat(point.pulled_back) * transpose(point.rotation.tangent));
+    for (int j = 0; j < K; ++j) spread(strain, layout.force(q), Blocks::slope(j), P[j] * by_slope, columns);
+    spread(strain, layout.force(q), Blocks::spin(), times_hat(by_slope, point.p), columns);
+    for (int j = 1; j < K; ++j) spread(strain, layout.force(q), Blocks::psi(j), P[j] * by_psi, columns);
+  }
+  void add_moment_strain(const GeneralMomentRows<K, double>& moments, const MotionColumns<K>& columns) const {
+    for (int j = 0; j <= K; ++j)
+      for (int block = 0; block < Blocks::kCount; ++block) {
+        Mat m;
+        for (int r = 0; r < 3; ++r)
+          for (int c = 0; c < 3; ++c) m(r, c) = moments.row[3 * j + r][3 * block + c];
+        spread(strain, layout.moment(j), block, m, columns);
+      }
+  }
+  void add_geometric(const ReducedSystem<K>& system, const MotionColumns<K>& columns) const {
+    for (int I = 0; I < Blocks::kCount; ++I)
+      for (int J = 0; J <= I; ++J)
+        columns.spread(J, system(I, J), [&](int column, const Mat& half) {
+          columns.spread(I, transpose(half), [&](int row, const Mat& part) {
+            geometric.add(row, column, transpose(part));
+            if (I != J) geometric.add(column, row, part);
+          });
+        });
+  }
+  /// du and the spin w + T(psi) dpsi along the axes of the section, theory (8), (19).
+  void add_velocity(int q, const PointRotation<K>& rotation, double length, const MotionColumns<K>& columns) const {
+    const Mat turned = transpose(rotation.exp), mean = 0.5 * (turned * columns.back);
+    const int moved = 6 * q, turning = moved + 3;
+    for (int end = 0; end < 2; ++end) velocity.add(moved, MotionColumns<K>::kInterior + 6 * end, mean);
+    for (int j = 0; j < K; ++j)
+      spread(velocity, moved, Blocks::slope(j), (0.5 * length * tables.moment_bubble[q][j]) * turned, columns);
+    spread(velocity, turning, Blocks::spin(), turned, columns);
+    for (int j = 1; j < K; ++j)
+      spread(velocity, turning, Blocks::psi(j), tables.moment_legendre[q][j] * transpose(rotation.tangent), columns);
+  }
+};
+
+/// Compliance of a plain section: as many numbers as stresses, `capped` inverted.
+template <int K>
+void stress_compliance(const SectionConstants& section, const InteriorLayout& layout, const ElementTables<K>& tables,
+                       double length, const StressCompliance& to) {
+  for (int i = 0; i < 3; ++i) {
+    for (int q = 0; q < tables.force_points; ++q) {
+      const double mask = i == 0 ? tables.axial[q] : tables.shear[q];
+      const double weight = 0.5 * length * tables.force_weight[q];
+      to.capped[layout.force(q) + i] = mask * section.tangent_force_stiffness[i] / weight;
+      to.own[layout.force(q) + i] = mask * weight * section.force_compliance[i];
+      to.excess[layout.force(q) + i] = mask * weight * section.force_cap_compliance[i];
+    }
+    for (int j = 0; j <= K; ++j) {
+      const double weight = length / (2 * j + 1);
+      to.capped[layout.moment(j) + i] = section.moment_stiffness[i] / weight;
+      to.own[layout.moment(j) + i] = weight * section.moment_compliance[i];
+      to.excess[layout.moment(j) + i] = weight * section.moment_cap_compliance[i];
+    }
+  }
+}
+
+/// Compliance of a general section: matrices, `capped` inverted. They come zeroed.
+template <int K>
+void stress_compliance(const GeneralSection<>& section, const InteriorLayout& layout, const ElementTables<K>& tables,
+                       double length, const StressCompliance& to) {
+  const int n = layout.relative_rotation(1);
+  const auto add = [n](double* matrix, int row, int column, double factor, const Mat& m) {
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) matrix[(row + i) * n + column + j] += factor * m(i, j);
+  };
+  for (int q = 0; q < tables.force_points; ++q) {
+    const double weight = 0.5 * length * tables.force_weight[q];
+    const Mat own = section.force_force(q), capped = capped_compliance(own, section.force_stiffness_limit);
+    add(to.capped, layout.force(q), layout.force(q), weight, capped);
+    add(to.own, layout.force(q), layout.force(q), weight, own);
+    add(to.excess, layout.force(q), layout.force(q), weight, capped - own);
+    for (int j = 0; j < K; ++j) {
+      const double factor = weight * tables.force_legendre[q][j];
+      for (double* matrix : {to.capped, to.own}) {
+        add(matrix, layout.force(q), layout.moment(j), factor, section.force_moment(q));
+        add(matrix, layout.moment(j), layout.force(q), factor, transpose(section.force_moment(q)));
+      }
+    }
+  }
+  for (int q = 0; q <= K; ++q) {
+    const Mat own = section.moment_moment(q), capped = capped_compliance(own, section.moment_stiffness_limit);
+    const double* P = tables.moment_legendre[q];
+    for (int j = 0; j <= K; ++j)
+      for (int l = 0; l <= K; ++l) {
+        const double factor = 0.5 * length * tables.moment_weight[q] * P[j] * P[l];
+        add(to.capped, layout.moment(j), layout.moment(l), factor, capped);
+        add(to.own, layout.moment(j), layout.moment(l), factor, own);
+        add(to.excess, layout.moment(j), layout.moment(l), factor, capped - own);
+      }
+  }
+  invert_positive(to.capped, n);
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,344 @@
+#include "kernels/vibration/vibration.hpp"
+
+#include "kernels/condensation/row_pivoting.hpp"
+#include "kernels/loops/dispatch.hpp"
+
+#include <cmath>
+#include <utility>
+
+namespace mixbeam {
+
+namespace {
+
+using Range = Kokkos::RangePolicy<ExecutionSpace>;
+
+/// y += factor * A x, A of `rows` x `columns`, its rows `stride` apart.
+void add_product(const double* a, int rows, int columns, int stride, double factor, const double* x, double* y) {
+  for (int i = 0; i < rows; ++i) {
+    double sum = 0.0;
+    for (int j = 0; j < columns; ++j) sum += a[i * stride + j] * x[j];
+    y[i] += factor * sum;
+  }
+}
+/// y += A^T x
+void add_transposed_product(const double* a, int rows, int columns, int stride, const double* x, double* y) {
+  for (int i = 0; i < rows; ++i)
+    for (int j = 0; j < columns; ++j) y[j] += a[i * stride + j] * x[i];
+}
+
+/// Symmetric matrices of stresses: one number for each, or all of them.
+struct StressMatrix {
+  const double* numbers;
+  int size;
+  bool is_diagonal;
+
+  double entry(int i, int j) const { return is_diagonal ? (i == j ? numbers[i] : 0.0) : numbers[i * size + j]; }
+  void multiply(const double* x, double* y) const {
+    for (int i = 0; i < size; ++i) y[i] = is_diagonal ? numbers[i] * x[i] : 0.0;
+    if (!is_diagonal) add_product(numbers, size, size, size, 1.0, x, y);
+  }
+};
+
+StressMatrix of_element(const VibratingBlock& vibrating, const KernelView<double**>& numbers, int e) {
+  return {&numbers(e, 0), vibrating.layout().stresses(), !vibrating.block.general_section};
+}
+
+constexpr int kMostStresses = 3 * (2 * kMaximumOrder + 1 + kMaximumOrder + 1);
+constexpr int kMostMotions = VibrationLayout{kMaximumOrder, 0}.motions();
+
+/// L U with row pivoting of the first n columns of a; the rows exchanged are kept.
+void factorize(double* a, int n, int* pivots) {
+  for (int k = 0; k < n; ++k) {
+    int pivot = k;
+    for (int i = k + 1; i < n; ++i)
+      if (std::fabs(a[i * n + k]) > std::fabs(a[pivot * n + k])) pivot = i;
+    pivots[k] = pivot;
+    for (int j = 0; j < n && pivot != k; ++j) std::swap(a[k * n + j], a[pivot * n + j]);
+    const double inverse = 1.0 / a[k * n + k];
+    for (int i = k + 1; i < n; ++i) {
+      const double factor = a[i * n + k] *= inverse;
+      for (int j = k + 1; j < n; ++j) a[i * n + j] -= factor * a[k * n + j];
+    }
+  }
+}
+void solve_factors(const double* a, int n, const int* pivots, double* x) {
+  for (int k = 0; k < n; ++k)
+    std::swap(x[k], x[pivots[k]]);  // all before any: rows of L were exchanged with the others
+  for (int k = 0; k < n; ++k)
+    for (int i = k + 1; i < n; ++i) x[i] -= a[i * n + k] * x[k];
+  for (int k = n - 1; k >= 0; --k) {
+    for (int j = k + 1; j < n; ++j) x[k] -= a[k * n + j] * x[j];
+    x[k] /= a[k * n + k];
+  }
+}
+
+/// Velocities times roots of mass and weight.
+void scale_velocities(const double* mass, int points, const double* weight, double length, int columns, double* rows) {
+  for (int q = 0; q < points; ++q, mass += kMassNumbers, rows += 6 * columns) {
+    const double root = std::sqrt(0.5 * length * weight[q]);
+    for (int c = 0; c < columns; ++c)
+      for (int i = 0; i < 6; ++i) {
+        double sum = 0.0;
+        for (int j = i; j < 6; ++j) sum += mass[triangle(j, i)] * rows[j * columns + c];
+        rows[i * columns + c] = root * sum;
+      }
+  }
+}
+
+template <int K, bool General>
+struct VibrationLoop {
+  VibratingBlock vibrating;
+  StructureViews structure;
+  StateViews state;
+  double shift;
+  bool counts;
+  KernelView<double**> tangent;
+  ElementTables<K> tables{vibrating.block.force_integration};
+
+  static constexpr int kInterior = FullSystem<K>::kInteriorSize, kMotions = kInterior + 12;
+
+  void operator()(int e) const {
+    const ElementBlock& block = vibrating.block;
+    const int stresses = vibrating.layout().stresses(), velocities = vibrating.layout().velocities();
+    double matrix[kMotions * kMotions] = {};
+    double *strain = &vibrating.strain(e, 0), *momentum = &vibrating.momentum(e, 0);
+    std::fill_n(strain, stresses * kMotions, 0.0);
+    std::fill_n(momentum, velocities * kMotions, 0.0);
+    const ElementInput<double> in = input(e);
+    ElementMatrices<K>{
+        tables, block.interior, block.reference_layout, {strain, kMotions}, {matrix, kMotions}, {momentum, kMotions}}
+        .evaluate(in);
+    const double length = block.reference(e, 0);
+    scale_velocities(&vibrating.mass(e, 0), K + 1, tables.moment_weight, length, kMotions, momentum);
+    set_compliance(e, length);
+    std::copy_n(matrix, kMotions * kMotions, &vibrating.geometric(e, 0));
+    add_stiffness(of_element(vibrating, vibrating.compliance, e), strain, matrix);
+    for (int v = 0; v < velocities && shift != 0.0; ++v)
+      for (int i = 0; i < kMotions; ++i) {
+        const double factor = shift * momentum[v * kMotions + i];
+        for (int j = 0; j < kMotions; ++j) matrix[i * kMotions + j] += factor * momentum[v * kMotions + j];
+      }
+    if (counts) count(e, matrix);
+    condense(e, matrix);
+  }
+
+ private:
+  ElementInput<double> input(int e) const {
+    const ElementBlock& block = vibrating.block;
+    ElementInput<double> in;
+    for (int end = 0; end < 2; ++end) {
+      const int vertex = block.vertices(e, end);
+      in.displacement[end] = load_vector(&state.vertex_displacement(vertex, 0));
+      in.vertex_rotation[end] = load_quaternion(&state.vertex_rotation(vertex, 0));
+    }
+    in.triad = load_quaternion(&state.element_triad(block.first_element + e, 0));
+    in.interior = state.interior.data() + block.unknowns_at()(e);
+    in.reference = &block.reference(e, 0);
+    return in;
+  }
+  void set_compliance(int e, double length) const {
+    const ElementBlock& block = vibrating.block;
+    const SectionConstants& constants = structure.sections(block.section(e));
+    const StressCompliance to{&vibrating.compliance(e, 0), &vibrating.own(e, 0), &vibrating.excess(e, 0)};
+    if constexpr (General) {
+      std::fill_n(to.capped, vibrating.compliance.extent(1), 0.0);
+      std::fill_n(to.own, vibrating.own.extent(1), 0.0);
+      std::fill_n(to.excess, vibrating.excess.extent(1), 0.0);
+      stress_compliance<K>(GeneralSection<>{&block.compliance(e, 0),
+                                            {block.interior.order, block.interior.force_points},
+                                            constants.force_stiffness_limit,
+                                            constants.moment_stiffness_limit},
+                           block.interior, tables, length, to);
+    } else {
+      stress_compliance<K>(constants, block.interior, tables, length, to);
+    }
+  }
+  /// + D^T S^-1 D
+  static void add_stiffness(const StressMatrix& compliance, const double* strain, double* matrix) {
+    for (int s = 0; s < compliance.size; ++s)
+      for (int t = compliance.is_diagonal ? s : 0; t < (compliance.is_diagonal ? s + 1 : compliance.size); ++t) {
+        const double c = compliance.entry(s, t);
+        for (int i = 0; i < kMotions; ++i) {
+          const double factor = c * strain[s * kMotions + i];
+          if (factor == 0.0) continue;
+          for (int j = 0; j < kMotions; ++j) matrix[i * kMotions + j] += factor * strain[t * kMotions + j];
+        }
+      }
+  }
+  void count(int e, const double* matrix) const {
+    double interior[kInterior][kInterior];
+    for (int i = 0; i < kInterior; ++i)
+      for (int j = 0; j < kInterior; ++j) interior[i][j] = matrix[i * kMotions + j];
+    const InteriorSigns signs = count_negative<kInterior, kInterior>(interior);
+    vibrating.negative(e) = signs.uncertain ? kUncertainCount : signs.negative;
+  }
+  void condense(int e, const double* matrix) const {
+    double *factors = &vibrating.factors(e, 0), *response = &vibrating.response(e, 0);
+    int* pivots = &vibrating.pivots(e, 0);
+    for (int i = 0; i < kInterior; ++i)
+      for (int j = 0; j < kInterior; ++j) factors[i * kInterior + j] = matrix[i * kMotions + j];
+    factorize(factors, kInterior, pivots);
+    for (int c = 0; c < 12; ++c) {
+      double x[kInterior];
+      for (int i = 0; i < kInterior; ++i) x[i] = -matrix[i * kMotions + kInterior + c];
+      solve_factors(factors, kInterior, pivots, x);
+      for (int i = 0; i < kInterior; ++i) response[i * 12 + c] = x[i];
+    }
+    double condensed[12][12];
+    for (int r = 0; r < 12; ++r)
+      for (int c = 0; c < 12; ++c) {
+        double sum = matrix[(kInterior + r) * kMotions + kInterior + c];
+        for (int i = 0; i < kInterior; ++i) sum += matrix[(kInterior + r) * kMotions + i] * response[i * 12 + c];
+        condensed[r][c] = sum;
+      }
+    double* out = &tangent(vibrating.block.first_element + e, 0);
+    for (int r = 0; r < 12; ++r)
+      for (int c = 0; c < 12; ++c) out[12 * r + c] = 0.5 * (condensed[r][c] + condensed[c][r]);
+  }
+};
+
+/// Calls action(element, its layout) for each element of a block.
+template <class Action>
+void for_each_of(const char* label, const VibratingBlock& vibrating, const Action& action) {
+  const VibrationLayout layout = vibrating.layout();
+  Kokkos::parallel_for(label, Range(0, vibrating.block.count), [=](int e) { action(e, layout); });
+}
+
+/// Motions of both vertices of an element.
+void load_ends(const VibratingBlock& vibrating, const KernelView<const double* [6]>& vertex, int e, double* ends) {
+  for (int end = 0; end < 2; ++end)
+    for (int i = 0; i < 6; ++i) ends[6 * end + i] = vertex(vibrating.block.vertices(e, end), i);
+}
+
+/// Rows of all motions with the stresses eliminated: dN = S^-1 (D dx + r) leaves f - D^T S^-1 r.
+void eliminate_stresses(const VibratingBlock& vibrating, int e, const VibrationLayout& layout, const double* rows,
+                        double* motions) {
+  const double* end = rows + layout.stresses();
+  if (std::all_of(rows, end, [](double x) { return x == 0.0; })) return;
+  double stress[kMostStresses];
+  of_element(vibrating, vibrating.compliance, e).multiply(rows, stress);
+  const double* strain = &vibrating.strain(e, 0);
+  for (int s = 0; s < layout.stresses(); ++s)
+    for (int i = 0; i < layout.motions(); ++i) motions[i] -= strain[s * layout.motions() + i] * stress[s];
+}
+
+}  // namespace
+
+VibratingBlock allocate_vibrating_block(const ElementBlock& block) {
+  VibratingBlock made{block};
+  const VibrationLayout layout = made.layout();
+  const int count = block.count, n = layout.interior(), m = layout.motions(), s = layout.stresses();
+  const int numbers = block.general_section ? s * s : s;
+  made.mass = KernelView<double**>("mixbeam::vibration::mass", count, kMassNumbers * (block.order + 1));
+  made.strain = KernelView<double**>("mixbeam::vibration::strain", count, s * m);
+  made.momentum = KernelView<double**>("mixbeam::vibration::momentum", count, layout.velocities() * m);
+  made.compliance = KernelView<double**>("mixbeam::vibration::compliance", count, numbers);
+  made.own = KernelView<double**>("mixbeam::vibration::own", count, numbers);
+  made.geometric = KernelView<double**>("mixbeam::vibration::geometric", count, m * m);
+  made.excess = KernelView<double**>("mixbeam::vibration::excess", count, numbers);
+  made.factors = KernelView<double**>("mixbeam::vibration::factors", count, n * n);
+  made.response = KernelView<double**>("mixbeam::vibration::response", count, 12 * n);
+  made.pivots = KernelView<int**>("mixbeam::vibration::pivots", count, n);
+  made.negative = KernelView<int*>("mixbeam::vibration::negative", count);
+  return made;
+}
+
+void evaluate_vibration(const VibratingBlock& vibrating, const StructureViews& structure, const StateViews& state,
+                        double shift, bool counts, const KernelView<double**>& tangent) {
+  for_order(vibrating.block.order, [&](auto order) {
+    const auto run = [&](auto general) {
+      const VibrationLoop<order.value, general.value> loop{vibrating, structure, state, shift, counts, tangent};
+      Kokkos::parallel_for("mixbeam::vibration::condense", Range(0, vibrating.block.count), loop);
+    };
+    if (vibrating.block.general_section)
+      run(std::true_type());
+    else
+      run(std::false_type());
+  });
+}
+
+void momenta_of(const VibratingBlock& vibrating, const KernelView<const double* [6]>& vertex,
+                const KernelView<const double*>& interior, const KernelView<double**>& momenta) {
+  for_each_of("mixbeam::vibration::momenta", vibrating, [=](int e, const VibrationLayout& layout) {
+    double motions[kMostMotions];
+    std::copy_n(interior.data() + vibrating.block.increments_at()(e) + layout.stresses(), layout.interior(), motions);
+    load_ends(vibrating, vertex, e, motions + layout.interior());
+    double* out = &momenta(vibrating.block.first_element + e, 0);
+    std::fill_n(out, layout.velocities(), 0.0);
+    add_product(&vibrating.momentum(e, 0), layout.velocities(), layout.motions(), layout.motions(), 1.0, motions, out);
+  });
+}
+
+void rows_of_momenta(const VibratingBlock& vibrating, const KernelView<double**>& momenta,
+                     const KernelView<double*>& interior, const KernelView<double* [12]>& vertex) {
+  for_each_of("mixbeam::vibration::rows", vibrating, [=](int e, const VibrationLayout& layout) {
+    double motions[kMostMotions] = {};
+    add_transposed_product(&vibrating.momentum(e, 0), layout.velocities(), layout.motions(), layout.motions(),
+                           &momenta(vibrating.block.first_element + e, 0), motions);
+    double* out = interior.data() + vibrating.block.increments_at()(e);
+    std::fill_n(out, layout.stresses(), 0.0);
+    std::copy_n(motions, layout.interior(), out + layout.stresses());
+    std::copy_n(motions + layout.interior(), 12, &vertex(vibrating.block.first_element + e, 0));
+  });
+}
+
+void condense_rows(const VibratingBlock& vibrating, const KernelView<const double*>& interior,
+                   const KernelView<double* [12]>& vertex) {
+  for_each_of("mixbeam::vibration::condense_rows", vibrating, [=](int e, const VibrationLayout& layout) {
+    const double* rows = interior.data() + vibrating.block.increments_at()(e);
+    double motions[kMostMotions] = {};
+    std::copy_n(rows + layout.stresses(), layout.interior(), motions);
+    eliminate_stresses(vibrating, e, layout, rows, motions);
+    double* out = &vertex(vibrating.block.first_element + e, 0);
+    for (int i = 0; i < 12; ++i) out[i] += motions[layout.interior() + i];
+    add_transposed_product(&vibrating.response(e, 0), layout.interior(), 12, 12, motions, out);
+  });
+}
+
+void recover_motion(const VibratingBlock& vibrating, const KernelView<const double*>& interior_rows,
+                    const KernelView<const double* [6]>& vertex, const KernelView<double*>& increment) {
+  for_each_of("mixbeam::vibration::recover", vibrating, [=](int e, const VibrationLayout& layout) {
+    const double* rows = interior_rows.data() + vibrating.block.increments_at()(e);
+    double motions[kMostMotions] = {}, stress[kMostStresses];
+    std::copy_n(rows + layout.stresses(), layout.interior(), motions);
+    eliminate_stresses(vibrating, e, layout, rows, motions);
+    solve_factors(&vibrating.factors(e, 0), layout.interior(), &vibrating.pivots(e, 0), motions);
+    double* ends = motions + layout.interior();
+    load_ends(vibrating, vertex, e, ends);
+    add_product(&vibrating.response(e, 0), layout.interior(), 12, 12, 1.0, ends, motions);
+    std::copy_n(rows, layout.stresses(), stress);
+    add_product(&vibrating.strain(e, 0), layout.stresses(), layout.motions(), layout.motions(), 1.0, motions, stress);
+    double* out = increment.data() + vibrating.block.increments_at()(e);
+    of_element(vibrating, vibrating.compliance, e).multiply(stress, out);
+    std::copy_n(motions, layout.interior(), out + layout.stresses());
+  });
+}
+
+void stiffness_forms(const VibratingBlock& vibrating, const KernelView<const double* [6]>& vertex,
+                     const KernelView<const double*>& increment, const KernelView<double*>& forms) {
+  for_each_of("mixbeam::vibration::forms", vibrating, [=](int e, const VibrationLayout& layout) {
+    const int n = layout.motions();
+    const double* stress = increment.data() + vibrating.block.increments_at()(e);
+    double motions[kMostMotions], strain[kMostStresses] = {}, by_stress[kMostStresses], sum = 0.0;
+    std::copy_n(stress + layout.stresses(), layout.interior(), motions);
+    load_ends(vibrating, vertex, e, motions + layout.interior());
+    add_product(&vibrating.strain(e, 0), layout.stresses(), n, n, 1.0, motions, strain);
+    of_element(vibrating, vibrating.own, e).multiply(stress, by_stress);
+    for (int s = 0; s < layout.stresses(); ++s) sum += stress[s] * (2.0 * strain[s] - by_stress[s]);
+    double bent[kMostMotions] = {};
+    add_product(&vibrating.geometric(e, 0), n, n, n, 1.0, motions, bent);
+    for (int i = 0; i < n; ++i) sum += motions[i] * bent[i];
+    forms(vibrating.block.first_element + e) = sum;
+  });
+}
+
+void excess_rows(const VibratingBlock& vibrating, const KernelView<const double*>& increment,
+                 const KernelView<double*>& rows) {
+  for_each_of("mixbeam::vibration::excess", vibrating, [=](int e, const VibrationLayout& layout) {
+    double* out = rows.data() + vibrating.block.increments_at()(e);
+    of_element(vibrating, vibrating.excess, e).multiply(increment.data() + vibrating.block.increments_at()(e), out);
+    std::fill_n(out + layout.stresses(), layout.interior(), 0.0);
+  });
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,59 @@
+/// Elements that vibrate about a state: their linearised equations with inertia, condensed to two vertices each, the
+/// velocities that motions make, and the way back. Loops over the elements of a block.
+///
+/// Rows of G are velocities at the k + 1 moment points times roots of weight and mass, so that T = 1/2 |G dx|^2, theory
+/// (71) ("momenta": both sides of G have the unit sqrt(mass) * velocity). The equations are
+///   stresses:  D dx - S dN = -r,     motions:  D^T dN + (H + shift G^T G) dx = f,
+/// D, H, S as in element_matrices.hpp. S is the capped compliance; excess_rows() tells what it is too large by.
+#pragma once
+
+#include "kernels/loops/block.hpp"
+#include "kernels/vibration/element_matrices.hpp"
+
+namespace mixbeam {
+
+/// Numbers of a symmetric matrix of 6 x 6: the lower factor of the mass per length of (velocity, spin) at one point.
+constexpr int kMassNumbers = 21;
+
+/// The elements of a block, with what evaluate() keeps of them: each view is (element of the block, numbers).
+struct VibratingBlock {
+  ElementBlock block;
+  KernelView<double**> mass{};                         ///< (point, kMassNumbers)
+  KernelView<double**> strain{}, momentum{};           ///< D and G
+  KernelView<double**> geometric{};                    ///< H
+  KernelView<double**> compliance{}, own{}, excess{};  ///< inverse of the capped S; the true one; their difference
+  KernelView<double**> factors{}, response{};          ///< L U of the interior; its motion by those of the vertices
+  KernelView<int**> pivots{};                          ///< rows exchanged
+  KernelView<int*> negative{};                         ///< pivots below zero of the interior; kUncertainCount
+  VibrationLayout layout() const { return {block.order, block.interior.force_points}; }
+};
+
+/// Room for the elements of a block; `mass` is to be filled.
+VibratingBlock allocate_vibrating_block(const ElementBlock& block);
+
+/// Condenses K + shift M at a state. `structure`: sections with the cap. `tangent`: (local element, kFullTangent).
+/// Counts the interiors, theory (47), where asked: otherwise VibratingBlock::negative stays as it is.
+void evaluate_vibration(const VibratingBlock& vibrating, const StructureViews& structure, const StateViews& state,
+                        double shift, bool counts, const KernelView<double**>& tangent);
+
+/// Momenta (local element, VibrationLayout::velocities() at least) = G dx of motions of vertices (vertex, 6) and
+/// interiors (increments).
+void momenta_of(const VibratingBlock& vibrating, const KernelView<const double* [6]>& vertex,
+                const KernelView<const double*>& interior, const KernelView<double**>& momenta);
+/// Rows G^T times momenta: of interiors, and of both vertices of each local element (element, 12).
+void rows_of_momenta(const VibratingBlock& vibrating, const KernelView<double**>& momenta,
+                     const KernelView<double*>& interior, const KernelView<double* [12]>& vertex);
+/// Rows of both vertices after elimination of the interior: `vertex` is changed in place.
+void condense_rows(const VibratingBlock& vibrating, const KernelView<const double*>& interior,
+                   const KernelView<double* [12]>& vertex);
+/// Motions of the interior and stresses that belong to those of the vertices, under the same interior rows.
+void recover_motion(const VibratingBlock& vibrating, const KernelView<const double*>& interior_rows,
+                    const KernelView<const double* [6]>& vertex, const KernelView<double*>& increment);
+/// (2 dN . D dx - dN . S dN + dx . H dx) of each local element, S the true compliance: stationary at a mode.
+void stiffness_forms(const VibratingBlock& vibrating, const KernelView<const double* [6]>& vertex,
+                     const KernelView<const double*>& increment, const KernelView<double*>& forms);
+/// Rows of the stresses that the excess of the capped compliance makes of their increment, zero in all others.
+void excess_rows(const VibratingBlock& vibrating, const KernelView<const double*>& increment,
+                 const KernelView<double*>& rows);
+
+}  // namespace mixbeam

@@ -1,0 +1,98 @@
+/// Natural modes as `mixbeam run` answers them: files, terminal, quantities, and what it refuses.
+#include "mixbeam_files.hpp"
+
+#include <cmath>
+#include <cstring>
+
+namespace mixbeam::modes_test {
+namespace {
+
+constexpr int kBadInput = 2;
+/// First frequency of a cantilever, EI = m = L = 1; the mesh leaves 1e-12.
+constexpr double kFrequency = 1.875104068711961 * 1.875104068711961 / (2.0 * 3.14159265358979323846);
+
+std::string scene(const std::string& section, const std::string& supports, const std::string& modes,
+                  const std::string& more = "") {
+  return "Scene:\n  Sections: {rod: {EA: 1e9, GA2: 1e9, GA3: 1e9, GIt: 1, EI2: 1, EI3: 1" + section + R"yaml(}}
+  Points: {wall: [0, 0, 0], tip: [1, 0, 0]}
+  Members: {beam: {Start: wall, End: tip, Section: rod, Order: 4, Elements: 8}}
+)yaml" + supports +
+         "Analysis: {Modes: {" + modes + "}}\n" + more;
+}
+
+const std::string kClamp = "  Supports: {clamp: {Point: wall}}\n", kMass = ", Mass: 1";
+
+class Modes : public ::testing::Test {
+ protected:
+  Ended run(const std::string& text) {
+    write_text(folder_ / "scene.yaml", text);
+    return run_process(program("mixbeam"),
+                       {"run", (folder_ / "scene.yaml").string(), "--output", (folder_ / "results").string()}, folder_);
+  }
+  void expect_refused(const std::string& text, const std::vector<std::string>& parts) {
+    const Ended ended = run(text);
+    EXPECT_EQ(ended.exit_code, kBadInput) << ended.err;
+    expect_in(ended.err, parts);
+  }
+  double attribute(const std::string& name) const {
+    const FileContents contents = contents_of(folder_ / "results" / "scene.h5").value_or(FileContents{});
+    double value = NAN;
+    if (const auto found = contents.find(name); found != contents.end() && found->second.size() == sizeof(double))
+      std::memcpy(&value, found->second.data(), sizeof(double));
+    return value;
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(Modes, AreInFileTerminalAndQuantities) {
+  const std::string quantity =
+      "Quantities: {f: {Quantity: natural frequency, Mode: 1}}\nExpected: {f: {Quantity: f, "
+      "Relative Tolerance: 1e-6, Source: closed form, Value: ";
+  Ended ended = run(scene(kMass, kClamp, "Number: 2, In Plane: true", quantity + std::to_string(kFrequency) + "}}\n"));
+  EXPECT_EQ(ended.exit_code, 0) << ended.out << ended.err;
+  expect_in(ended.out, {"natural modes", "3.516015"});
+  EXPECT_EQ(ended.out.find("nothing acts"), std::string::npos);
+  EXPECT_EQ(ended.out.find("not confirmed"), std::string::npos);
+  EXPECT_NEAR(attribute("steps/000001/vibration/0@frequency"), kFrequency, 1e-8 * kFrequency);
+  ended = run(scene(kMass, kClamp, "Number: 2, In Plane: true", quantity + std::to_string(1.01 * kFrequency) + "}}\n"));
+  EXPECT_EQ(ended.exit_code, 1);
+}
+
+TEST_F(Modes, SupportsMayBeMissingWhereNothingActs) {
+  const Ended ended = run(scene(kMass, "", "Number: 5, In Plane: true"));
+  EXPECT_EQ(ended.exit_code, 0) << ended.out << ended.err;
+  expect_in(ended.out, {"22.3732854"});
+  expect_refused(scene(kMass, "  Point Loads: {push: {Point: tip, Force: [0, 1, 0]}}\n", "Number: 5"),
+                 {"Supports", "no support"});
+}
+
+TEST_F(Modes, RefusesWhatHasNoMeaning) {
+  expect_refused(scene("", kClamp, "Number: 1"), {"\"Scene / Sections / rod / Mass\"", "missing"});
+  expect_refused(scene(", Mass: -1", kClamp, "Number: 1"), {"\"Scene / Sections / rod / Mass\"", "-1"});
+  expect_refused(scene(", Mass: 1, Rotary Inertia: [1, 1, 3]", kClamp, "Number: 1"),
+                 {"Rotary Inertia", "larger than the sum of the others"});
+  expect_refused(scene(", Rotary Inertia: [2, 1, 1]", kClamp, "Number: 1"), {"given without \"Mass\""});
+  expect_refused(
+      scene(kMass, kClamp + "  Point Masses: {body: {Point: tip, Mass: 1, Inertia: [1, 1, 3]}}\n", "Number: 1"),
+      {"\"Scene / Point Masses / body / Inertia\"", "larger than the sum of the others"});
+  expect_refused(scene(kMass, kClamp, "Number: 900"), {"\"Analysis / Modes / Number\"", "unknowns carry mass"});
+  expect_refused(
+      scene(kMass, kClamp + "  Point Loads: {p: {Point: tip, Member: beam, Frame: follower, Force: [1, 0, 0]}}\n",
+            "Number: 1"),
+      {"\"Analysis / Modes\"", "no potential"});
+  expect_refused(scene(kMass, kClamp, "Number: 1", "Quantities: {f: {Quantity: natural frequency, Mode: 2}}\n"),
+                 {"\"Quantities / f / Mode\"", "allowed: up to"});
+}
+
+/// A point mass is heavy where Gravity acts, and bodies may carry all of the mass.
+TEST_F(Modes, BodiesAtPoints) {
+  const std::string body = "  Point Masses: {body: {Point: tip, Mass: 2}}\n  Gravity: {Acceleration: [0, 0, -0.001]}\n";
+  const Ended ended = run(scene("", kClamp + body, "Number: 2"));
+  EXPECT_EQ(ended.exit_code, 0) << ended.out << ended.err;
+  expect_in(ended.out, {"1.22474"});  // sqrt(3 EI / m L^3)
+  expect_in(ended.out, {"0.002"});    // the reaction
+}
+
+}  // namespace
+}  // namespace mixbeam::modes_test

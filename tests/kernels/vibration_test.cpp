@@ -1,0 +1,173 @@
+/// Elements that vibrate: velocities against derivatives of their motion, stiffness and recovery against those of
+/// Newton's tangent, which eliminates in another order.
+#include "kernels/vibration/vibration.hpp"
+#include "tests/kernels/element_comparison.hpp"
+#include "tests/kernels/element_derivatives.hpp"
+#include "tests/kernels/general_section_energy.hpp"
+
+#include <gtest/gtest.h>
+
+namespace mixbeam::element_test::vibration_test {
+namespace {
+
+/// Sums of a few hundred products, and pivots of another order.
+constexpr double kRounding = 1e-12, kElimination = 1e-10;
+constexpr double kNoLimit = 1e300;
+
+struct VibratingSample {
+  SampleBlock samples;
+  VibratingBlock vibrating;
+  KernelView<double**> tangent;
+
+  explicit VibratingSample(const SampleBlock& from, double shift = 0.0)
+      : samples(from),
+        vibrating(allocate_vibrating_block(samples.block)),
+        tangent("tangent", samples.block.first_element + samples.block.count, kFullTangent) {
+    RandomNumbers random(77);
+    for (size_t i = 0; i < vibrating.mass.size(); ++i) vibrating.mass.data()[i] = random.between(-1.0, 1.0);
+    evaluate_vibration(vibrating, samples.structure, samples.state, shift, true, tangent);
+  }
+};
+
+std::vector<double> random_motion(int size, std::uint64_t seed) {
+  RandomNumbers random(seed);
+  std::vector<double> motion(size);
+  for (double& x : motion) x = random.between(-1.0, 1.0);
+  return motion;
+}
+
+/// Motions of both vertices and increments of the interior of the only element as kernels take them.
+struct Motion {
+  KernelView<double* [6]> vertex { "vertex", 2 };
+  KernelView<double*> interior;
+  Motion(const SampleBlock& samples, const std::vector<double>& motion)
+      : interior("interior", samples.interior_row(0) + samples.increments()) {
+    for (int i = 0; i < 12; ++i) vertex(samples.vertex(0, i / 6), i % 6) = motion[i];
+    for (int i = 0; i < samples.increments(); ++i) interior(samples.interior_row(0) + i) = motion[12 + i];
+  }
+};
+
+/// Velocity and spin along the axes of the section at xi while the increments grow as `motion` times t, by
+/// differentiation of position and triad.
+std::array<double, 6> velocity(const ElementSample& sample, const std::vector<double>& motion, double xi) {
+  std::vector<Fad> increments;
+  for (const double x : motion) increments.push_back(Fad(kChunk, 0, 0.0) * x);
+  const EnergyState<Fad> moved = perturbed(sample.state, increments.data());
+  const Vec3<Fad> place = displacement_at(sample.element, moved, xi);
+  const Quaternion<Fad> turn = element_rotation_at(moved, xi);
+  const Quaternion<double> here{turn.w.val(), turn.x.val(), turn.y.val(), turn.z.val()};
+  const Quaternion<double> rate{turn.w.dx(0), turn.x.dx(0), turn.y.dx(0), turn.z.dx(0)};
+  const Quaternion<double> spin = conjugate(here) * rate;
+  const Vec du = transpose_times(rotation_matrix(here), Vec{{place[0].dx(0), place[1].dx(0), place[2].dx(0)}});
+  return {du[0], du[1], du[2], 2.0 * spin.x, 2.0 * spin.y, 2.0 * spin.z};
+}
+
+class Vibration : public testing::TestWithParam<int> {};
+
+TEST_P(Vibration, MomentaAreThoseOfTheMotion) {
+  const int k = GetParam();
+  const ElementSample sample = random_sample({k, ForceIntegration::both_reduced, 5});
+  const VibratingSample made{SampleBlock({sample})};
+  const std::vector<double> motion = random_motion(12 + made.samples.increments(), 6);
+  const Motion moved(made.samples, motion);
+  const KernelView<double**> momenta("momenta", made.samples.block.first_element + 1,
+                                     made.vibrating.layout().velocities());
+  momenta_of(made.vibrating, moved.vertex, moved.interior, momenta);
+  std::vector<double> xi(k + 1), weight(k + 1);
+  gauss_rule(k + 1, xi.data(), weight.data());
+  Difference d;
+  for (int q = 0; q <= k; ++q) {
+    const std::array<double, 6> rate = velocity(sample, motion, xi[q]);
+    for (int i = 0; i < 6; ++i) {
+      double sum = 0.0;
+      for (int j = i; j < 6; ++j) sum += made.vibrating.mass(0, kMassNumbers * q + triangle(j, i)) * rate[j];
+      d.add(0, momenta(made.samples.element_row(0), 6 * q + i),
+            std::sqrt(0.5 * sample.element.curve.length * weight[q]) * sum);
+    }
+  }
+  EXPECT_LE(d.relative(), kRounding);
+}
+
+/// x . G^T p = G x . p
+TEST_P(Vibration, RowsAreTheTransposeOfMomenta) {
+  const ElementSample sample = random_sample({GetParam(), ForceIntegration::full, 7});
+  const VibratingSample made{SampleBlock({sample})};
+  const int count = made.vibrating.layout().velocities(), element = made.samples.element_row(0);
+  const std::vector<double> motion = random_motion(12 + made.samples.increments(), 8), p = random_motion(count, 9);
+  const Motion moved(made.samples, motion), rows(made.samples, motion);
+  const KernelView<double**> momenta("momenta", element + 1, count);
+  const KernelView<double* [12]> ends("ends", element + 1);
+  momenta_of(made.vibrating, moved.vertex, moved.interior, momenta);
+  double left = 0.0, right = 0.0;
+  for (int i = 0; i < count; ++i) left += std::exchange(momenta(element, i), p[i]) * p[i];
+  rows_of_momenta(made.vibrating, momenta, rows.interior, ends);
+  for (int i = 0; i < 12; ++i) right += ends(element, i) * motion[i];
+  for (int i = 0; i < made.samples.increments(); ++i)
+    right += rows.interior(made.samples.interior_row(0) + i) * motion[12 + i];
+  EXPECT_NEAR(left, right, kRounding * std::max(1.0, std::abs(left)));
+}
+
+void expect_tangent_of_newton(const SampleBlock& samples, const std::string& text) {
+  const VibratingSample made{samples};
+  evaluate_tangent(samples.block, samples.structure, samples.state, samples.equations);
+  Difference d;
+  for (int i = 0; i < 12; ++i)
+    for (int j = 0; j < 12; ++j)
+      d.add(2 * (i / 3 % 2) + j / 3 % 2, made.tangent(samples.element_row(0), 12 * i + j),
+            samples.equations.condensed_tangent(samples.element_row(0), 12 * i + j));
+  EXPECT_LE(d.relative(), kElimination) << text;
+}
+
+TEST_P(Vibration, StiffnessIsThatOfTheTangent) {
+  for (const ForceIntegration rule : kAllRules)
+    expect_tangent_of_newton(SampleBlock({random_sample({GetParam(), rule, 10})}),
+                             "rule " + std::to_string(static_cast<int>(rule)));
+  GeneralSample general = general_sample(GetParam(), 11);
+  expect_tangent_of_newton(general_block(general, kNoLimit, kNoLimit), "general section");
+  set_rigid(general.law, {0, 4});
+  expect_tangent_of_newton(general_block(general, 1e4, 1e4), "rigid components");
+}
+
+/// Under the same interior rows; Newton's are residuals, of N without weights.
+TEST_P(Vibration, RecoversAsTheTangent) {
+  GeneralSample general = general_sample(GetParam(), 12);
+  for (const SampleBlock& samples : {SampleBlock({random_sample({GetParam(), ForceIntegration::both_reduced, 12})}),
+                                     general_block(general, kNoLimit, kNoLimit)}) {
+    const VibratingSample made{samples};
+    const std::vector<double> motion = random_motion(12 + samples.increments(), 13);
+    const Motion residual(samples, motion), rows(samples, motion), expected(samples, motion), found(samples, motion);
+    condense_right_hand_side(samples.block, samples.structure, samples.state, residual.interior, samples.equations);
+    recover_interior(samples.block, samples.state, samples.equations, residual.vertex, expected.interior);
+    double* own = rows.interior.data() + samples.interior_row(0);
+    std::vector<double> xi(GetParam()), weight(GetParam());
+    gauss_rule(GetParam(), xi.data(), weight.data());
+    for (int i = 0; i < samples.increments(); ++i)
+      if (i < samples.block.interior.moment(0))
+        own[i] *= 0.5 * samples.block.reference(0, 0) * weight[i / 3];
+      else if (i >= made.vibrating.layout().stresses())
+        own[i] = -own[i];
+    recover_motion(made.vibrating, rows.interior, residual.vertex, found.interior);
+    Difference d;
+    for (int i = 0; i < samples.increments(); ++i)
+      d.add(i < samples.block.interior.moment(0)     ? 0
+            : i < made.vibrating.layout().stresses() ? 1
+                                                     : 2,
+            found.interior(samples.interior_row(0) + i), expected.interior(samples.interior_row(0) + i));
+    EXPECT_LE(d.relative(), kElimination);
+  }
+}
+
+/// Of (shift M) alone the condensed form of a rigid translation is its mass; interiors at rest have no negative pivot,
+/// far above their own frequencies all of them that carry mass.
+TEST_P(Vibration, InteriorsBecomeNegativeAboveTheirFrequencies) {
+  ElementSample sample = random_sample({GetParam(), ForceIntegration::both_reduced, 14, 0.1, 0.1});
+  for (auto* field : {&sample.state.force, &sample.state.moment})
+    for (auto& value : *field) value = Vec3<double>{{0.0, 0.0, 0.0}};
+  EXPECT_EQ((VibratingSample{SampleBlock({sample})}.vibrating.negative(0)), 0);
+  EXPECT_EQ((VibratingSample{SampleBlock({sample}), -1e9}.vibrating.negative(0)), 3 * (2 * GetParam() - 1));
+}
+
+INSTANTIATE_TEST_SUITE_P(Orders, Vibration, testing::Range(1, kMaximumOrder + 1));
+
+}  // namespace
+}  // namespace mixbeam::element_test::vibration_test

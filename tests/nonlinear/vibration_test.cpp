@@ -1,0 +1,210 @@
+// Natural frequencies against closed forms and against each other.
+#include "nonlinear/stability/vibration.hpp"
+
+#include "discretization/geometry/isometry.hpp"
+#include "discretization/scene/section_law.hpp"
+#include "kernels/execution/execution_space.hpp"
+#include "tests/nonlinear/stability_fixture.hpp"
+#include "tests/support/buckling_scenes.hpp"
+#include "tests/support/same_bits.hpp"
+
+namespace mixbeam::test {
+namespace {
+
+/// Twice the discretization errors of omega^2 that a prototype with dense eigenvalues has, k = 4.
+constexpr double kColumn = 1e-10, kString = 2e-7, kBent = 2e-9;
+/// Rounding of omega^2 in tangents with a cap, of the same structure elsewhere or in other units.
+constexpr double kSame = 1e-10;
+
+std::vector<double> squares(const std::vector<VibrationMode>& modes) {
+  std::vector<double> values;
+  for (const VibrationMode& mode : modes) {
+    EXPECT_TRUE(mode.pair.converged) << "not confirmed by the inertia";
+    values.push_back(mode.pair.eigenvalue);
+  }
+  return values;
+}
+
+/// About the equilibrium at a load factor.
+std::vector<double> squares_at(const Scene& scene, double load_factor, int count, bool in_plane = true) {
+  constexpr int kSteps = 20;
+  StabilityFixture at(scene);
+  for (int i = 1; i < kSteps; ++i) at.equilibrium(load_factor * i / kSteps);
+  return squares(vibration_modes(at.problem(), at.equilibrium(load_factor), load_factor, count, in_plane));
+}
+
+Scene with_mass(Scene scene) {
+  for (Section& section : scene.sections) section.mass = 1.0;
+  return scene;
+}
+
+void expect_squares(const std::vector<double>& found, const std::vector<double>& expected, double tolerance) {
+  ASSERT_EQ(found.size(), expected.size());
+  for (size_t i = 0; i < expected.size(); ++i)
+    EXPECT_NEAR(found[i], expected[i], tolerance * std::abs(expected[i])) << i;
+}
+
+/// omega^2 = pi^4 (1 - P/pi^2): a line to the critical load.
+TEST(Vibration, HingedColumnUnderItsLoad) {
+  const Scene scene = with_mass(column(4, 8, euler_columns()[2].supports));
+  for (double share : {0.0, 0.5, 0.9, 0.99})
+    EXPECT_NEAR(squares_at(scene, share * kPi * kPi, 1)[0], std::pow(kPi, 4) * (1.0 - share),
+                kColumn * std::pow(kPi, 4));
+}
+
+/// Beyond its critical load the column has one negative omega^2.
+TEST(Vibration, UnstableStatesHaveNegativeSquares) {
+  const Scene scene = with_mass(column(4, 8, euler_columns()[2].supports));
+  expect_squares(squares_at(scene, 2.0 * kPi * kPi, 2), {-std::pow(kPi, 4), 8.0 * std::pow(kPi, 4)}, 5e-8);
+}
+
+/// Tension 100 on a beam clamped at both ends.
+TEST(Vibration, TautString) {
+  Scene scene = with_mass(column(4, 8, euler_columns()[4].supports));
+  scene.point_loads = {dead_load("tip", {1, 0, 0})};
+  expect_squares(
+      squares_at(scene, 100.0, 3),
+      {40.993160998966 * 40.993160998966, 91.264311100706 * 91.264311100706, 156.39549268149 * 156.39549268149},
+      2.0 * kString);
+}
+
+/// A cantilever bent by a dead force of 10 EI/L^2 across; by shooting.
+TEST(Vibration, BentCantilever) {
+  Scene scene = with_mass(elastica(10.0, 4, 16));
+  const std::vector<double> found = squares_at(scene, 1.0, 3);
+  expect_squares(found, {7.20499191 * 7.20499191, 23.43330185 * 23.43330185, 57.21045629 * 57.21045629}, kBent);
+}
+
+TEST(Vibration, CapOfRigidSectionsIsTakenOut) {
+  Scene scene = with_mass(elastica(10.0, 3, 4));
+  const std::vector<double> rigid = squares_at(scene, 1.0, 3);
+  scene.sections[0].axial_stiffness = 1e12;
+  scene.sections[0].shear_stiffness = {1e12, 1e12};
+  expect_squares(squares_at(scene, 1.0, 3), rigid, 1e-9);
+}
+
+/// A mass that shares the load with stiff members by their stiffness: two rods in a row clamped at their far ends, EA
+/// far above the cap; omega^2 = 2 EA / (L/2) / m, and 192 EI / L^3 / m across.
+TEST(Vibration, ForcesSharedByStiffness) {
+  constexpr double kAxial = 1e10;
+  Scene scene = jointed_column(1.0, 2, 2);
+  scene.joints.clear();
+  scene.point_loads.clear();
+  scene.sections[0].axial_stiffness = kAxial;
+  scene.supports = {clamp("clamp"), clamp("tip")};
+  scene.point_masses = {{"middle", 1.0}};
+  expect_squares(squares_at(scene, 0.0, 2), {192.0, 4.0 * kAxial}, 1e-9);
+}
+
+/// Turned about an arbitrary axis, shifted, and in other units.
+TEST(Vibration, SameInAnyPlaceAndUnits) {
+  Scene scene = with_mass(column(3, 5));
+  scene.sections[0].rotary_inertia = {0.02, 0.01, 0.01};
+  scene.sections[0].mass_offset = {0.03, -0.02};
+  scene.sections[0].axial_stiffness = 1e3;
+  scene.sections[0].shear_stiffness = {5e2, 4e2};
+  scene.point_loads = {dead_load("tip", {-0.5, 3.0, 1.0})};
+  scene.point_masses = {{"tip", 0.2, {0.01, 0.02, 0.025}}};
+  const std::vector<double> here = squares_at(scene, 1.0, 6, false);
+  Scene turned = scene;
+  const Isometry motion = Isometry::rotation({0.3, 0.1, -0.2}, {1, -2, 0.5}, 1.1);
+  for (Point& point : turned.points) point.position = motion.position(point.position);
+  for (Member& member : turned.members) member.second_axis = motion.direction(member.second_axis);
+  for (PointLoad& load : turned.point_loads) load.force = motion.direction(load.force);
+  for (PointMass& body : turned.point_masses)
+    for (Vector3& axis : body.axes) axis = motion.direction(axis);
+  expect_squares(squares_at(turned, 1.0, 6, false), here, kSame);
+  constexpr double kLength = 1e3, kForce = 1e-2;  // and the unit of time as it was
+  Scene scaled = scene;
+  for (Point& point : scaled.points) scene_change::scale(point.position, kLength);
+  for (Section& section : scaled.sections) {
+    scene_change::scale_section(section, kLength, kForce);
+    section.mass *= kForce / (kLength * kLength);
+    for (double& inertia : section.rotary_inertia) inertia *= kForce;
+    for (double& offset : section.mass_offset) offset *= kLength;
+  }
+  for (PointLoad& load : scaled.point_loads) scene_change::scale(load.force, kForce);
+  for (PointMass& body : scaled.point_masses) {
+    body.mass *= kForce / kLength;
+    scene_change::scale(body.inertia, kForce * kLength);
+  }
+  expect_squares(squares_at(scaled, 1.0, 6, false), here, kSame);
+}
+
+/// Twist of a rod whose centre of mass is off its axis: J + m c^2 turns.
+TEST(Vibration, CentreOfMassBesideTheAxis) {
+  Scene scene = with_mass(column(4, 8));
+  scene.sections[0].bending_stiffness = {1e8, 1e8};
+  scene.sections[0].rotary_inertia = {0.3, 0.2, 0.1};
+  scene.sections[0].mass_offset = {0.4, 0.5};
+  const double inertia = 0.3 + 0.16 + 0.25;
+  EXPECT_NEAR(squares_at(scene, 0.0, 1, false)[0], 0.25 * kPi * kPi / inertia, 1e-6);
+}
+
+/// All modes together take part with all of the mass, along every axis; a free structure has six rigid ones.
+TEST(Vibration, AllModesTakeAllOfTheMass) {
+  Scene scene = with_mass(column(1, 2));
+  scene.supports.clear();
+  scene.sections[0].axial_stiffness = 1e3;
+  scene.sections[0].shear_stiffness = {5e2, 4e2};
+  scene.sections[0].rotary_inertia = {0.02, 0.01, 0.01};
+  scene.sections[0].mass_offset = {0.1, 0.2};
+  scene.point_masses = {{"tip", 0.5}};
+  BeamProblem problem(scene, this_rank(), {});
+  const std::vector<VibrationMode> modes = vibration_modes(problem, problem.model.reference_state(), 0.0, 100);
+  EXPECT_EQ(modes.size(), 15u);  // three vertices that move, two elements that turn
+  Vector3 sum{};
+  for (const VibrationMode& mode : modes)
+    for (int i = 0; i < 3; ++i) sum[i] += mode.participation[i] * mode.participation[i] * mode.modal_mass;
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(sum[i], 1.5, 1e-9);
+  for (int i = 0; i < 6; ++i) EXPECT_LT(std::abs(modes[i].pair.eigenvalue), 1e-12 * modes[6].pair.eigenvalue);
+}
+
+/// A body between two joined halves, and elements with a matrix in place of six stiffnesses.
+TEST(Vibration, JointsAndGeneralSections) {
+  Scene scene = with_mass(jointed_column(2.0, 4, 4));
+  scene.point_loads.clear();
+  const std::vector<double> plain = squares_at(scene, 0.0, 4, false);
+  Section& section = scene.sections[0];
+  section.matrix.emplace();
+  const auto values = diagonal(section);
+  for (int i = 0; i < 6; ++i) (*section.matrix)[i][i] = i < 3 ? 1.0 : values[i];  // rigid ones do not count
+  expect_squares(squares_at(scene, 0.0, 4, false), plain, kSame);
+}
+
+/// Hinge with a spring c in the middle of a hinged beam that carries a body there: a force F there bends the halves and turns
+/// the joint by M/c, M = F/4, which moves it by M/(4 c).
+TEST(Vibration, BodyOnAJoint) {
+  constexpr double kSpring = 2.0, kMass = 3.0;
+  Scene scene = jointed_column(kSpring, 4, 4);
+  scene.point_loads.clear();
+  scene.point_masses = {{"middle", kMass}};
+  const double compliance = 1.0 / 48.0 + 1.0 / (16.0 * kSpring);
+  EXPECT_NEAR(squares_at(scene, 0.0, 1)[0], 1.0 / (kMass * compliance), 1e-9);
+}
+
+TEST(Vibration, SameBitsWithAnyNumberOfThreads) {
+  Scene scene = with_mass(elastica(3.0, 2, 40));
+  scene.sections[0].rotary_inertia = {0.02, 0.01, 0.01};
+  const int before = number_of_threads();
+  std::vector<std::vector<double>> found;
+  for (int threads : {1, 2, 4}) {
+    set_number_of_threads(threads);
+    found.push_back(squares_at(scene, 1.0, 5, false));
+  }
+  set_number_of_threads(before);
+  EXPECT_TRUE(same_bits(found[0], found[1]));
+  EXPECT_TRUE(same_bits(found[0], found[2]));
+}
+
+TEST(Vibration, RefusesWhatHasNoMassOrNoPotential) {
+  BeamProblem massless(column(2, 2), this_rank(), {});
+  EXPECT_THROW(vibration_modes(massless, massless.model.reference_state(), 0.0, 1), LinearSolverError);
+  Scene scene = with_mass(partial_follower(1.0, 2, 4));
+  StabilityFixture follows(scene);
+  const State state = follows.equilibrium(1.0);
+  EXPECT_THROW(vibration_modes(follows.problem(), state, 1.0, 1), LinearSolverError);
+}
+
+}  // namespace
+}  // namespace mixbeam::test
