@@ -3,6 +3,7 @@
 #   mixbeam_kokkos     Kokkos core and OpenMP: all that kernels/ may use
 #   mixbeam_trilinos   mixbeam_kokkos + Teuchos, Tpetra, Amesos2, Belos, NOX, LOCA and MPI
 #   mixbeam_metis      METIS: parts of networks for ranks, and the order of MUMPS' eliminations: Debian's is built without
+#   mixbeam_hdf5       HDF5: its archive in programs, the shared library in the Python module
 #   mixbeam_mumps      MUMPS: the symmetric factorisation that counts negative pivots, which no solver behind Amesos2 does
 #   mixbeam_sacado     automatic differentiation, for tests
 #
@@ -25,6 +26,27 @@ find_package(HDF5 REQUIRED COMPONENTS C)
 if(NOT HDF5_IS_PARALLEL)
   message(FATAL_ERROR "mixbeam needs the Open MPI variant of HDF5, but found a serial one in ${HDF5_INCLUDE_DIRS}.\n"
                       "On Debian 12: apt-get install libhdf5-openmpi-dev")
+endif()
+# Programs take its archive, where there is one: the shared library is linked with curl and SSL for files in object stores,
+# and a program would load thirty libraries at each start, a quarter of the time that this takes. Debian's archive is not
+# made for modules.
+get_target_property(hdf5_library hdf5::hdf5 IMPORTED_LOCATION)
+cmake_path(GET hdf5_library PARENT_PATH hdf5_folder)
+find_library(HDF5_ARCHIVE NAMES libhdf5.a PATHS "${hdf5_folder}" NO_DEFAULT_PATH DOC "Archive of HDF5")
+find_library(SZ_LIBRARY NAMES sz DOC "SZIP compression, for HDF5's archive")
+find_library(Z_LIBRARY NAMES z DOC "zlib, for HDF5's archive")
+mark_as_advanced(HDF5_ARCHIVE SZ_LIBRARY Z_LIBRARY)
+add_library(mixbeam_hdf5 INTERFACE)
+target_include_directories(mixbeam_hdf5 SYSTEM INTERFACE
+                           "$<TARGET_PROPERTY:hdf5::hdf5,INTERFACE_INCLUDE_DIRECTORIES>")
+if(HDF5_ARCHIVE AND SZ_LIBRARY AND Z_LIBRARY)
+  set(is_module "$<STREQUAL:$<TARGET_PROPERTY:TYPE>,MODULE_LIBRARY>")
+  target_link_libraries(mixbeam_hdf5 INTERFACE "$<${is_module}:${hdf5_library}>")
+  foreach(library "${HDF5_ARCHIVE}" "${SZ_LIBRARY}" "${Z_LIBRARY}" ${CMAKE_DL_LIBS})
+    target_link_libraries(mixbeam_hdf5 INTERFACE "$<$<NOT:${is_module}>:${library}>")
+  endforeach()
+else()
+  target_link_libraries(mixbeam_hdf5 INTERFACE hdf5::hdf5)
 endif()
 
 # --- xxHash: headers only; its functions are compiled for the processor of the build ------------------------------------

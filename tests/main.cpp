@@ -1,5 +1,6 @@
 // Start of every test executable: MPI, Kokkos and Tpetra around Google Test, on one rank or on several.
 #include "apps/common/session/mpi_session.hpp"
+#include "discretization/mesh/mpi_at_need.hpp"
 #include "nonlinear/newton/thresholds.hpp"
 #include "nonlinear/path/thresholds.hpp"
 #include "nonlinear/stability/thresholds.hpp"
@@ -71,5 +72,6 @@ int main(int argc, char** argv) {
     move_threshold(mixbeam::stability_limit, "stability", argv[i]);
   }
   const mixbeam::MpiSession session;
+  mixbeam::require_mpi();  // tests divide ranks themselves
   return run_tests(session.communicator()->getRank());
 }

@@ -7,6 +7,7 @@
 #include "apps/mixbeam/commands.hpp"
 #include "apps/mixbeam/mesh_report.hpp"
 #include "apps/mixbeam/scene_run.hpp"
+#include "discretization/mesh/mpi_at_need.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/text/errors.hpp"
 #include "discretization/text/text_file.hpp"
@@ -64,8 +65,6 @@ void require_memory_side_by_side(const Application& app, const std::vector<std::
   const double memory = needs_of_run(app, scene_of_case(app.scene, cases.front()), app.solver).memory;
   require_memory(app, static_cast<double>(jobs) * memory, std::to_string(jobs) + " cases side by side (--jobs)");
 }
-
-bool is_under_mpirun() { return std::getenv("OMPI_COMM_WORLD_SIZE") != nullptr; }
 
 /// None where cases are solved one after the other. Before MPI starts.
 std::unique_ptr<CaseProcesses> case_processes(const CommandLine& line) {

@@ -86,12 +86,13 @@ Problem problem_of_words(const ParameterValue& value, const ParameterSpec& spec)
   Teuchos::Array<std::string> words;
   if (std::holds_alternative<std::string>(value)) words.push_back(std::get<std::string>(value));
   if (std::holds_alternative<Teuchos::Array<std::string>>(value)) words = std::get<Teuchos::Array<std::string>>(value);
-  const std::string seen = "value " + excerpt(to_text(value)), allowed = "; allowed: " + described(spec);
+  const auto told = [&](const std::string& problem) {
+    return "value " + excerpt(to_text(value)) + problem + "; allowed: " + described(spec);
+  };
   std::set<std::string> earlier;
   for (const std::string& word : words) {
-    if (!contains(spec.choices, word) && spec.other_words.empty())
-      return seen + allowed + did_you_mean(word, spec.choices);
-    if (!earlier.insert(word).second) return seen + " says \"" + word + "\" twice" + allowed;
+    if (!contains(spec.choices, word) && spec.other_words.empty()) return told("") + did_you_mean(word, spec.choices);
+    if (!earlier.insert(word).second) return told(" says \"" + word + "\" twice");
   }
   return "";
 }
@@ -107,14 +108,21 @@ struct Misfits {
   }
 };
 
+bool is_of(const Form& form, const std::string& name) {
+  return contains(form.needed, name) || contains(form.optional, name);
+}
+
+bool is_of_some_form(const ListSpec& spec, const std::string& name) {
+  for (const auto& [word, forms] : spec.forms)
+    if (std::any_of(forms.begin(), forms.end(), [&](const Form& form) { return is_of(form, name); })) return true;
+  return false;
+}
+
 /// All names that some form speaks of.
 std::vector<std::string> names_of_forms(const ListSpec& spec) {
   std::vector<std::string> names;
   for (const std::string& name : spec.fixed_names())
-    for (const auto& [word, forms] : spec.forms)
-      for (const Form& form : forms)
-        if ((contains(form.needed, name) || contains(form.optional, name)) && !contains(names, name))
-          names.push_back(name);
+    if (is_of_some_form(spec, name)) names.push_back(name);
   return names;
 }
 
@@ -124,9 +132,8 @@ Misfits misfits(const ParameterList& list, const ListSpec& spec, const Form& for
     if (!list.isParameter(name) && !list.isSublist(name)) found.missing.push_back(name);
   found.needed_given = std::count_if(form.needed.begin(), form.needed.end(),
                                      [&](const std::string& name) { return is_given(list, name); });
-  for (const std::string& name : names_of_forms(spec))
-    if (is_given(list, name) && !contains(form.needed, name) && !contains(form.optional, name))
-      found.too_many.push_back(name);
+  for (const std::string& name : spec.fixed_names())
+    if (is_given(list, name) && !is_of(form, name) && is_of_some_form(spec, name)) found.too_many.push_back(name);
   return found;
 }
 
@@ -445,13 +452,15 @@ class Validator {
 }  // namespace
 
 Problem problem_of(const ParameterValue& value, const ParameterSpec& spec) {
-  const std::string seen = "value " + excerpt(to_text(value)), allowed = "; allowed: " + described(spec);
-  if (!has_type(value, spec.type)) return seen + " of " + type_of(value) + allowed;
+  const auto told = [&](const std::string& problem) {
+    return "value " + excerpt(to_text(value)) + problem + "; allowed: " + described(spec);
+  };
+  if (!has_type(value, spec.type)) return told(" of " + type_of(value));
   const int length = array_length(value);
-  if (spec.length > 0 && length != spec.length) return seen + " has " + std::to_string(length) + " entries" + allowed;
-  if (length == 0 && !spec.empty_allowed) return seen + " is empty" + allowed;
-  if (!numbers_in_range(value, spec.range)) return seen + allowed;
-  if (!is_long_enough(value, spec.shortest)) return seen + " has no direction" + allowed;
+  if (spec.length > 0 && length != spec.length) return told(" has " + std::to_string(length) + " entries");
+  if (length == 0 && !spec.empty_allowed) return told(" is empty");
+  if (!numbers_in_range(value, spec.range)) return told("");
+  if (!is_long_enough(value, spec.shortest)) return told(" has no direction");
   return spec.choices.empty() ? "" : problem_of_words(value, spec);
 }
 

@@ -2,9 +2,9 @@
 
 #include "discretization/assembly/residual.hpp"
 #include "discretization/mesh/element_view.hpp"
+#include "discretization/mesh/mpi_at_need.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
-#include <Teuchos_DefaultMpiComm.hpp>
 
 #include <mpi.h>
 
@@ -16,10 +16,6 @@
 namespace mixbeam {
 
 namespace {
-
-MPI_Comm raw(const Communicator& comm) {
-  return *Teuchos::rcp_dynamic_cast<const Teuchos::MpiComm<int>>(comm, true)->getRawMpiComm();
-}
 
 constexpr int kRoot = 0, kTag = 0;
 
@@ -82,16 +78,16 @@ StateSnapshot collected(const Communicator& comm, const StateShare& mine) {
   for (const SnapshotArray& rows : kSnapshotArrays) {
     const RowShare& share = mine.*rows.share;
     if (comm->getRank() != kRoot) {
-      send(share.runs, kRoot, raw(comm));
-      send(mine.held.*rows.array, kRoot, raw(comm));
+      send(share.runs, kRoot, mpi_of(*comm));
+      send(mine.held.*rows.array, kRoot, mpi_of(*comm));
       continue;
     }
     std::vector<double>& array = snapshot.*rows.array;
     array.resize(rows.columns * share.rows);
     place(share.runs, mine.held.*rows.array, rows.columns, array);
     for (int rank = 1; rank < comm->getSize(); ++rank) {
-      const auto runs = receive<RowRun>(rank, raw(comm));
-      place(runs, receive<double>(rank, raw(comm)), rows.columns, array);
+      const auto runs = receive<RowRun>(rank, mpi_of(*comm));
+      place(runs, receive<double>(rank, mpi_of(*comm)), rows.columns, array);
     }
   }
   return snapshot;
@@ -122,14 +118,14 @@ std::vector<double> own_numbers(const Model& model, const StateSnapshot& snapsho
   const std::vector<int>&vertices = model.structure().local_vertex_to_global,
         &elements = model.structure().local_element_to_mesh;
   if (comm->getRank() != kRoot) {
-    send(vertices, kRoot, raw(comm));
-    send(elements, kRoot, raw(comm));
-    return receive<double>(kRoot, raw(comm));
+    send(vertices, kRoot, mpi_of(*comm));
+    send(elements, kRoot, mpi_of(*comm));
+    return receive<double>(kRoot, mpi_of(*comm));
   }
   const std::vector<size_t> interior_first = interior_places(model.scene(), model.mesh());
   for (int rank = 1; rank < comm->getSize(); ++rank) {
-    const auto asked_vertices = receive<int>(rank, raw(comm)), asked_elements = receive<int>(rank, raw(comm));
-    send(numbers_for(asked_vertices, asked_elements, snapshot, interior_first), rank, raw(comm));
+    const auto asked_vertices = receive<int>(rank, mpi_of(*comm)), asked_elements = receive<int>(rank, mpi_of(*comm));
+    send(numbers_for(asked_vertices, asked_elements, snapshot, interior_first), rank, mpi_of(*comm));
   }
   return numbers_for(vertices, elements, snapshot, interior_first);
 }

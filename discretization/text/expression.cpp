@@ -68,7 +68,7 @@ struct Expression::Formula {
   mu::Parser parser;
 };
 
-Expression::Expression() : Expression("0", {}) {}
+Expression::Expression() = default;  // a parser for nothing takes as long as reading ten parameters
 
 Expression::Expression(const std::string& text, const std::vector<std::string>& variables)
     : formula_(std::make_shared<Formula>()) {
@@ -88,8 +88,9 @@ Expression::Expression(const std::string& text, const std::vector<std::string>& 
 }
 
 double Expression::operator()(const std::vector<double>& values) const {
-  if (values.size() != formula_->values.size())
-    throw std::invalid_argument("formula \"" + formula_->text + "\": wrong number of variables");
+  if (values.size() != (formula_ == nullptr ? 0 : formula_->values.size()))
+    throw std::invalid_argument("formula \"" + text() + "\": wrong number of variables");
+  if (formula_ == nullptr) return 0.0;
   formula_->values = values;  // same size: the addresses that the parser holds stay
   try {
     return formula_->parser.Eval();
@@ -100,7 +101,10 @@ double Expression::operator()(const std::vector<double>& values) const {
 
 double Expression::operator()(double value) const { return (*this)(std::vector<double>{value}); }
 
-const std::string& Expression::text() const { return formula_->text; }
+const std::string& Expression::text() const {
+  static const std::string zero = "0";
+  return formula_ == nullptr ? zero : formula_->text;
+}
 
 double value_of_formula(const std::string& text, const FormulaNames& names) {
   check_text(text);

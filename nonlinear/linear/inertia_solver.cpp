@@ -1,5 +1,6 @@
 #include "nonlinear/linear/inertia_solver.hpp"
 
+#include "discretization/mesh/mpi_at_need.hpp"
 #include "nonlinear/linear/blas_setup.hpp"
 #include "nonlinear/linear/dissection_order.hpp"
 #include "nonlinear/linear/linear_solver.hpp"
@@ -153,6 +154,7 @@ struct InertiaSolver::Mumps final : Factors {
   double solves = 0.0;     ///< see solves_for_factors()
 
   Mumps(Kind k, const SparseMatrix& structure, SharedRows s) : Factors(k, structure, std::move(s)) {
+    require_mpi();
     order = share.has_several_ranks() ? dissection_order(gathered_structure(structure, share))
                                       : dissection_order(structure);
     data.sym = kind == Kind::symmetric ? 2 : 0;
@@ -295,7 +297,7 @@ InertiaSolver::Signs InertiaSolver::factorize(const SparseMatrix& matrix) {
   }
   if (!std::all_of(f.value.begin(), f.value.end(), [](double a) { return std::isfinite(a); })) finite = 0;
   int both[2] = {same, finite};
-  MPI_Allreduce(MPI_IN_PLACE, both, 2, MPI_INT, MPI_MIN, f.share.communicator);
+  if (f.share.has_several_ranks()) MPI_Allreduce(MPI_IN_PLACE, both, 2, MPI_INT, MPI_MIN, f.share.communicator);
   if (both[0] == 1) return f.signs;
   f.has_factors = false;
   if (both[1] == 0) throw LinearSolverError("the tangent holds numbers that are not finite");

@@ -92,7 +92,8 @@ class DirectSolver : public LinearSolver {
     std::string problem;
     if (root_ == nullptr || root_->is_root()) problem = factorize_here();
     int failed = problem.empty() ? 0 : 1;
-    MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPI_INT, MPI_MAX, communicator_of(*matrix_));
+    if (matrix_->getRowMap()->getComm()->getSize() > 1)
+      MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPI_INT, MPI_MAX, communicator_of(*matrix_));
     if (failed != 0) throw LinearSolverError("factorisation failed: " + (problem.empty() ? "see rank 0" : problem));
   }
 
@@ -113,7 +114,7 @@ class DirectSolver : public LinearSolver {
     long known[2] = {0, 0};  // whether it is known; how many
     if (root_ == nullptr || root_->is_root())
       if (const std::optional<long> here = factors_->negative_eigenvalues()) known[0] = 1, known[1] = *here;
-    if (root_ != nullptr) MPI_Bcast(known, 2, MPI_LONG, 0, root_->communicator());
+    if (root_ != nullptr) root_->share(known, 2, MPI_LONG);
     return known[0] == 1 ? std::optional<long>(known[1]) : std::nullopt;
   }
 

@@ -32,10 +32,11 @@ bool is_moment(int row) { return row % kVertexDofs >= 3; }
 
 NetworkFactors::NetworkFactors(const Teuchos::RCP<DofMatrix>& matrix, PhaseTimes& times)
     : matrix_(matrix), times_(times) {
-  share_.communicator = communicator_of(*matrix);
+  if (matrix->getRowMap()->getComm()->getSize() > 1) share_.communicator = communicator_of(*matrix);
 }
 
 bool NetworkFactors::on_all_ranks(bool here) const {
+  if (matrix_->getRowMap()->getComm()->getSize() == 1) return here;
   int all = here ? 1 : 0;
   MPI_Allreduce(MPI_IN_PLACE, &all, 1, MPI_INT, MPI_MIN, share_.communicator);
   return all == 1;
@@ -252,7 +253,8 @@ struct NetworkFactors::Iteration {
 
   double dot(const Numbers& a, const Numbers& b) const {
     double sum = std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
-    MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, of.share_.communicator);
+    if (of.share_.has_several_ranks())
+      MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, of.share_.communicator);
     return sum;
   }
   static void add(double s, const Numbers& b, Numbers& a) {

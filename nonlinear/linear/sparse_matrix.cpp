@@ -1,5 +1,7 @@
 #include "nonlinear/linear/sparse_matrix.hpp"
 
+#include "discretization/mesh/mpi_at_need.hpp"
+
 #include <Teuchos_DefaultMpiComm.hpp>
 
 #include <algorithm>
@@ -9,7 +11,8 @@
 
 namespace mixbeam {
 
-GatherPlan::GatherPlan(MPI_Comm comm, int mine) {
+GatherPlan::GatherPlan(MPI_Comm comm, int mine) : counts{mine}, offsets{0} {
+  if (comm == MPI_COMM_SELF) return;
   int ranks = 0;
   MPI_Comm_size(comm, &ranks);
   counts.resize(ranks);
@@ -18,10 +21,7 @@ GatherPlan::GatherPlan(MPI_Comm comm, int mine) {
   std::partial_sum(counts.begin(), counts.end() - 1, offsets.begin() + 1);
 }
 
-MPI_Comm communicator_of(const DofMatrix& matrix) {
-  const auto comm = matrix.getRowMap()->getComm();
-  return *Teuchos::rcp_dynamic_cast<const Teuchos::MpiComm<int>>(comm, true)->getRawMpiComm();
-}
+MPI_Comm communicator_of(const DofMatrix& matrix) { return mpi_of(*matrix.getRowMap()->getComm()); }
 
 void SparseMatrix::multiply(const double* x, double* y) const {
   for (int i = 0; i < rows(); ++i) {
@@ -101,7 +101,12 @@ SparseMatrix gathered(const SparseMatrix& here, const SharedRows& share) {
 }
 
 RootCopy::RootCopy(const Teuchos::RCP<DofMatrix>& matrix)
-    : distributed_(matrix), mpi_(communicator_of(*matrix)), is_root_(matrix->getRowMap()->getComm()->getRank() == 0) {
+    : distributed_(matrix), is_root_(matrix->getRowMap()->getComm()->getRank() == 0) {
+  if (matrix->getRowMap()->getComm()->getSize() == 1) {
+    root_ = matrix;
+    return;
+  }
+  mpi_ = communicator_of(*matrix);
   const auto graph = matrix->getCrsGraph()->getLocalGraphHost();
   SparseMatrix here{{0}, {graph.entries.data(), graph.entries.data() + graph.entries.extent(0)}, {}};
   for (int i = 0; i < static_cast<int>(graph.numRows()); ++i)
@@ -126,7 +131,12 @@ RootCopy::RootCopy(const Teuchos::RCP<DofMatrix>& matrix)
   root_->expertStaticFillComplete(map, map);
 }
 
+void RootCopy::share(void* numbers, int count, MPI_Datatype type) const {
+  if (!is_alone()) MPI_Bcast(numbers, count, type, 0, mpi_);
+}
+
 void RootCopy::gather_values() const {
+  if (is_alone()) return;
   const auto mine = distributed_->getLocalMatrixHost().values;
   double* all = is_root_ ? root_->getLocalMatrixHost().values.data() : nullptr;
   MPI_Gatherv(mine.data(), static_cast<int>(mine.extent(0)), MPI_DOUBLE, all, entries_.counts.data(),
@@ -135,14 +145,20 @@ void RootCopy::gather_values() const {
 
 void RootCopy::gather(const DofVector& from, double* to) const {
   const auto mine = from.getLocalViewHost(Tpetra::Access::ReadOnly);
-  MPI_Gatherv(mine.data(), static_cast<int>(mine.extent(0)), MPI_DOUBLE, to, rows_.counts.data(), rows_.offsets.data(),
-              MPI_DOUBLE, 0, mpi_);
+  if (is_alone())
+    std::copy_n(mine.data(), mine.extent(0), to);
+  else
+    MPI_Gatherv(mine.data(), static_cast<int>(mine.extent(0)), MPI_DOUBLE, to, rows_.counts.data(),
+                rows_.offsets.data(), MPI_DOUBLE, 0, mpi_);
 }
 
 void RootCopy::scatter(const double* from, DofVector& to) const {
   const auto mine = to.getLocalViewHost(Tpetra::Access::OverwriteAll);
-  MPI_Scatterv(from, rows_.counts.data(), rows_.offsets.data(), MPI_DOUBLE, mine.data(),
-               static_cast<int>(mine.extent(0)), MPI_DOUBLE, 0, mpi_);
+  if (is_alone())
+    std::copy_n(from, mine.extent(0), mine.data());
+  else
+    MPI_Scatterv(from, rows_.counts.data(), rows_.offsets.data(), MPI_DOUBLE, mine.data(),
+                 static_cast<int>(mine.extent(0)), MPI_DOUBLE, 0, mpi_);
 }
 
 }  // namespace mixbeam

@@ -52,15 +52,18 @@ double asymmetry(const SparseMatrix& a);
 SparseMatrix symmetric_part(SparseMatrix a);
 
 /// Copy of a distributed matrix on rank 0 alone, and the exchange of its values and vectors. Rows must be contiguous by
-/// rank. All functions are collective.
+/// rank. All functions are collective. A process alone takes the matrix itself and needs no MPI.
 class RootCopy {
  public:
   explicit RootCopy(const Teuchos::RCP<DofMatrix>& matrix);
 
   bool is_root() const { return is_root_; }
   const Teuchos::RCP<DofMatrix>& matrix() const { return root_; }  ///< null on every other rank
+  bool is_alone() const { return mpi_ == MPI_COMM_NULL; }
   MPI_Comm communicator() const { return mpi_; }
 
+  /// Numbers of rank 0 on every rank.
+  void share(void* numbers, int count, MPI_Datatype type) const;
   void gather_values() const;
   void gather(const DofVector& from, double* to) const;
   void scatter(const double* from, DofVector& to) const;

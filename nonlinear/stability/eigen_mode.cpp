@@ -57,14 +57,14 @@ void on_root(const RootCopy& root, const std::function<void()>& action) {
     }
   }
   int failed = problem.empty() ? 0 : 1;
-  MPI_Bcast(&failed, 1, MPI_INT, 0, root.communicator());
+  root.share(&failed, 1, MPI_INT);
   if (failed != 0) throw LinearSolverError("stability: " + (problem.empty() ? "see rank 0" : problem));
 }
 
 double number_of_root(const RootCopy& root, const std::function<double()>& number) {
   double found = 0.0;
   on_root(root, [&] { found = number(); });
-  MPI_Bcast(&found, 1, MPI_DOUBLE, 0, root.communicator());
+  root.share(&found, 1, MPI_DOUBLE);
   return found;
 }
 

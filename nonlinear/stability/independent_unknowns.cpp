@@ -81,7 +81,7 @@ void IndependentUnknowns::number(const Model& model) {
   unknown_.assign(is_fixed.size(), -1);
   for (size_t i = 0; i < is_fixed.size(); ++i)
     if (is_fixed[i] == 0.0) unknown_[i] = count_++;
-  MPI_Bcast(&count_, 1, MPI_INT, 0, root_.communicator());
+  root_.share(&count_, 1, MPI_INT);
 }
 
 void IndependentUnknowns::measure(const Model& model) {

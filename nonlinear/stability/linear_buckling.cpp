@@ -52,15 +52,15 @@ class LinearBuckling : private StressedStructure {
       }
     });
     int found = static_cast<int>(y.size());
-    MPI_Bcast(&found, 1, MPI_INT, 0, unknowns_.root().communicator());
-    MPI_Bcast(&symmetric, 1, MPI_INT, 0, unknowns_.root().communicator());
+    unknowns_.root().share(&found, 1, MPI_INT);
+    unknowns_.root().share(&symmetric, 1, MPI_INT);
     inverse_factor.resize(found);
     y.resize(found);
-    MPI_Bcast(inverse_factor.data(), found, MPI_DOUBLE, 0, unknowns_.root().communicator());
+    unknowns_.root().share(inverse_factor.data(), found, MPI_DOUBLE);
     if (found == 0) return {};
     if (symmetric == 0) {
       std::vector<EigenMode> result = uncorrected(inverse_factor, y);
-      MPI_Bcast(&residual, 1, MPI_DOUBLE, 0, unknowns_.root().communicator());
+      unknowns_.root().share(&residual, 1, MPI_DOUBLE);
       for (EigenMode& mode : result) {
         mode.error = residual;
         mode.converged = false;

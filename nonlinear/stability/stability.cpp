@@ -280,12 +280,12 @@ void Stability::look_for_zero(const SparseMatrix& matrix, const Solvers& solvers
 }
 
 /// Adds what interiors and chains have. Collective.
-Stability::RootResult Stability::completed(RootResult root, MPI_Comm communicator, const Look& look, long of_chains) {
+Stability::RootResult Stability::completed(RootResult root, const RootCopy& copy, const Look& look, long of_chains) {
   StabilityResult& result = root.result;
   double numbers[6] = {static_cast<double>(result.negative), static_cast<double>(result.null),
                        result.symmetric ? 1.0 : 0.0,         result.asymmetry,
                        static_cast<double>(result.sign),     root.is_near_zero ? 1.0 : 0.0};
-  MPI_Bcast(numbers, 6, MPI_DOUBLE, 0, communicator);
+  copy.share(numbers, 6, MPI_DOUBLE);
   const long eliminated = look.interior.negative + of_chains;
   result.inside = look.interior.negative;
   result.cap_ratio = look.tangent.cap().least_ratio;
@@ -335,9 +335,11 @@ Stability::RootResult Stability::factorized_beside_chains(const Look& look, bool
     look_for_zero(matrix, beside_chains_, look.zero, root);
   });
   long negative = chains_->negative_pivots();
-  MPI_Allreduce(MPI_IN_PLACE, &reliable, 1, MPI_INT, MPI_MIN, copy.communicator());
-  MPI_Allreduce(MPI_IN_PLACE, &negative, 1, MPI_LONG, MPI_SUM, copy.communicator());
-  root = completed(root, copy.communicator(), look, negative);
+  if (!copy.is_alone()) {
+    MPI_Allreduce(MPI_IN_PLACE, &reliable, 1, MPI_INT, MPI_MIN, copy.communicator());
+    MPI_Allreduce(MPI_IN_PLACE, &negative, 1, MPI_LONG, MPI_SUM, copy.communicator());
+  }
+  root = completed(root, copy, look, negative);
   root.is_reliable = reliable == 1;
   return root;
 }
@@ -417,7 +419,7 @@ StabilityResult Stability::inertia(const Look& look, double shift) {
     if (root.result.symmetric) root.result.negative = beside.negative;
   });
   root.result.shift = number_of_root(unknowns_->root(), [&] { return shift; });
-  return completed(root, unknowns_->root().communicator(), look, 0).result;
+  return completed(root, unknowns_->root(), look, 0).result;
 }
 
 InertiaSolver& Stability::solver(const StabilityResult& result) {
@@ -473,13 +475,13 @@ std::optional<StabilityResult> Stability::ask(const Asked& at, How how) {
 
 /// Numbers of rank 0 on every rank; vectors stay there.
 void Stability::share(Pairs& pairs) const {
-  MPI_Comm communicator = unknowns_->root().communicator();
+  const RootCopy& root = unknowns_->root();
   int found = static_cast<int>(pairs.size());
-  MPI_Bcast(&found, 1, MPI_INT, 0, communicator);
+  root.share(&found, 1, MPI_INT);
   pairs.resize(found);
   for (Pair& pair : pairs) {
     double numbers[3] = {pair.value, pair.error, pair.converged ? 1.0 : 0.0};
-    MPI_Bcast(numbers, 3, MPI_DOUBLE, 0, communicator);
+    root.share(numbers, 3, MPI_DOUBLE);
     pair.value = numbers[0];
     pair.error = numbers[1];
     pair.converged = numbers[2] == 1.0;
@@ -554,7 +556,7 @@ std::vector<double> Stability::second_variations(const Tangent& tangent, const s
           motions[i].inner_product(derivative) + cap_compliance_form(model, tangent.cap(), motions[i], motions[j]);
     }
   }
-  MPI_Bcast(of_vertices.data(), m * m, MPI_DOUBLE, 0, unknowns_->root().communicator());
+  unknowns_->root().share(of_vertices.data(), m * m, MPI_DOUBLE);
   for (size_t i = 0; i < form.size(); ++i) of_vertices[i] += form[i];
   for (int i = 0; i < m; ++i)
     for (int j = 0; j < m; ++j) form[i + j * m] = 0.5 * (of_vertices[i + j * m] + of_vertices[j + i * m]);

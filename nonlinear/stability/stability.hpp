@@ -160,7 +160,7 @@ class Stability {
   RootResult factorized(const SparseMatrix& matrix, Solvers& solvers, double asymmetry_beside = 0.0) const;
   static int negative_of_symmetric_part(const SparseMatrix& matrix, Solvers& solvers);
   static void look_for_zero(const SparseMatrix& matrix, const Solvers& solvers, double zero, RootResult& root);
-  static RootResult completed(RootResult root, MPI_Comm communicator, const Look& look, long of_chains);
+  static RootResult completed(RootResult root, const RootCopy& copy, const Look& look, long of_chains);
   RootResult factorized_beside_chains(const Look& look);
   RootResult factorized_beside_chains(const Look& look, bool symmetric_part, double asymmetry);
   std::optional<StabilityResult> inertia_with_chains(const Look& look);

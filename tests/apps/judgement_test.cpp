@@ -3,6 +3,7 @@
 #include "apps/common/run/scene_file.hpp"
 #include "discretization/parameters/parameter_file.hpp"
 #include "mixbeam_files.hpp"
+#include "tests/support/ranks.hpp"
 
 #include <libxml/relaxng.h>
 
@@ -24,7 +25,7 @@ class Judgement : public ::testing::Test {
     definition_.name = "scene";
     definition_.study = ListSpec("").without_checks();
     definition_.chooses_meshes = definition_.answers_quantities = true;
-    app_communicator_ = Tpetra::getDefaultComm();
+    app_communicator_ = test::all_ranks();
   }
 
   bool accepts_xml(const std::string& text) const {

@@ -125,6 +125,26 @@ TEST_F(Room, ALimitWithoutRoomForOpenBlasEndsTheRun) {
   }
 }
 
+/// Whether a run loads the parts of Open MPI that its start does.
+bool starts_mpi(const std::string& scene, const fs::path& folder) {
+  const fs::path log = folder / "loaded";
+  const pid_t process = start_process("/usr/bin/env",
+                                      {"LD_DEBUG=files", "LD_DEBUG_OUTPUT=" + log.string(), program("mixbeam").string(),
+                                       "run", scene, "--quiet", "--output", folder.string()},
+                                      folder);
+  const Cost cost = wait_for(process);
+  EXPECT_TRUE(WIFEXITED(cost.status) && WEXITSTATUS(cost.status) == kOk);
+  const std::string name = log.string() + "." + std::to_string(process);
+  EXPECT_TRUE(fs::exists(name));
+  return text_of(fs::path(name)).find("mca_pml") != std::string::npos;
+}
+
+/// Its start takes longer than a small run.
+TEST_F(Room, MpiStartsWhereSomethingNeedsIt) {
+  EXPECT_FALSE(starts_mpi(scene(cantilever(20, 2, "[0, 1, 0]")), folder_.path()));
+  EXPECT_TRUE(starts_mpi(scene(cantilever(20, 2, "[-5, 0, 0]")), folder_.path())) << "buckles: MUMPS for its modes";
+}
+
 /// The description of all steps was held as one text: 12 kB a step.
 TEST_F(Room, StepsDoNotGrowTheProgram) {
   constexpr int kFew = 50, kMany = 450;

@@ -2,11 +2,11 @@
 
 #include "nonlinear/run/simulation.hpp"
 #include "tests/support/constrained_scenes.hpp"
+#include "tests/support/ranks.hpp"
 #include "tests/support/scenes.hpp"
 
 #include <gtest/gtest.h>
 
-#include <Tpetra_Core.hpp>
 #include <cmath>
 
 namespace mixbeam {
@@ -14,7 +14,7 @@ namespace {
 
 /// What is counted without a mesh beside the mesh; the difference, empty where there is none.
 std::string miscounted(const Scene& scene, const Needs& needs) {
-  const Simulation simulation(scene, {}, Tpetra::getDefaultComm());
+  const Simulation simulation(scene, {}, test::all_ranks());
   const Mesh& mesh = simulation.model().mesh();
   std::string text;
   const auto compare = [&](const char* what, long long counted, long long there) {

@@ -1,19 +1,14 @@
-/// MPI, Kokkos and Tpetra for the life of a program.
+/// MPI and Kokkos for the life of a program.
 #pragma once
 
 #include "discretization/mesh/tpetra_types.hpp"
-
-#include <memory>
-
-namespace Tpetra {
-class ScopeGuard;
-}
 
 namespace mixbeam {
 
 class MpiSession {
  public:
-  /// Starts MPI for use by the main thread beside OpenMP threads, then Kokkos and Tpetra.
+  /// Starts Kokkos; under mpirun MPI before, for use by the main thread beside OpenMP threads. A process
+  /// alone starts MPI where something needs it (discretization/mesh/mpi_at_need.hpp).
   MpiSession();
   ~MpiSession();
   MpiSession(const MpiSession&) = delete;
@@ -22,13 +17,12 @@ class MpiSession {
   const Communicator& communicator() const { return communicator_; }
 
  private:
-  std::unique_ptr<Tpetra::ScopeGuard> guard_;
   Communicator communicator_;
 };
 
-/// For a library in the process of another program: MPI (a process alone), Kokkos and Tpetra, once, and to the end of
-/// the process. Environment, signals and the allocator of the host stay as they were. Where the host has started MPI
-/// already, this process is alone all the same. Throws InputError under mpirun with several ranks.
+/// For a library in the process of another program: Kokkos for a process alone, once, and to the end of the
+/// process. Environment, signals and the allocator of the host stay as they were. Where the host has started MPI, this
+/// process is alone all the same. Throws InputError under mpirun with several ranks.
 Communicator start_as_guest();
 
 }  // namespace mixbeam

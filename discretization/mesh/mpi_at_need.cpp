@@ -1,0 +1,94 @@
+#include "discretization/mesh/mpi_at_need.hpp"
+
+#include <Teuchos_DefaultMpiComm.hpp>
+
+#include <csignal>
+#include <cstdlib>
+#include <map>
+#include <string>
+
+#include <unistd.h>
+
+namespace mixbeam {
+
+namespace {
+
+struct Setting {
+  const char *name, *value;
+};
+
+// Without mpirun, Open MPI searches for a network and a daemon for 0.3 s before it finds that it is alone; a small
+// scene is solved in a tenth of that. All programs that are alone would share one folder for their sessions, and the
+// first to end removes it under the others. Shared memory leaves a file behind without MPI_Finalize.
+constexpr Setting kAlone[] = {{"OMPI_MCA_ess_singleton_isolated", "1"},
+                              {"OMPI_MCA_pml", "ob1"},
+                              {"OMPI_MCA_btl", "self"},
+                              {"OMPI_MCA_mtl", "^ofi"},
+                              {"OMPI_MCA_orte_create_session_dirs", "false"}};
+
+/// Puts the environment back at its end.
+class Environment {
+ public:
+  Environment() : before_(variables()) {}
+  ~Environment() {
+    for (const auto& [name, value] : variables())
+      if (before_.count(name) == 0) unsetenv(name.c_str());
+    for (const auto& [name, value] : before_) setenv(name.c_str(), value.c_str(), 1);
+  }
+  Environment(const Environment&) = delete;
+  Environment& operator=(const Environment&) = delete;
+
+ private:
+  static std::map<std::string, std::string> variables() {
+    std::map<std::string, std::string> found;
+    for (char** entry = environ; *entry != nullptr; ++entry) {
+      const std::string text = *entry;
+      const std::size_t end = text.find('=');
+      if (end != std::string::npos) found[text.substr(0, end)] = text.substr(end + 1);
+    }
+    return found;
+  }
+
+  std::map<std::string, std::string> before_;
+};
+
+/// Puts the handlers of all signals back at its end.
+class SignalHandlers {
+ public:
+  SignalHandlers() {
+    for (int signal = 1; signal < NSIG; ++signal) is_known_[signal] = sigaction(signal, nullptr, &before_[signal]) == 0;
+  }
+  ~SignalHandlers() {
+    for (int signal = 1; signal < NSIG; ++signal)
+      if (is_known_[signal] && signal != SIGKILL && signal != SIGSTOP) sigaction(signal, &before_[signal], nullptr);
+  }
+  SignalHandlers(const SignalHandlers&) = delete;
+  SignalHandlers& operator=(const SignalHandlers&) = delete;
+
+ private:
+  struct sigaction before_[NSIG] {};
+  bool is_known_[NSIG]{};
+};
+
+}  // namespace
+
+bool is_under_mpirun() { return std::getenv("OMPI_COMM_WORLD_SIZE") != nullptr; }
+
+void require_mpi() {
+  int is_started = 0;
+  MPI_Initialized(&is_started);
+  if (is_started != 0) return;
+  const SignalHandlers kept;
+  const Environment kept_too;
+  for (const Setting& setting : kAlone) setenv(setting.name, setting.value, 1);
+  int provided = MPI_THREAD_SINGLE;
+  MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
+}
+
+MPI_Comm mpi_of(const Teuchos::Comm<int>& comm) {
+  if (const auto* ranks = dynamic_cast<const Teuchos::MpiComm<int>*>(&comm)) return *ranks->getRawMpiComm();
+  require_mpi();
+  return MPI_COMM_SELF;
+}
+
+}  // namespace mixbeam
