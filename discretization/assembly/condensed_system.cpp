@@ -23,7 +23,6 @@ std::vector<std::array<int, 2>> ends_of(const Structure& structure) {
 }
 
 /// On any rank. Collective.
-/// On any rank. Collective.
 bool has_unsymmetric_elements(const Model& model) {
   bool found = false;
   for_each_element(model.structure(), [&](const ElementView& element) {

@@ -1,5 +1,5 @@
 /// The linear system of a tangent with its chains condensed to their ends: a matrix over the vertices where members
-/// meet, or that carry supports, joints or point loads.
+/// meet, or that carry supports, joints, moments or loads that follow.
 #pragma once
 
 #include "discretization/assembly/planar_chains.hpp"

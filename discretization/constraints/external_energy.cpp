@@ -54,7 +54,8 @@ class PointLoads : public ExternalEnergy {
 
   std::vector<int> vertices() const override {
     std::vector<int> vertices;
-    for (const VertexLoad& load : loads_) vertices.push_back(load.vertex);
+    for (const VertexLoad& load : loads_)
+      if (has_tangent(load)) vertices.push_back(load.vertex);
     return vertices;
   }
   void forces(const State& state, double load_factor, const Act& act) const override {
@@ -71,6 +72,7 @@ class PointLoads : public ExternalEnergy {
   /// vertex.
   void add_tangent(const State& state, double load_factor, const MatrixRows& rows) const override {
     for (const VertexLoad& load : loads_) {
+      if (!has_tangent(load)) continue;
       const SpatialLoad spatial = load.spatial(load.amplitude(load_factor), state);
       const bool follower = load.frame == LoadFrame::follower;
       rows.add(load.vertex, kMomentPart, load.vertex, kMomentPart, (follower ? 0.5 : -0.5) * hat(spatial.moment));
@@ -92,6 +94,11 @@ class PointLoads : public ExternalEnergy {
   }
 
  private:
+  /// A dead force alone has none: its vertex is eliminated with its chain. Other loads make the tangent unsymmetric,
+  /// and one vertex more among those that remain costs less than chains without symmetry.
+  static bool has_tangent(const VertexLoad& load) {
+    return load.frame == LoadFrame::follower || norm(load.full.moment) > 0.0;
+  }
   std::vector<VertexLoad> loads_;
 };
 

@@ -1,6 +1,6 @@
 /// Members are chains: every vertex that joins just two elements and carries nothing of its own is eliminated inside
 /// the kernels (kernels/chains/level.hpp, theory (45)), level by level, until one link remains of each chain. Sparse
-/// solvers see the graph of junctions, supports and loaded vertices.
+/// solvers see the graph of junctions, supports and vertices whose loads follow or turn.
 #pragma once
 
 #include "kernels/chains/level.hpp"

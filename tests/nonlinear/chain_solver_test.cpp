@@ -84,6 +84,20 @@ Scene backward_member(int elements) {
   return scene;
 }
 
+/// Loads where a chain goes on: a dead force, which adds no tangent, and one with a moment or that follows, which does.
+Scene loaded_inside(int elements) {
+  Scene scene = backward_member(elements);
+  Member& member = scene.members.back();
+  member.inner_points = {{"dead", 0.2}, {"moment", 0.5}, {"follower", 0.7}};
+  scene.point_loads = {{"tip", {1.0, 2.0, 3.0}, {}},
+                       {"dead", {-3.0, 1.0, 0.5}, {}},
+                       {"moment", {}, {0.3, 0.1, -0.2}},
+                       {"follower", {2.0, 0.0, 1.0}, {}}};
+  scene.point_loads.back().frame = LoadFrame::follower;
+  scene.point_loads.back().member = member.name;
+  return scene;
+}
+
 /// A network: with a potential, with hinges, and with spatial moments, which have none.
 constexpr int kNetworkPoints = 6;
 Scene hinged_lattice() {
@@ -112,6 +126,7 @@ std::vector<Scene> scenes() {
   for (int elements : {1, 2, 3, 5, 8, 9, 33, 70, 300})
     all.push_back(cantilever(section(1e4, 5e3, 2.0, 1.0), 1.0, 1, elements));
   for (int elements : {1, 4, 17}) all.push_back(backward_member(elements));
+  all.push_back(loaded_inside(17));
   for (int elements : {1, 3, 12}) all.push_back(fork(2, elements));
   for (int elements : {1, 3, 12, 300}) all.push_back(under_followers(elements));
   all.push_back(portal_of_joints(2, 5));
@@ -241,7 +256,8 @@ TEST(NetworkFactors, PlanarTangentsHaveHalfTheUnknowns) {
     system.condense(tangent);
     NetworkFactors factors(system.matrix(), model.times());
     factors.factorize();
-    EXPECT_EQ(factors.unknowns(), (in_space ? 6 : 3) * kNetworkPoints * (kNetworkPoints - 1));
+    // at the two free corners two members end: they are eliminated with them
+    EXPECT_EQ(factors.unknowns(), (in_space ? 6 : 3) * (kNetworkPoints * (kNetworkPoints - 1) - 2));
   }
 }
 
@@ -251,6 +267,22 @@ TEST(ChainSolver, OnlyEndsJunctionsAndConditionsRemain) {
   // the clamp and the free end
   EXPECT_EQ(system.matrix()->getNodeNumRows(), size_t{2} * kVertexDofs);
   EXPECT_EQ(system.eliminated_vertices(), moved.model.mesh().vertices() - 2);
+}
+
+/// A dead force is a right-hand side alone; what adds to the tangent keeps its vertex: moments, followers.
+TEST(ChainSolver, AVertexUnderADeadForceIsEliminated) {
+  const auto kept = [](const Vector3& force, const Vector3& moment, LoadFrame frame) {
+    Scene scene = backward_member(20);
+    PointLoad load{"tip", force, moment};
+    load.frame = frame;
+    load.member = scene.members.front().name;
+    scene.point_loads = {load};
+    const MovedScene moved(scene, this_rank());
+    return moved.model.mesh().vertices() - CondensedSystem(moved.model).eliminated_vertices();
+  };
+  EXPECT_EQ(kept({1.0, 2.0, 3.0}, {}, LoadFrame::dead), 2);
+  EXPECT_EQ(kept({}, {0.0, 0.0, 1.0}, LoadFrame::dead), 3);
+  EXPECT_EQ(kept({1.0, 2.0, 3.0}, {}, LoadFrame::follower), 3);
 }
 
 /// Line loads without potential leave nothing behind, and their chains are not taken for symmetric ones.

@@ -78,7 +78,7 @@ double difference(const Network& together, const Network& alone) {
   return maximum_over_ranks(*together.model.map()->getComm(), most) / alone.x.normInf();
 }
 
-/// Points of one side only: a sheet in a plane, bent out of it.
+/// Points of one side only: a sheet in a plane, bent out of it. Braces at its free corners leave no chain there either.
 Scene sheet() {
   Scene scene = lattice(kPoints);
   const auto drop = [&](auto& list, const auto& point_of) {
@@ -89,6 +89,9 @@ Scene sheet() {
   drop(scene.members, [](const Member& m) { return m.end_point; });
   drop(scene.supports, [](const Support& s) { return s.point; });
   drop(scene.point_loads, [](const PointLoad& l) { return l.point; });
+  const std::string last = std::to_string(kPoints - 1), inner = std::to_string(kPoints - 2);
+  scene.members.push_back(line("left brace", "0,0," + last, "1,0," + inner, 1, 1));
+  scene.members.push_back(line("right brace", last + ",0," + last, inner + ",0," + inner, 1, 1));
   return scene;
 }
 Scene under_followers() {
