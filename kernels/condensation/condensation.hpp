@@ -2,9 +2,9 @@
 /// rotation each remain.
 ///
 /// Order of elimination: N at each force point (pointwise, its compliance is diagonal or 3 x 3), M (by Legendre modes:
-/// diagonal for a constant section), then the rotations and slopes of the reduced system (reduced_system.hpp). It needs
-/// compliances alone where forces are eliminated, so that stiff and rigid sections cost no digits. Increments of the
-/// interior follow from those of the vertices, theory (33).
+/// diagonal for a constant section; by values at points where it varies), then the rotations and slopes of the reduced
+/// system (reduced_system.hpp). It needs compliances alone where forces are eliminated, so that stiff and rigid
+/// sections cost no digits. Increments of the interior follow from those of the vertices, theory (33).
 #pragma once
 
 #include "kernels/condensation/moment_elimination.hpp"
@@ -31,6 +31,24 @@ KOKKOS_FORCEINLINE_FUNCTION void add_given_gradient(const Real* rhs, const Eleme
   g.spin = load_vector(rhs + layout.spin());
 }
 
+/// Numbers of the section of a tangent that ResponseLayout keeps.
+template <class Real>
+KOKKOS_FORCEINLINE_FUNCTION Vec3<Real> force_stiffness_of(const SectionNumbers<Real>& section) {
+  return load_vector(section.tangent_force_stiffness);
+}
+template <class Real>
+KOKKOS_FORCEINLINE_FUNCTION Vec3<Real> moment_stiffness_of(const SectionNumbers<Real>& section) {
+  return load_vector(section.moment_stiffness);
+}
+template <class Real>
+KOKKOS_FORCEINLINE_FUNCTION Vec3<Real> force_stiffness_of(const GeneralSection<Real>& section) {
+  return {{section.force_stiffness_limit, section.force_stiffness_limit, section.force_stiffness_limit}};
+}
+template <class Real>
+KOKKOS_FORCEINLINE_FUNCTION Vec3<Real> moment_stiffness_of(const GeneralSection<Real>& section) {
+  return {{section.moment_stiffness_limit, section.moment_stiffness_limit, section.moment_stiffness_limit}};
+}
+
 /// Builds the reduced system of an element and keeps what the recovery of N and M needs.
 template <int K, bool General, class Real>
 struct CondensedElement {
@@ -39,7 +57,7 @@ struct CondensedElement {
   using Stiffness = std::conditional_t<General, Mat3<Real>, Vec3<Real>>;
   ReducedSystem<K, Real> system;
   std::conditional_t<General, GeneralMomentRows<K, Real>, MomentRows<K, Real>> moment_rows;
-  ForceRows<Real, Stiffness> force_rows_[General ? ElementTables<K>::kMaximumForcePoints : 1];  ///< general only
+  ForceRows<K, Real> force_rows_[General ? K : 1];  ///< coupled sections alone
   ElementGradient<K, Real> gradient;
   InteriorResponse<K, Real> response;
   VertexSystem<Real> condensed;
@@ -50,19 +68,19 @@ struct CondensedElement {
                                          const ElementKinematics<K, Real>& kinematics, const Section& section,
                                          bool own_gradient) {
     system.clear();
-    moment_rows.clear();
+    moment_rows.clear(tables);
     for (int q = 0; q < tables.force_points; ++q) {
       const ForcePoint<K, Real> point(q, in, kinematics, tables, layout, reference, section);
       add_force_point(q, point, tables.force_legendre[q], tangent_force_stiffness(q, tables, section), own_gradient);
       if constexpr (General)
-        moment_rows.couple(point, gradient.strain_error[q], force_rows_[q], section.force_moment(q),
-                           tables.force_legendre[q]);
+        if (section.is_coupled)
+          force_rows_[q] = {point.rotation.exp, point.rotation.tangent, point.p, point.pulled_back};
     }
     for (int q = 0; q <= K; ++q) {
       const MomentPoint<K, Real> point(q, in, kinematics, tables, layout, reference);
       const double *P = tables.moment_legendre[q], *slope = tables.moment_slope[q];
       if (own_gradient) add_moment_gradient(point, P, slope, kinematics.length, gradient);
-      add_moment_tangent(point, P, slope, kinematics.length, moment_rows, system);
+      add_moment_tangent(q, point, tables, kinematics.length, moment_rows, system);
     }
     if (own_gradient) add_moment_compliance(in, kinematics, tables, layout, section, gradient);
     for (int end = 0; end < 2; ++end) {
@@ -70,36 +88,28 @@ struct CondensedElement {
       if (own_gradient) add_end_gradient(end, end_rotation, gradient);
       add_end_tangent(end, end_rotation, moment_rows, system);
     }
-    if constexpr (General) moment_rows.add_compliance(section, tables, kinematics.length);
-    condense_moments(moment_rows, gradient.moment_row, section, kinematics.length, system);
+    if constexpr (General)
+      condense_moments(moment_rows, gradient, force_rows_,
+                       GeneralStiffness<K, Real>(section, tables, kinematics.length), system);
+    else
+      condense_moments(moment_rows, gradient.moment_row, section, kinematics.length, system);
     add_gradient();
   }
 
-  /// Stores the numbers that recovery needs, by store(first, count, numbers). General: rows of all increments, response
-  /// of N (pointwise), M (by mode), psi, beta (spatial) and w. Plain: ResponseLayout.
+  /// Stores the numbers that recovery needs, ResponseLayout, by store(first, count, numbers).
   template <class Store>
-  KOKKOS_FORCEINLINE_FUNCTION void store_response(const ElementTables<K>& tables, const InteriorLayout& layout,
-                                                  const ElementKinematics<K, Real>& kinematics, const Section& section,
+  KOKKOS_FORCEINLINE_FUNCTION void store_response(const InteriorLayout& layout, const Section& section,
                                                   const Store& store) const {
-    if constexpr (General) {
-      Real moments[3 * (K + 1) * kResponseColumns];
-      for (int r = 0; r < 3 * (K + 1); ++r) moment_rows.response_row(r, response, moments + kResponseColumns * r);
-      store(kResponseColumns * layout.moment(0), 3 * (K + 1) * kResponseColumns, moments);
-      for (int q = 0; q < layout.force_points; ++q)
-        store_force_response(q, section, tables.force_legendre[q], moments, layout, store);
-      store_reduced_response(layout, kinematics, store);
-    } else {
-      const ResponseLayout kept{K, layout.force_points};
-      for (int b = 0; b < Blocks::kInterior; ++b) store_rows(response.by[b], response.constant[b], 3 * b, store);
-      Real numbers[3 * (ElementTables<K>::kMaximumForcePoints + K + 3)];
-      const int first = kept.strain_error(0);
-      for (int q = 0; q < layout.force_points; ++q)
-        store_vector(gradient.strain_error[q], numbers + kept.strain_error(q) - first);
-      for (int m = 0; m <= K; ++m) store_vector(gradient.moment_row[m], numbers + kept.moment_row(m) - first);
-      store_vector(load_vector(section.tangent_force_stiffness), numbers + kept.force_stiffness() - first);
-      store_vector(load_vector(section.moment_stiffness), numbers + kept.moment_stiffness() - first);
-      store(first, kept.size() - first, numbers);
-    }
+    const ResponseLayout kept{K, layout.force_points};
+    for (int b = 0; b < Blocks::kInterior; ++b) store_rows(response.by[b], response.constant[b], 3 * b, store);
+    Real numbers[3 * (ElementTables<K>::kMaximumForcePoints + K + 3)];
+    const int first = kept.strain_error(0);
+    for (int q = 0; q < layout.force_points; ++q)
+      store_vector(gradient.strain_error[q], numbers + kept.strain_error(q) - first);
+    for (int m = 0; m <= K; ++m) store_vector(gradient.moment_row[m], numbers + kept.moment_row(m) - first);
+    store_vector(force_stiffness_of(section), numbers + kept.force_stiffness() - first);
+    store_vector(moment_stiffness_of(section), numbers + kept.moment_stiffness() - first);
+    store(first, kept.size() - first, numbers);
   }
 
  private:
@@ -110,7 +120,6 @@ struct CondensedElement {
     Vec3<Real> force = stress(stiffness, gradient.strain_error[q]);
     if (own_gradient) force += point.force;
     add_force_gradient(point, force, P, gradient);
-    if constexpr (General) force_rows_[q] = force_rows(point, stiffness);
     add_force_tangent(point, stiffness, P, system);
   }
   KOKKOS_FORCEINLINE_FUNCTION void add_gradient() {
@@ -130,44 +139,6 @@ struct CondensedElement {
       numbers[kResponseColumns * i + 9] = constant[i];
     }
     store(kResponseColumns * first_row, 3 * kResponseColumns, numbers);
-  }
-  template <class Store>
-  KOKKOS_INLINE_FUNCTION void store_reduced_response(const InteriorLayout& layout,
-                                                     const ElementKinematics<K, Real>& kinematics,
-                                                     const Store& store) const {
-    for (int j = 1; j < K; ++j) {
-      store_rows(response.by[Blocks::psi(j)], response.constant[Blocks::psi(j)], layout.relative_rotation(j), store);
-      Mat3<Real> by[3];
-      for (int c = 0; c < 3; ++c) by[c] = kinematics.triad * response.by[Blocks::slope(j)][c];
-      store_rows(by, kinematics.triad * response.constant[Blocks::slope(j)], layout.bubble(j), store);
-    }
-    store_rows(response.by[Blocks::spin()], response.constant[Blocks::spin()], layout.spin(), store);
-  }
-  /// dN of theory (28); `moments`: response of all of M.
-  template <class Store>
-  KOKKOS_INLINE_FUNCTION void store_force_response(int q, const Section& section, const double* P, const Real* moments,
-                                                   const InteriorLayout& layout, const Store& store) const {
-    const ForceRows<Real, Stiffness>& force = force_rows_[q];
-    const Mat3<Real> coupling = section.force_moment(q);
-    Real numbers[3 * kResponseColumns];
-    for (int c = 0; c < kResponseColumns; ++c) {
-      Vec3<Real> slope{{Real(0.0), Real(0.0), Real(0.0)}}, psi = slope, moment = slope;
-      if (c < 3) slope[c] = 1.0;
-      for (int i = 0; i < 3; ++i) {
-        for (int j = 1; j < K; ++j) {
-          slope[i] += P[j] * response(3 * Blocks::slope(j) + i, c);
-          psi[i] += P[j] * response(3 * Blocks::psi(j) + i, c);
-        }
-        for (int j = 0; j < K; ++j) moment[i] += P[j] * moments[kResponseColumns * (3 * j + i) + c];
-      }
-      const Vec3<Real> spin{{response(0, c), response(1, c), response(2, c)}};
-      Vec3<Real> strain =
-          strain_change<K>(force.exp, force.tangent, force.p, force.pulled_back, slope, spin, psi) - coupling * moment;
-      if (c == 9) strain += gradient.strain_error[q];
-      const Vec3<Real> change = force.stiffness * strain;
-      for (int i = 0; i < 3; ++i) numbers[kResponseColumns * i + c] = change[i];
-    }
-    store(kResponseColumns * layout.force(q), 3 * kResponseColumns, numbers);
   }
 };
 
@@ -201,31 +172,24 @@ struct ReducedIncrement {
   }
 };
 
-/// dN at each force point, theory (26).
+/// R_N + change of gamma at a force point, theory (26).
 template <int K, class Real>
-KOKKOS_FORCEINLINE_FUNCTION void recover_forces(const ElementInput<Real>& in,
-                                                const ElementKinematics<K, Real>& kinematics,
-                                                const ElementTables<K>& tables, const ReferenceLayout& reference,
-                                                const ReducedIncrement<K, Real>& d, const ResponseLayout& kept,
-                                                const Real* response, const InteriorLayout& layout, Real* out) {
-  const Real* stiffness = response + kept.force_stiffness();
-  for (int q = 0; q < tables.force_points; ++q) {
-    const double* P = tables.force_legendre[q];
-    const PointRotation<K, Real> rotation(kinematics.relative_rotation(P));
-    const Vec3<Real> p = kinematics.centerline_slope(load_vector(in.reference + reference.tangent(q)), P);
-    const Vec3<Real> pulled_back = K > 1 ? transpose_times(rotation.exp, p) : p;
-    Vec3<Real> slope = d.slope_0, psi{{Real(0.0), Real(0.0), Real(0.0)}};
-    for (int j = 1; j < K; ++j) {
-      slope += P[j] * d.slope(j);
-      psi += P[j] * d.psi(j);
-    }
-    const Vec3<Real> strain = load_vector(response + kept.strain_error(q)) +
-                              strain_change<K>(rotation.exp, rotation.tangent, p, pulled_back, slope, d.spin(), psi);
-    Real* force = out + layout.force(q);
-    force[0] = tables.axial[q] * stiffness[0] * strain[0];
-    force[1] = tables.shear[q] * stiffness[1] * strain[1];
-    force[2] = tables.shear[q] * stiffness[2] * strain[2];
+KOKKOS_FORCEINLINE_FUNCTION Vec3<Real> force_strain(int q, const ElementInput<Real>& in,
+                                                    const ElementKinematics<K, Real>& kinematics,
+                                                    const ElementTables<K>& tables, const ReferenceLayout& reference,
+                                                    const ReducedIncrement<K, Real>& d, const ResponseLayout& kept,
+                                                    const Real* response) {
+  const double* P = tables.force_legendre[q];
+  const PointRotation<K, Real> rotation(kinematics.relative_rotation(P));
+  const Vec3<Real> p = kinematics.centerline_slope(load_vector(in.reference + reference.tangent(q)), P);
+  const Vec3<Real> pulled_back = K > 1 ? transpose_times(rotation.exp, p) : p;
+  Vec3<Real> slope = d.slope_0, psi{{Real(0.0), Real(0.0), Real(0.0)}};
+  for (int j = 1; j < K; ++j) {
+    slope += P[j] * d.slope(j);
+    psi += P[j] * d.psi(j);
   }
+  return load_vector(response + kept.strain_error(q)) +
+         strain_change<K>(rotation.exp, rotation.tangent, p, pulled_back, slope, d.spin(), psi);
 }
 
 /// Change D dx of the moment rows in theory (27): of kappa at the moment points, and of phi at both ends, theory (15).
@@ -263,22 +227,48 @@ KOKKOS_FORCEINLINE_FUNCTION void add_moment_row_change(const ElementInput<Real>&
   }
 }
 
-/// All increments of an element with a plain section, InteriorLayout.
+/// Increments of N and of the modes of M by the section, theory (26) and theory (27), from R_N + change of gamma at the
+/// force points and R_M + D dx. `kept`: the stiffnesses of the tangent.
 template <int K, class Real>
+KOKKOS_FORCEINLINE_FUNCTION void answer_strains(const SectionNumbers<Real>&, const ElementTables<K>& tables,
+                                                const Real& length, const Real* force_stiffness,
+                                                const Real* moment_stiffness, Vec3<Real>* strain, Vec3<Real>* row) {
+  for (int q = 0; q < tables.force_points; ++q)
+    strain[q] = {{tables.axial[q] * force_stiffness[0] * strain[q][0],
+                  tables.shear[q] * force_stiffness[1] * strain[q][1],
+                  tables.shear[q] * force_stiffness[2] * strain[q][2]}};
+  const Real inverse = 1.0 / length;
+  const Vec3<Real> stiffness = inverse * load_vector(moment_stiffness);
+  for (int j = 0; j <= K; ++j) row[j] = stress(Real(2 * j + 1) * stiffness, row[j]);
+}
+/// Theory (28); the limits stand in the place of stiffnesses.
+template <int K, class Real>
+KOKKOS_INLINE_FUNCTION void answer_strains(GeneralSection<Real> section, const ElementTables<K>& tables,
+                                           const Real& length, const Real* force_limit, const Real* moment_limit,
+                                           Vec3<Real>* strain, Vec3<Real>* row) {
+  section.force_stiffness_limit = force_limit[0];
+  section.moment_stiffness_limit = moment_limit[0];
+  GeneralStiffness<K, Real>(section, tables, length).answer(length, strain, row);
+}
+
+/// All increments of an element, InteriorLayout.
+template <int K, class Real, class Section>
 KOKKOS_FORCEINLINE_FUNCTION void recover_element(const ElementInput<Real>& in,
                                                  const ElementKinematics<K, Real>& kinematics,
                                                  const ElementTables<K>& tables, const InteriorLayout& layout,
-                                                 const ReferenceLayout& reference, ReducedIncrement<K, Real>& d,
-                                                 const Real* response, Real* out) {
+                                                 const ReferenceLayout& reference, const Section& section,
+                                                 ReducedIncrement<K, Real>& d, const Real* response, Real* out) {
   const ResponseLayout kept{K, layout.force_points};
   d.respond(response);
-  recover_forces(in, kinematics, tables, reference, d, kept, response, layout, out);
-  Vec3<Real> row[K + 1];
+  Vec3<Real> strain[ElementTables<K>::kMaximumForcePoints], row[K + 1];
+  for (int q = 0; q < tables.force_points; ++q)
+    strain[q] = force_strain(q, in, kinematics, tables, reference, d, kept, response);
   for (int j = 0; j <= K; ++j) row[j] = load_vector(response + kept.moment_row(j));
   add_moment_row_change(in, kinematics, tables, layout, reference, d, row);
-  const Real inverse = 1.0 / kinematics.length;
-  const Vec3<Real> stiffness = inverse * load_vector(response + kept.moment_stiffness());
-  for (int j = 0; j <= K; ++j) store_vector(stress(Real(2 * j + 1) * stiffness, row[j]), out + layout.moment(j));
+  answer_strains(section, tables, kinematics.length, response + kept.force_stiffness(),
+                 response + kept.moment_stiffness(), strain, row);
+  for (int q = 0; q < tables.force_points; ++q) store_vector(strain[q], out + layout.force(q));
+  for (int j = 0; j <= K; ++j) store_vector(row[j], out + layout.moment(j));
   for (int j = 1; j < K; ++j) {
     store_vector(d.psi(j), out + layout.relative_rotation(j));
     store_vector(kinematics.triad * d.slope(j), out + layout.bubble(j));

@@ -63,10 +63,10 @@ KOKKOS_INLINE_FUNCTION void expand_symmetric_tangent(const Real* numbers, Real* 
 /// vertices in the element frame (columns 0..8); column 9 is the constant part, from the interior residual.
 constexpr int kResponseColumns = 10;
 
-/// Numbers that the tangent of a plain element keeps for the recovery of its interior: rows of kResponseColumns for w,
-/// psi_j and slope_j in the element frame, then right-hand sides and stiffnesses. N and M follow from these and the
-/// state. Their rows would more than double the memory, which is the limit for tangents of low orders. An element with
-/// a general section keeps a row for each of its increments (InteriorLayout).
+/// Numbers that the tangent of an element keeps for the recovery of its interior: rows of kResponseColumns for w, psi_j
+/// and slope_j in the element frame, then right-hand sides and stiffnesses, of a general section the limits of these. N
+/// and M follow from all this and the state. Their rows would more than double the memory, which is the limit for
+/// tangents of low orders.
 struct ResponseLayout {
   int order = 0, force_points = 0;
   KOKKOS_INLINE_FUNCTION constexpr int rows() const { return 3 * (2 * order - 1); }

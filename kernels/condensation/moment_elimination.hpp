@@ -1,121 +1,181 @@
-/// Elimination of the moments of an element with a general section, theory (28): with N eliminated at each force point
-/// M is left with a dense matrix A, and its rows D reach the slopes too.
+/// Elimination of the forces and moments of an element with a general section, theory (28). By values of M at the k + 1
+/// moment points S_MM alone is block diagonal, so that a section that varies takes no more than a constant one; what
+/// couples M to N leaves one small matrix over the force points.
 #pragma once
 
 #include "kernels/condensation/tangent.hpp"
 
 namespace mixbeam {
 
-/// Rows of M against every block of the reduced system; as MomentRows, and what replaces its diagonal compliance.
+/// A sum over the modes j of M times these is a value at moment point q, but for its weight.
+template <int K>
+KOKKOS_INLINE_FUNCTION double mode_at_point(const ElementTables<K>& tables, int q, int j) {
+  return (j + 0.5) * tables.moment_legendre[q][j];
+}
+
+/// Stiffness of the section of one element, with the compliance of the cap.
 template <int K, class Real>
-struct GeneralMomentRows {
-  using Blocks = ReducedBlocks<K>;
-  static constexpr int kRows = 3 * (K + 1);
-  static constexpr int kColumns = FullSystem<K>::kSize;
-  Real row[kRows][kColumns];         ///< D
-  Real rhs[kRows];                   ///< correction of the right-hand side by the eliminated N
-  Real compliance[kRows][kRows];     ///< A
-  Real solved[kRows][kColumns + 1];  ///< A^-1 [D | right-hand side]
+struct GeneralStiffness {
+  const GeneralSection<Real>& section;
+  const ElementTables<K>& tables;
+  double at_force[K][K + 1];  ///< a value of M at a force point by those at moment points; P_k is zero there
+  Mat3<Real> moment[K + 1];   ///< C_m of theory (28)
+  Mat3<Real> force[K];        ///< D^-1 of L D L^T, the matrix left to N, theory (28)
+  Mat3<Real> lower[K][K];     ///< L, of coupled sections alone
 
-  KOKKOS_INLINE_FUNCTION void clear() {
-    for (int r = 0; r < kRows; ++r) {
-      rhs[r] = 0.0;
-      for (int c = 0; c < kColumns; ++c) row[r][c] = 0.0;
-      for (int c = 0; c < kRows; ++c) compliance[r][c] = 0.0;
+  KOKKOS_INLINE_FUNCTION GeneralStiffness(const GeneralSection<Real>& law, const ElementTables<K>& points,
+                                          const Real& length)
+      : section(law), tables(points) {
+    for (int q = 0; law.is_coupled && q < K; ++q)
+      for (int m = 0; m <= K; ++m) {
+        at_force[q][m] = 0.0;
+        for (int j = 0; j < K; ++j) at_force[q][m] += mode_at_point(tables, m, j) * tables.force_legendre[q][j];
+      }
+    for (int q = 0; q <= K; ++q)
+      moment[q] = Real(2.0 * tables.moment_weight[q] / length) *
+                  inverse_of_symmetric(capped_compliance(law.moment_moment(q), law.moment_stiffness_limit));
+    for (int q = 0; q < K; ++q) {
+      Mat3<Real> unscaled[K];  // row q of L D
+      for (int p = law.is_coupled ? 0 : q; p <= q; ++p) {
+        Mat3<Real> rest = zero_matrix<Real>();
+        if (p == q)
+          rest = Real(2.0 / (tables.force_weight[q] * length)) *
+                 capped_compliance(law.force_force(q), law.force_stiffness_limit);
+        if (law.is_coupled) rest = rest - law.force_moment(q) * (moment_between(q, p) * transpose(law.force_moment(p)));
+        for (int r = 0; law.is_coupled && r < p; ++r) rest = rest - unscaled[r] * transpose(lower[p][r]);
+        if (p == q) {
+          force[q] = inverse_of_symmetric(rest);
+        } else {
+          unscaled[p] = rest;
+          lower[q][p] = rest * force[p];
+        }
+      }
     }
   }
-  KOKKOS_INLINE_FUNCTION void add_psi(int j, int i, const Real& factor, const Mat3<Real>& m) {
-    add_block(row, j, Blocks::psi(i), factor, m);
-  }
-  KOKKOS_INLINE_FUNCTION void add_end(int end, const Mat3<Real>& m) {
+
+  /// Increments of N at force points and of the modes of M, in place of the strains and of the rows that make them.
+  KOKKOS_INLINE_FUNCTION void answer(const Real& length, Vec3<Real>* strain, Vec3<Real>* moment_row) const {
+    Vec3<Real> at[K + 1];
+    for (int q = 0; q <= K; ++q) at[q] = moment[q] * value_at_point(q, moment_row);
+    for (int q = 0; q < K; ++q) {
+      if (section.is_coupled) strain[q] = strain[q] - section.force_moment(q) * moment_at_force(q, at);
+      for (int p = 0; section.is_coupled && p < q; ++p) strain[q] = strain[q] - lower[q][p] * strain[p];
+    }
+    for (int q = K - 1; q >= 0; --q) {
+      strain[q] = force[q] * strain[q];
+      if (!section.is_coupled) continue;
+      for (int p = q + 1; p < K; ++p) strain[q] = strain[q] - transpose_times(lower[p][q], strain[p]);
+      const Vec3<Real> curvature = transpose_times(section.force_moment(q), strain[q]);
+      for (int m = 0; m <= K; ++m) at[m] = at[m] - at_force[q][m] * (moment[m] * curvature);
+    }
+    for (int q = 0; q < K; ++q) strain[q] = Real(2.0 / (tables.force_weight[q] * length)) * strain[q];
     for (int j = 0; j <= K; ++j) {
-      add_block(row, j, Blocks::spin(), -signed_end_value(end, j), m);
-      add_block(row, j, Blocks::vertex(end), signed_end_value(end, j), m);
+      moment_row[j] = mode_at_point(tables, 0, j) * at[0];
+      for (int q = 1; q <= K; ++q) moment_row[j] += mode_at_point(tables, q, j) * at[q];
     }
   }
 
-  /// Adds the coupling of N of one force point to the rows of M. P: degrees 0..k-1, of which alone it sees M.
-  KOKKOS_INLINE_FUNCTION void couple(const ForcePoint<K, Real>& point, const Vec3<Real>& strain_error,
-                                     const ForceRows<Real, Mat3<Real>>& force, const Mat3<Real>& force_moment,
-                                     const double* P) {
-    const Mat3<Real> coupling = transpose(force_moment) * force.stiffness;
-    const Mat3<Real> by_moment = coupling * force_moment, by_slope = coupling * transpose(force.exp);
-    const Mat3<Real> by_spin = times_hat(by_slope, force.p);
-    const Mat3<Real> by_psi = times_hat(coupling, force.pulled_back) * transpose(force.tangent);
-    const Vec3<Real> by_error = coupling * strain_error;
-    for (int j = 0; j < K; ++j) {
-      const Real w = -P[j] * point.weight;
-      for (int i = 0; i < 3; ++i) rhs[3 * j + i] += w * by_error[i];
-      add_block(row, j, Blocks::spin(), w, by_spin);
-      for (int i = 0; i < K; ++i) add_block(row, j, Blocks::slope(i), P[i] * w, by_slope);
-      for (int i = 1; i < K; ++i) add_block(row, j, Blocks::psi(i), P[i] * w, by_psi);
-      for (int l = 0; l < K; ++l) add_block(compliance, j, l, P[l] * w, by_moment);
-    }
+  KOKKOS_INLINE_FUNCTION Vec3<Real> value_at_point(int q, const Vec3<Real>* modes) const {
+    Vec3<Real> sum = mode_at_point(tables, q, 0) * modes[0];
+    for (int j = 1; j <= K; ++j) sum += mode_at_point(tables, q, j) * modes[j];
+    return sum;
   }
-
-  /// Compliance S_MM of the moment points.
-  KOKKOS_INLINE_FUNCTION void add_compliance(const GeneralSection<Real>& section, const ElementTables<K>& tables,
-                                             const Real& length) {
-    for (int q = 0; q <= K; ++q) {
-      const Mat3<Real> capped = capped_compliance(section.moment_moment(q), section.moment_stiffness_limit);
-      const double* P = tables.moment_legendre[q];
-      const Real w = (0.5 * tables.moment_weight[q]) * length;
-      for (int j = 0; j <= K; ++j)
-        for (int l = 0; l <= K; ++l) add_block(compliance, j, l, (P[j] * P[l]) * w, capped);
-    }
-  }
-
-  /// solved = A^-1 [D | given + rhs]. A is positive definite, so that no rows are exchanged.
-  KOKKOS_INLINE_FUNCTION void solve(const Vec3<Real>* given) {
-    Real inverse[kRows];
-    for (int r = 0; r < kRows; ++r) {
-      for (int c = 0; c < kColumns; ++c) solved[r][c] = row[r][c];
-      solved[r][kColumns] = given[r / 3][r % 3] + rhs[r];
-    }
-    for (int k = 0; k < kRows; ++k) {
-      inverse[k] = 1.0 / compliance[k][k];
-      for (int i = k + 1; i < kRows; ++i) {
-        const Real factor = compliance[i][k] * inverse[k];
-        for (int j = k + 1; j < kRows; ++j) compliance[i][j] -= factor * compliance[k][j];
-        for (int c = 0; c <= kColumns; ++c) solved[i][c] -= factor * solved[k][c];
-      }
-    }
-    for (int r = kRows - 1; r >= 0; --r)
-      for (int c = 0; c <= kColumns; ++c) {
-        for (int j = r + 1; j < kRows; ++j) solved[r][c] -= compliance[r][j] * solved[j][c];
-        solved[r][c] *= inverse[r];
-      }
-  }
-
-  /// Response of one component of M: A^-1 (right-hand side + D dx), dx the response of the reduced unknowns, the last
-  /// three blocks of which (slope_0 and the vertex spins) are columns 0..8 themselves.
-  KOKKOS_INLINE_FUNCTION void response_row(int r, const InteriorResponse<K, Real>& response, Real* out) const {
-    constexpr int interior = FullSystem<K>::kInteriorSize;
-    for (int c = 0; c < kResponseColumns; ++c) out[c] = solved[r][interior + c];  // 9: the right-hand side
-    for (int b = 0; b < interior; ++b)
-      for (int c = 0; c < kResponseColumns; ++c) out[c] += solved[r][b] * response(b, c);
+  /// `at`: vectors or matrices at moment points, K + 1 of them `stride` apart.
+  template <class Value>
+  KOKKOS_INLINE_FUNCTION Value moment_at_force(int q, const Value* at, int stride = 1) const {
+    Value sum = at_force[q][0] * at[0];
+    for (int m = 1; m <= K; ++m) sum += at_force[q][m] * at[m * stride];
+    return sum;
   }
 
  private:
-  template <int Columns>
-  KOKKOS_INLINE_FUNCTION static void add_block(Real (*rows)[Columns], int row_block, int column_block,
-                                               const Real& factor, const Mat3<Real>& m) {
-    for (int r = 0; r < 3; ++r)
-      for (int c = 0; c < 3; ++c) rows[3 * row_block + r][3 * column_block + c] += factor * m(r, c);
+  /// G: M at one force point by curvatures at another one.
+  KOKKOS_INLINE_FUNCTION Mat3<Real> moment_between(int q, int p) const {
+    Mat3<Real> sum = zero_matrix<Real>();
+    for (int m = 0; m <= K; ++m) sum += (at_force[q][m] * at_force[p][m]) * moment[m];
+    return sum;
   }
 };
 
-/// M eliminated from the reduced system: + D^T A^-1 D, in its lower triangle of blocks.
+/// Rows of M like MomentRows, at the moment points and not by modes.
 template <int K, class Real>
-KOKKOS_INLINE_FUNCTION void condense_moments(GeneralMomentRows<K, Real>& rows, const Vec3<Real>* moment_row,
-                                             const GeneralSection<Real>&, const Real&, ReducedSystem<K, Real>& system) {
-  rows.solve(moment_row);
-  for (int r = 0; r < rows.kRows; ++r)
-    for (int a = 0; a < rows.kColumns; ++a) {
-      const Real factor = rows.row[r][a];
-      for (int b = 0; b < 3 * (a / 3 + 1); ++b) system(a / 3, b / 3)(a % 3, b % 3) += factor * rows.solved[r][b];
-      system.rhs[a / 3][a % 3] += factor * rows.solved[r][rows.kColumns];
+struct GeneralMomentRows {
+  using Blocks = ReducedBlocks<K>;
+  static constexpr int kColumns = K + 2;  ///< w, psi_i, spins of both vertices
+  KOKKOS_INLINE_FUNCTION static constexpr int block_of(int column) { return column < K ? column : column + K; }
+  double end_value_at[2][K + 1];  ///< sum of (2j + 1)/2 P_j s_j, s_j the signed values at one end
+  Mat3<Real> row[K + 1][kColumns];
+
+  KOKKOS_INLINE_FUNCTION void clear(const ElementTables<K>& tables) {
+    for (int q = 0; q <= K; ++q) {
+      for (Mat3<Real>& block : row[q]) block = zero_matrix<Real>();
+      for (int end = 0; end < 2; ++end) {
+        end_value_at[end][q] = 0.0;
+        for (int j = 0; j <= K; ++j) end_value_at[end][q] += mode_at_point(tables, q, j) * signed_end_value(end, j);
+      }
     }
+  }
+  KOKKOS_INLINE_FUNCTION void add_psi(int q, const ElementTables<K>& tables, int i, const Mat3<Real>& m) {
+    row[q][Blocks::psi(i)] += Real(1.0 / tables.moment_weight[q]) * m;
+  }
+  KOKKOS_INLINE_FUNCTION void add_psi_at_end(int end, int i, double value, const Mat3<Real>& m) {
+    for (int q = 0; q <= K; ++q) row[q][Blocks::psi(i)] += Real(-end_value_at[end][q] * value) * m;
+  }
+  KOKKOS_INLINE_FUNCTION void add_end(int end, const Mat3<Real>& m) {
+    for (int q = 0; q <= K; ++q) {
+      row[q][K + end] = Real(end_value_at[end][q]) * m;
+      row[q][Blocks::spin()] += Real(-end_value_at[end][q]) * m;
+    }
+  }
+};
+
+/// Adds R^T S R to the blocks of a system and R^T S times the right-hand side; `row`: R, `scaled` becomes S R.
+template <int Columns, int K, class Real, class BlockOf>
+KOKKOS_INLINE_FUNCTION void add_square(const Mat3<Real>* row, const Vec3<Real>& rhs, const Mat3<Real>& stiffness,
+                                       const BlockOf& block_of, Mat3<Real>* scaled, ReducedSystem<K, Real>& system) {
+  for (int c = 0; c < Columns; ++c) {
+    scaled[c] = stiffness * row[c];
+    const Mat3<Real> transposed = transpose(scaled[c]);
+    for (int d = 0; d <= c; ++d) system.add(block_of(c), block_of(d), transposed * row[d]);
+    system.rhs[block_of(c)] += transposed * rhs;
+  }
+}
+
+/// M eliminated from the reduced system; of coupled sections N as well, of which `forces` are the rows.
+template <int K, class Real>
+KOKKOS_INLINE_FUNCTION void condense_moments(const GeneralMomentRows<K, Real>& rows,
+                                             const ElementGradient<K, Real>& gradient, const ForceRows<K, Real>* forces,
+                                             const GeneralStiffness<K, Real>& stiffness,
+                                             ReducedSystem<K, Real>& system) {
+  using Blocks = ReducedBlocks<K>;
+  using Rows = GeneralMomentRows<K, Real>;
+  constexpr int columns = Rows::kColumns, all = Blocks::kCount;
+  Mat3<Real> scaled[K + 1][columns];
+  Vec3<Real> moment[K + 1];
+  for (int q = 0; q <= K; ++q) {
+    const Vec3<Real> rhs = stiffness.value_at_point(q, gradient.moment_row);
+    add_square<columns>(rows.row[q], rhs, stiffness.moment[q], Rows::block_of, scaled[q], system);
+    moment[q] = stiffness.moment[q] * rhs;
+  }
+  if (!stiffness.section.is_coupled) return;
+  Mat3<Real> row[K][all], unused[all];
+  Vec3<Real> rhs[K];
+  for (int q = 0; q < K; ++q) {
+    forces[q].expand(stiffness.tables.force_legendre[q], row[q]);
+    const Mat3<Real> coupling = stiffness.section.force_moment(q);
+    for (int c = 0; c < columns; ++c) {
+      Mat3<Real>& block = row[q][Rows::block_of(c)];
+      block = block - coupling * stiffness.moment_at_force(q, &scaled[0][c], columns);
+    }
+    rhs[q] = gradient.strain_error[q] - coupling * stiffness.moment_at_force(q, moment);
+    for (int p = 0; p < q; ++p) {
+      const Mat3<Real>& lower = stiffness.lower[q][p];
+      for (int b = 0; b < all; ++b) row[q][b] = row[q][b] - lower * row[p][b];
+      rhs[q] = rhs[q] - lower * rhs[p];
+    }
+    add_square<all>(
+        row[q], rhs[q], stiffness.force[q], [](int b) { return b; }, unused, system);
+  }
 }
 
 }  // namespace mixbeam

@@ -8,13 +8,26 @@
 
 namespace mixbeam {
 
-/// Rows that a force point leaves for the response of N, theory (26).
-template <class Real, class Stiffness>
+/// Rows of gamma at a force point, theory (15), for a section that couples it with M.
+template <int K, class Real>
 struct ForceRows {
   Mat3<Real> exp, tangent;
   Vec3<Real> p, pulled_back;
-  Stiffness stiffness;  ///< capped tangent stiffness: diagonal and masked (Vec3), or (S_NN capped)^-1 (Mat3)
+
+  /// Against the blocks of the reduced system.
+  KOKKOS_INLINE_FUNCTION void expand(const double* P, Mat3<Real>* row) const {
+    using Blocks = ReducedBlocks<K>;
+    const Mat3<Real> by_slope = transpose(exp);
+    const Mat3<Real> by_psi = hat(pulled_back) * transpose(tangent);
+    row[Blocks::spin()] = times_hat(by_slope, p);
+    row[Blocks::vertex(0)] = row[Blocks::vertex(1)] = zero_matrix<Real>();
+    for (int i = 0; i < K; ++i) row[Blocks::slope(i)] = P[i] * by_slope;
+    for (int i = 1; i < K; ++i) row[Blocks::psi(i)] = P[i] * by_psi;
+  }
 };
+
+/// Sign of the boundary term at an end times P_j there.
+KOKKOS_INLINE_FUNCTION double signed_end_value(int end, int j) { return (end == 0 ? -1.0 : 1.0) * end_value(end, j); }
 
 /// Derivatives D_j of the moment rows, theory (23) and theory (24), by psi_i and the vertex spins. A spin w of the
 /// element acts as the opposite spin of both vertices.
@@ -22,18 +35,19 @@ template <int K, class Real = double>
 struct MomentRows {
   Mat3<Real> psi[K + 1][K];  ///< psi_i, i >= 1
   Mat3<Real> end[2];         ///< row j: sign * (+-1)^j times this
-  KOKKOS_FORCEINLINE_FUNCTION void clear() {
+  KOKKOS_FORCEINLINE_FUNCTION void clear(const ElementTables<K>&) {
     for (int j = 0; j <= K; ++j)
       for (int i = 1; i < K; ++i) psi[j][i] = zero_matrix<Real>();
   }
-  KOKKOS_FORCEINLINE_FUNCTION void add_psi(int j, int i, const Real& factor, const Mat3<Real>& m) {
-    psi[j][i] += factor * m;
+  /// From moment point q; of the end of the value that psi_i has there.
+  KOKKOS_FORCEINLINE_FUNCTION void add_psi(int q, const ElementTables<K>& tables, int i, const Mat3<Real>& m) {
+    for (int j = 0; j <= K; ++j) psi[j][i] += Real(tables.moment_legendre[q][j]) * m;
+  }
+  KOKKOS_FORCEINLINE_FUNCTION void add_psi_at_end(int which, int i, double value, const Mat3<Real>& m) {
+    for (int j = 0; j <= K; ++j) psi[j][i] += Real(-signed_end_value(which, j) * value) * m;
   }
   KOKKOS_FORCEINLINE_FUNCTION void add_end(int which, const Mat3<Real>& m) { end[which] = m; }
 };
-
-/// Sign of the boundary term at an end times P_j there.
-KOKKOS_INLINE_FUNCTION double signed_end_value(int end, int j) { return (end == 0 ? -1.0 : 1.0) * end_value(end, j); }
 
 /// diag(d) m
 template <class Real>
@@ -87,16 +101,12 @@ KOKKOS_FORCEINLINE_FUNCTION Vec3<Real> tangent_force_stiffness(int q, const Elem
   const Real* stiffness = section.tangent_force_stiffness;
   return {{tables.axial[q] * stiffness[0], tables.shear[q] * stiffness[1], tables.shear[q] * stiffness[2]}};
 }
+/// Leaves the material part of coupled sections to the elimination of moments.
 template <int K, class Real>
 KOKKOS_INLINE_FUNCTION Mat3<Real> tangent_force_stiffness(int q, const ElementTables<K>&,
                                                           const GeneralSection<Real>& section) {
+  if (section.is_coupled) return zero_matrix<Real>();
   return inverse_of_symmetric(capped_compliance(section.force_force(q), section.force_stiffness_limit));
-}
-
-template <int K, class Real, class Stiffness>
-KOKKOS_FORCEINLINE_FUNCTION ForceRows<Real, Stiffness> force_rows(const ForcePoint<K, Real>& point,
-                                                                  const Stiffness& stiffness) {
-  return {point.rotation.exp, point.rotation.tangent, point.p, point.pulled_back, stiffness};
 }
 
 /// Material and geometric part (with the stored N) of one force point, expanded into the Legendre modes: theory (22).
@@ -146,10 +156,11 @@ KOKKOS_FORCEINLINE_FUNCTION void add_force_tangent(const ForcePoint<K, Real>& po
 
 /// Theory (23). `rows`: MomentRows or GeneralMomentRows.
 template <int K, class Real, class Rows>
-KOKKOS_FORCEINLINE_FUNCTION void add_moment_tangent(const MomentPoint<K, Real>& point, const double* P,
-                                                    const double* slope, const Real& length, Rows& rows,
+KOKKOS_FORCEINLINE_FUNCTION void add_moment_tangent(int q, const MomentPoint<K, Real>& point,
+                                                    const ElementTables<K>& tables, const Real& length, Rows& rows,
                                                     ReducedSystem<K, Real>& system) {
   if constexpr (K > 1) {
+    const double *P = tables.moment_legendre[q], *slope = tables.moment_slope[q];
     const Vec3<Real>& psi = point.rotation.psi;
     const Mat3<Real> strain_slope = transpose(point.rotation.tangent);
     const Mat3<Real> strain_psi = -1.0 * tangent_map_derivative(-psi, point.slope, point.rotation.c);
@@ -160,7 +171,7 @@ KOKKOS_FORCEINLINE_FUNCTION void add_moment_tangent(const MomentPoint<K, Real>& 
     for (int i = 1; i < K; ++i) {
       const Real slope_i = along * slope[i], value_i = w * P[i], along_i = along * P[i];
       const Mat3<Real> strain_i = slope_i * strain_slope + value_i * strain_psi;
-      for (int j = 0; j <= K; ++j) rows.add_psi(j, i, P[j], strain_i);
+      rows.add_psi(q, tables, i, strain_i);
       for (int j = 1; j <= i; ++j)
         system.add(
             i, j,
@@ -202,7 +213,7 @@ KOKKOS_FORCEINLINE_FUNCTION void add_end_tangent(int end, const EndRotation<K, R
       system.add(Blocks::psi(i), Blocks::spin(), value, psi_spin);
       system.add(Blocks::vertex(end), Blocks::psi(i), value, vertex_psi);
       for (int j = 1; j <= i; ++j) system.add(Blocks::psi(i), Blocks::psi(j), value * end_value(end, j), psi_psi);
-      for (int j = 0; j <= K; ++j) rows.add_psi(j, i, -signed_end_value(end, j) * value, row_psi);
+      rows.add_psi_at_end(end, i, value, row_psi);
     }
   }
 }

@@ -86,9 +86,11 @@ template <int K, class Real>
 KOKKOS_INLINE_FUNCTION Vec3<Real> coupled_force_strain(const GeneralSection<Real>& section, int q,
                                                        const ElementInput<Real>& in, const ElementTables<K>& tables,
                                                        const InteriorLayout& layout) {
+  const Vec3<Real> strain = section.force_force(q) * load_vector(in.interior + layout.force(q));
+  if (!section.is_coupled) return strain;
   Vec3<Real> moment{{Real(0.0), Real(0.0), Real(0.0)}};
   for (int j = 0; j < K; ++j) moment += tables.force_legendre[q][j] * load_vector(in.interior + layout.moment(j));
-  return section.force_force(q) * load_vector(in.interior + layout.force(q)) + section.force_moment(q) * moment;
+  return strain + section.force_moment(q) * moment;
 }
 
 /// Force strain at one point, theory (10), the resultant there and the residual of its law, theory (16).
@@ -285,7 +287,7 @@ KOKKOS_INLINE_FUNCTION void add_moment_compliance(const ElementInput<Real>& in,
     const Vec3<Real> strain = (half * tables.moment_weight[q]) * (section.moment_moment(q) * moment);
     for (int j = 0; j <= K; ++j) g.moment_row[j] += (-tables.moment_legendre[q][j]) * strain;
   }
-  for (int q = 0; q < tables.force_points; ++q) {
+  for (int q = 0; section.is_coupled && q < tables.force_points; ++q) {
     const Vec3<Real> force = load_vector(in.interior + layout.force(q));
     const Vec3<Real> strain = (half * tables.force_weight[q]) * transpose_times(section.force_moment(q), force);
     for (int j = 0; j < K; ++j) g.moment_row[j] += (-tables.force_legendre[q][j]) * strain;

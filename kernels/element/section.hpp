@@ -20,6 +20,7 @@ struct GeneralSection {
   const Real* compliance;  ///< GeneralSectionLayout
   GeneralSectionLayout layout;
   Real force_stiffness_limit, moment_stiffness_limit;  ///< SectionNumbers
+  bool is_coupled = true;                              ///< S_NM is not zero, of some lane
 
   KOKKOS_INLINE_FUNCTION Mat3<Real> force_force(int q) const { return load_matrix(compliance + layout.force_force(q)); }
   KOKKOS_INLINE_FUNCTION Mat3<Real> force_moment(int q) const {

@@ -86,10 +86,7 @@ struct ElementBlock {
     return false;
   }
   /// Numbers that the tangent keeps of each element for recover_interior.
-  int response_size() const {
-    return general_section ? kResponseColumns * interior.increments()
-                           : ResponseLayout{order, interior.force_points}.size();
-  }
+  int response_size() const { return ResponseLayout{order, interior.force_points}.size(); }
 };
 
 /// Mixed residual: vertex and interior rows, largest relative end rotation.

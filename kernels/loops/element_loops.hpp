@@ -72,7 +72,7 @@ struct ElementPack {
     lanes.load([&](int e) { return &gather.block.reference(e, 0); }, gather.block.reference_layout.size(), reference_);
     in.interior = interior_;
     in.reference = reference_;
-    if (gather.structure.sections.extent(0) > 0) load_section(gather);
+    load_section(gather);
     if (gather.has_fields()) {
       const RowsInLanes<W> rows = lanes;
       load_fields(gather, rows, field_, fields);
@@ -84,17 +84,25 @@ struct ElementPack {
   Real compliance_[General ? GeneralSectionLayout{K, kForcePoints}.size() : 1];
   Real field_[kLineFields][3 * kForcePoints];
 
+  /// Without the numbers that recovery has from the tangent.
   KOKKOS_FORCEINLINE_FUNCTION void load_section(const Gather& gather) {
     const auto constants = [&](int e) -> const SectionConstants& {
       return gather.structure.sections(gather.block.section(e));
     };
+    const bool has_constants = gather.structure.sections.extent(0) > 0;
     if constexpr (General) {
       section.layout = {gather.block.interior.order, gather.block.interior.force_points};
       lanes.load([&](int e) { return &gather.block.compliance(e, 0); }, section.layout.size(), compliance_);
       section.compliance = compliance_;
+      section.is_coupled = false;  // what has no coupling does not pay for it
+      for (int q = 0; q < section.layout.force_points; ++q)
+        for (int i = 0; i < 9; ++i)
+          section.is_coupled =
+              section.is_coupled || any<W>(fabs(compliance_[section.layout.force_moment(q) + i]) > Real(0.0));
+      if (!has_constants) return;
       lanes.load([&](int e) { return &constants(e).force_stiffness_limit; }, 1, &section.force_stiffness_limit);
       lanes.load([&](int e) { return &constants(e).moment_stiffness_limit; }, 1, &section.moment_stiffness_limit);
-    } else {
+    } else if (has_constants) {
       lanes.load([&](int e) { return constants(e).numbers(); }, SectionConstants::kCount, section.numbers());
     }
   }
@@ -186,7 +194,7 @@ struct TangentLoop {
     const auto store = [&](int first, int count, const Real* numbers) {
       pack.lanes.store(numbers, first, count, response_of);
     };
-    element.store_response(gather.tables, gather.block.interior, kinematics, pack.section, store);
+    element.store_response(gather.block.interior, pack.section, store);
     store_condensed(pack.lanes, kinematics, element, has_potential ? nullptr : &mean_rows);
   }
 
@@ -278,18 +286,10 @@ struct RecoverLoop {
       pack.lanes.load([&](int e) { return &vertex_increment(gather.block.vertices(e, end), 0); }, 6, ends[end]);
     ReducedIncrement<K, Real> d(kinematics, ends[0], ends[1]);
     const auto response_of = [&](int e) { return response.data() + gather.response_of(e); };
-    if constexpr (General) {
-      for (int r = 0; r < gather.block.interior.increments(); ++r) {
-        Real row[kResponseColumns];
-        pack.lanes.load([&](int e) { return response_of(e) + r * kResponseColumns; }, kResponseColumns, row);
-        out[r] = d.respond_in_row(row);
-      }
-    } else {
-      Real kept[ResponseLayout{K, Elements::kForcePoints}.size()];
-      pack.lanes.load(response_of, gather.response_size, kept);
-      recover_element(pack.in, kinematics, gather.tables, gather.block.interior, gather.block.reference_layout, d, kept,
-                      out);
-    }
+    Real kept[ResponseLayout{K, Elements::kForcePoints}.size()];
+    pack.lanes.load(response_of, gather.response_size, kept);
+    recover_element(pack.in, kinematics, gather.tables, gather.block.interior, gather.block.reference_layout,
+                    pack.section, d, kept, out);
     pack.lanes.store(out, 0, gather.block.interior.increments(),
                      [&](int e) { return &increment(gather.increment_of(e)); });
   }

@@ -3,7 +3,7 @@
 #include "kernels/chains/elimination.hpp"
 #include "kernels/execution/execution_space.hpp"
 #include "kernels/math/rotation.hpp"
-#include "tests/kernels/element_samples.hpp"
+#include "tests/kernels/general_section_energy.hpp"
 
 #include <benchmark/benchmark.h>
 
@@ -61,26 +61,47 @@ void inverse_tangent_map_of_a_rotation_vector(benchmark::State& state) {
 }
 BENCHMARK(inverse_tangent_map_of_a_rotation_vector);
 
-element_test::SampleBlock elements_of_order(int order) {
-  std::vector<element_test::ElementSample> samples;
-  for (std::uint64_t e = 0; e < kElements; ++e)
-    samples.push_back(element_test::random_sample({order, ForceIntegration::both_reduced, kSeed + e}));
-  return element_test::SampleBlock(samples);
+/// Second argument of benchmarks of elements.
+enum Sections { plain, tapered, coupled };
+
+element_test::SampleBlock elements_of_order(int order, int sections) {
+  std::vector<element_test::ElementSample> all;
+  std::vector<element_test::GeneralSample> general;
+  for (std::uint64_t e = 0; e < kElements; ++e) {
+    all.push_back(element_test::random_sample({order, ForceIntegration::both_reduced, kSeed + e}));
+    general.push_back(element_test::general_sample(order, kSeed + e));
+    if (sections == tapered) element_test::uncouple(general.back().law);
+  }
+  return sections == plain ? element_test::SampleBlock(all) : element_test::general_block(general, 1e4, 1e4);
 }
+
+/// What an element takes.
+template <class Evaluate>
+void each_element(benchmark::State& state, const Evaluate& evaluate) {
+  const auto samples = elements_of_order(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
+  for (auto _ : state) evaluate(samples);
+  state.SetItemsProcessed(state.iterations() * kElements);
+}
+const std::vector<std::vector<int64_t>> kOrdersAndSections = {benchmark::CreateDenseRange(1, kMaximumOrder, 1),
+                                                              {plain, tapered, coupled}};
 
 void element_residual(benchmark::State& state) {
-  const auto samples = elements_of_order(static_cast<int>(state.range(0)));
-  for (auto _ : state) evaluate_residual(samples.block, samples.structure, samples.state, samples.equations);
-  state.SetItemsProcessed(state.iterations() * kElements);
+  each_element(state, [](const auto& s) { evaluate_residual(s.block, s.structure, s.state, s.equations); });
 }
-BENCHMARK(element_residual)->DenseRange(1, kMaximumOrder);
+BENCHMARK(element_residual)->ArgsProduct(kOrdersAndSections);
 
 void element_tangent(benchmark::State& state) {
-  const auto samples = elements_of_order(static_cast<int>(state.range(0)));
-  for (auto _ : state) evaluate_tangent(samples.block, samples.structure, samples.state, samples.equations);
-  state.SetItemsProcessed(state.iterations() * kElements);
+  each_element(state, [](const auto& s) { evaluate_tangent(s.block, s.structure, s.state, s.equations); });
 }
-BENCHMARK(element_tangent)->DenseRange(1, kMaximumOrder);
+BENCHMARK(element_tangent)->ArgsProduct(kOrdersAndSections);
+
+void element_recovery(benchmark::State& state) {
+  const KernelView<double* [6]> vertices("vertices", 2 * kElements);
+  each_element(state, [&](const auto& s) {
+    recover_interior(s.block, s.state, s.equations, vertices, s.equations.interior_residual);
+  });
+}
+BENCHMARK(element_recovery)->ArgsProduct(kOrdersAndSections);
 
 /// A link with positive pivots, the same in all lanes.
 template <int N>

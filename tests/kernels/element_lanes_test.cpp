@@ -49,6 +49,7 @@ SampleBlock random_block(const Variant& variant, int order, ForceIntegration rul
     const std::uint64_t seed = 300 + static_cast<std::uint64_t>(e);
     samples.push_back(variant.general_section ? general_sample(order, seed)
                                               : GeneralSample{random_sample({order, rule, seed}), {}});
+    if (e % 3 == 1) uncouple(samples.back().law);  // beside coupled ones in a pack, not alone
     const unsigned kinds = kFieldsInTurn[(e + 2 - kFollower) % std::size(kFieldsInTurn)];
     if (variant.fields) add_fields(samples.back().sample.element, kinds, seed);
   }

@@ -103,6 +103,13 @@ inline void set_rigid(GeneralLaw& law, const std::vector<int>& components) {
     for (int i = 0; i < 6; ++i) law.at_start[i][c] = law.at_start[c][i] = law.growth[i][c] = law.growth[c][i] = 0.0;
 }
 
+/// Takes out what couples N and M.
+inline void uncouple(GeneralLaw& law) {
+  for (Compliance6* s : {&law.at_start, &law.growth})
+    for (int i = 0; i < 3; ++i)
+      for (int j = 3; j < 6; ++j) (*s)[i][j] = (*s)[j][i] = 0.0;
+}
+
 /// The law as the tangent takes it: S_NN and S_MM with no entry of the diagonal below 1/limit. For laws whose diagonal
 /// is zero or far above that.
 inline GeneralLaw capped_law(GeneralLaw law, double force_limit, double moment_limit) {
