@@ -55,8 +55,15 @@ STIFFNESSES = ("EA", "GA2", "GA3", "GIt", "EI2", "EI3")
 
 
 def matrix(scene, _rod, section, _load):
+    """Forces and moments are coupled, if by nothing."""
     values = [section.pop(name) for name in STIFFNESSES]
-    section["Matrix"] = [values[i] if i == j else 0.0 for i in range(6) for j in range(6)]
+    section["Matrix"] = [values[i] if i == j else NOTHING if (i < 3) != (j < 3) else 0.0 for i in range(6) for j in range(6)]
+
+
+def taper(scene, rod, section, _load):
+    """To a section that is the same."""
+    scene.sections["end"] = {name: section[name] for name in STIFFNESSES}
+    rod.end_section = "end"
 
 
 def shape(scene, _rod, section, _load):
@@ -67,12 +74,12 @@ def shape(scene, _rod, section, _load):
                             "Material": {"E": values["EA"] / side**2, "G": values["GA2"] / side**2}})
 
 
-def inner_points(is_loaded):
+def inner_points(**load):
     def change(scene, rod, *_):
         for i in range(1, INNER_POINTS + 1):
             rod.inner_points[f"inner {i}"] = i / (INNER_POINTS + 1)
-            if is_loaded:
-                scene.point_loads[f"inner {i}"] = {"Point": f"inner {i}", "Force": (0, 0, 0)}
+            if load:
+                scene.point_loads[f"inner {i}"] = {"Point": f"inner {i}", **load}
     return change
 
 
@@ -143,9 +150,14 @@ def unused_features(given):
         ("potential", ("all forces have a potential: symmetric tangents", rod),
          ("follower line load of 1e-200: unsymmetric tangents",
           changed(rod, line_load_of_nothing("follower")))),
-        ("section", ("six stiffnesses", rod), ("the same as a 6 x 6 matrix", changed(rod, matrix))),
-        ("point_loads", ("1000 inner points without loads", changed(rod, inner_points(False))),
-         ("loads of zero there: none of these vertices is eliminated in a chain", changed(rod, inner_points(True)))),
+        ("section", ("six stiffnesses", rod),
+         ("the same as a 6 x 6 matrix with couplings of 1e-200", changed(rod, matrix))),
+        ("taper", ("one section", rod), ("taper to the same section", changed(rod, taper))),
+        ("point_loads", ("1000 inner points without loads", changed(rod, inner_points())),
+         ("forces of zero there: right-hand sides alone", changed(rod, inner_points(Force=(0, 0, 0))))),
+        ("point_moments", ("1000 inner points without loads", changed(rod, inner_points())),
+         ("moments of 1e-200 there: none of these vertices is eliminated in a chain",
+          changed(rod, inner_points(Moment=(0, 0, NOTHING))))),
         ("rotation_support", ("free end", plane_in_space),
          ("rotation about the axis fixed there: one row that depends on the rotation",
           changed(plane_in_space, held_twist))),

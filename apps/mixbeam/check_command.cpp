@@ -14,6 +14,7 @@
 #include "discretization/parameters/formula_value.hpp"
 #include "discretization/parameters/parameter_file.hpp"
 #include "discretization/scene/load_cases.hpp"
+#include "discretization/scene/section_law.hpp"
 #include "discretization/text/errors.hpp"
 #include "discretization/text/message_text.hpp"
 #include "kernels/math/vector_algebra.hpp"
@@ -26,6 +27,7 @@
 #include <cmath>
 #include <limits>
 #include <ostream>
+#include <set>
 #include <sstream>
 #include <vector>
 
@@ -107,6 +109,31 @@ double iteration_seconds(const Scene& scene, const Needs& needs, bool planar) {
   return (sum.flops / rates.operations + sum.bytes / rates.bytes) / kShareOfRates;
 }
 
+/// Names the members whose elements or chains take longer than those of plain ones, and why.
+void print_slow_members(std::ostream& out, const Scene& scene) {
+  std::set<std::string> unsymmetric, kept;
+  for (const DistributedLoad& load : scene.distributed_loads) {
+    const bool has_couple =
+        vector_algebra::norm(load.couple) > 0.0 || load.couple_formula != DistributedLoad().couple_formula;
+    if (has_couple || load.frame == LoadFrame::follower) unsymmetric.insert(load.member);
+  }
+  for (const PointLoad& load : scene.point_loads)
+    if (vector_algebra::norm(load.moment) > 0.0 || load.frame == LoadFrame::follower) kept.insert(load.point);
+  const auto print = [&](const char* reason, const auto& holds) {
+    std::vector<std::string> names;
+    for (const Member& member : scene.members)
+      if (holds(member)) names.push_back(member.name);
+    if (!names.empty()) out << "  off the fast path by " << reason << ": " << quoted_list(names) << "\n";
+  };
+  print("a taper", [](const Member& m) { return !m.end_section.empty(); });
+  print("a 6 x 6 matrix", [&](const Member& m) { return m.end_section.empty() && has_general_section(scene, m); });
+  print("line loads without potential", [&](const Member& m) { return unsymmetric.count(m.name) > 0; });
+  print("moments or followers at inner points", [&](const Member& m) {
+    return std::any_of(m.inner_points.begin(), m.inner_points.end(),
+                       [&](const InnerPoint& inner) { return kept.count(inner.point) > 0; });
+  });
+}
+
 /// Sums of many terms leave this share of them where they are zero.
 constexpr double kRoundingOfSums = 1e-12;
 
@@ -176,10 +203,12 @@ void print_simulation(Application& app, const Scene& scene, const Needs& needs, 
   const Scene coarse = coarse_scene(scene, kElementsForCheck);
   Simulation simulation(coarse, app.solver, app.communicator);
   std::ostringstream unprinted;
-  if (first)
+  if (first) {
     app.out() << "  Newton iteration about "
               << duration_text(iteration_seconds(scene, needs, simulation.model().plane().has_value()))
               << " on one thread\n";
+    print_slow_members(app.out(), scene);
+  }
   const double size = print_extent(first ? app.out() : unprinted, simulation);
   print_loads(app.out(), simulation, size);
   print_turns(app.out(), simulation);

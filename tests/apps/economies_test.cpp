@@ -16,7 +16,7 @@ TEST(Economies, BothWaysGiveTheSame) {
   EXPECT_EQ(run_program("economies", small_study(folder), folder), 0) << text_of(folder / "output.txt");
   expect_in(page_of("economies", folder),
             {"# Only what the scene requires", "A rod of 40 elements of order 2", "processor", "| ratio |",
-             "| six stiffnesses | the same as a 6 x 6 matrix |", "- free end: "});
+             "| one section | taper to the same section |", "- free end: "});
 }
 
 /// Twin: states that are far from converged are not the same.

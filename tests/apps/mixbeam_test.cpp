@@ -605,6 +605,34 @@ TEST_F(Mixbeam, ResumingAtTheEndTellsTheSame) {
   EXPECT_EQ(last_line(again.out), last_line(first.out));
 }
 
+/// Members whose elements or chains take longer, and why; plain ones under dead loads are not among them.
+TEST_F(Mixbeam, CheckNamesMembersOffTheFastPath) {
+  const Ended ended = run({"check", write_scene(R"(
+Scene:
+  Sections:
+    even: {EA: 1e4, GA2: 5e3, GA3: 5e3, GIt: 1, EI2: 1, EI3: 1}
+    coupled: {Matrix: [1e4,0,0,0,1,0, 0,5e3,0,0,0,0, 0,0,5e3,0,0,0, 0,0,0,1,0,0, 1,0,0,0,1,0, 0,0,0,0,0,1]}
+  Points: {a: [0, 0, 0], b: [1, 0, 0], c: [2, 0, 0], d: [3, 0, 0], e: [4, 0, 0]}
+  Members:
+    plain: {Start: a, End: b, Section: even, Order: 2, Elements: 2, Inner Points: {inside: 0.5}}
+    tapered: {Start: b, End: c, Section: even, End Section: even, Order: 2, Elements: 2}
+    matrix: {Start: c, End: d, Section: coupled, Order: 2, Elements: 2}
+    pushed: {Start: d, End: e, Section: even, Order: 2, Elements: 2, Inner Points: {middle: 0.5}}
+  Supports: {clamp: {Point: a}}
+  Distributed Loads:
+    weight: {Member: plain, Force: [0, 0, -1]}
+    wind: {Member: pushed, Frame: follower, Force: [0, 1, 0]}
+  Point Loads:
+    dead: {Point: inside, Force: [0, 0, 1]}
+    couple: {Point: middle, Moment: [0, 0, 1]}
+)")});
+  EXPECT_EQ(ended.exit_code, kOk) << ended.err;
+  expect_in(ended.out,
+            {"off the fast path by a taper: \"tapered\"\n", "by a 6 x 6 matrix: \"matrix\"\n",
+             "by line loads without potential: \"pushed\"\n", "by moments or followers at inner points: \"pushed\"\n"});
+  EXPECT_EQ(run({"check", write_scene(scene_of("fork"))}).out.find("fast path"), std::string::npos);
+}
+
 /// An axial load does not move the tip sideways at first; along the axis, or with a lateral force, it does.
 TEST_F(Mixbeam, CheckTellsOfAControlledDisplacementThatTheLoadDoesNotMove) {
   const auto checked = [&](const std::string& component, const std::string& force = "[-1, 0, 0]") {
