@@ -66,7 +66,7 @@ class RicherSolve {
               double load_factor)
       : problem_(problem),
         corrector_(problem, parameters, record_),
-        group_(Teuchos::rcp(new BeamGroup(corrector_.global(), problem, start, load_factor, {}))) {
+        group_(Teuchos::rcp(new BeamGroup(corrector_.global(), problem, start, load_factor, {}, iterated()))) {
     group_->computeF();
   }
 
@@ -93,6 +93,11 @@ class RicherSolve {
   }
 
  private:
+  static TangentChoice iterated() {
+    TangentChoice choice;
+    choice.may_iterate = true;
+    return choice;
+  }
   void move(const NOX::Abstract::Vector& increment, double step) {
     const auto next = Teuchos::rcp(new BeamGroup(*group_, NOX::ShapeCopy));
     next->computeX(*group_, increment, step);

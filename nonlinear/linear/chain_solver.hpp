@@ -34,6 +34,9 @@ class ChainSolver : public TangentSolver {
   void factorize(const Tangent& tangent) override;
   double solve(const DofVector& b, DofVector& x, double energy_reduction = 0.0) override;
   bool iterates() const override { return remaining_->iterates(); }
+  bool tries_iteration() const override { return remaining_->tries_iteration(); }
+  void allow_iteration(bool allowed) override { remaining_->allow_iteration(allowed); }
+  bool counts_by_solves() const override { return !uses_whole_ && remaining_->counts_by_solves(); }
   void reset_factors() override { remaining_->reset_factors(); }
   void adopt_factors_of(Solver& other) override {
     if (auto* chains = dynamic_cast<ChainSolver*>(&other)) remaining_->adopt_factors_of(*chains->remaining_);

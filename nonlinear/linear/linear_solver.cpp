@@ -48,6 +48,9 @@ class Amesos2Factors : public LinearSolver {
 /// cubic lattices of 10^3 and 15^3 vertices 0.95, 0.7; square ones of 40^2, 60^2, 100^2 0.97, 0.9, 0.87.
 constexpr Tpetra::global_size_t kLeastSharedRows = 5000;
 
+/// So many rows are factorised by LAPACK (see InertiaSolver), which costs nothing beside a tangent.
+constexpr size_t kMostCountedRows = 60;
+
 /// Independent loops in the graph of the vertices of a matrix, or fewer: a graph of several parts has more.
 double independent_loops(const DofMatrix& matrix) {
   const double vertices = static_cast<double>(matrix.getGlobalNumRows()) / kVertexDofs;
@@ -113,12 +116,27 @@ class DirectSolver : public LinearSolver {
   std::optional<long> negative_eigenvalues() override {
     long known[2] = {0, 0};  // whether it is known; how many
     if (root_ == nullptr || root_->is_root())
-      if (const std::optional<long> here = factors_->negative_eigenvalues()) known[0] = 1, known[1] = *here;
+      if (const std::optional<long> here = negative_here()) known[0] = 1, known[1] = *here;
     if (root_ != nullptr) root_->share(known, 2, MPI_LONG);
     return known[0] == 1 ? std::optional<long>(known[1]) : std::nullopt;
   }
 
  private:
+  /// KLU's factors do not tell.
+  std::optional<long> negative_here() {
+    if (method_ == kMumps) return factors_->negative_eigenvalues();
+    const Teuchos::RCP<DofMatrix>& matrix = root_ == nullptr ? matrix_ : root_->matrix();
+    if (matrix->getNodeNumRows() > kMostCountedRows) return std::nullopt;
+    if (signs_ == nullptr) signs_ = std::make_unique<NetworkFactors>(matrix, times_);
+    try {
+      signs_->reset_factors();
+      signs_->factorize();
+      return signs_->negative_eigenvalues();
+    } catch (const LinearSolverError&) {  // a singular matrix
+      return std::nullopt;
+    }
+  }
+
   std::string factorize_here() {
     try {
       if (factors_ == nullptr) {
@@ -168,7 +186,7 @@ class DirectSolver : public LinearSolver {
   double tolerance_;
   PhaseTimes& times_;
   std::unique_ptr<RootCopy> root_;  ///< several ranks only
-  std::unique_ptr<LinearSolver> factors_;
+  std::unique_ptr<LinearSolver> factors_, signs_;
   Teuchos::RCP<DofVector> x_, b_;  ///< of rank 0; several ranks only
   Teuchos::RCP<DofVector> correction_, residual_;
 };

@@ -33,6 +33,11 @@ class Solver {
 
   /// Whether it solves without factors because they would be too large.
   virtual bool iterates() const { return false; }
+  /// Whether it may solve without factors, where stable states are asked for that; `allowed` until the next call.
+  virtual bool tries_iteration() const { return false; }
+  virtual void allow_iteration(bool /*allowed*/) {}
+  /// Whether its solves with the last matrix tell whether an eigenvalue is below zero.
+  virtual bool counts_by_solves() const { return false; }
 
   /// Discards everything derived from earlier matrices, so that the next one alone decides every bit.
   virtual void reset_factors() {}

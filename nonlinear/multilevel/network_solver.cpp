@@ -39,6 +39,7 @@ void NetworkSolver::factorize() {
   objection_.clear();
   is_unstable_ = has_solved_ = false;
   method_ = Method::none;
+  if (!may_iterate_) return factorize_directly();
   bool is_symmetric = true;
   try {
     number_nodes();

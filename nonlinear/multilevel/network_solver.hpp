@@ -22,13 +22,22 @@ class NetworkSolver : public LinearSolver {
   NetworkSolver(const CondensedSystem& system, double residual_tolerance, PhaseTimes& times,
                 double reduction = kReduction, double most_fallback_entries = kMostFallbackEntries);
 
+  /// Factors are at hand: iteration is for where it is allowed.
+  void keep_factors_at_hand() { has_factors_at_hand_ = true; }
+
   void factorize() override;
   double solve(const DofVector& b, DofVector& x, double energy_reduction = 0.0) override;
-  bool iterates() const override { return true; }
+  bool iterates() const override { return !has_factors_at_hand_; }
+  bool tries_iteration() const override { return true; }
+  void allow_iteration(bool allowed) override { may_iterate_ = allowed || !has_factors_at_hand_; }
+  bool counts_by_solves() const override { return iterates() || method_ == Method::conjugate_gradients; }
   /// Counts by factors if there are some; else by the solves with the last matrix, which have met none, or at least
   /// one.
   std::optional<long> negative_eigenvalues() override;
-  void reset_factors() override { has_spaces_ = false; }
+  void reset_factors() override {
+    has_spaces_ = false;
+    if (direct_ != nullptr) direct_->reset_factors();
+  }
   void adopt_factors_of(Solver& other) override;
 
   /// Iterations of the last solve.
@@ -99,6 +108,7 @@ class NetworkSolver : public LinearSolver {
   enum class Method { none, conjugate_gradients, gmres, factors };
   Method method_ = Method::none;  ///< that solves with the last matrix
   bool is_unstable_ = false, has_solved_ = false;
+  bool has_factors_at_hand_ = false, may_iterate_ = true;
   bool gmres_fails_ = false;  ///< with some earlier matrix
   int iterations_ = 0;
   bool has_spaces_ = false;  ///< that serve the next tangent
@@ -113,8 +123,8 @@ inline constexpr double kMostFactorEntries = 1e8;
 double factor_entries(const CondensedSystem& system);
 /// Counts the entries of factors from the neighbours of each vertex alone: (vertex, and one more) first of them.
 double factor_entries(const std::vector<int>& start, const std::vector<int>& next);
-/// Whether the factors of what chains leave would be so large that it is iterated with.
-bool is_large_network(const CondensedSystem& system);
+/// Whether stable states of a network with factors of that size take less time by iteration.
+bool is_quicker_by_iteration(const CondensedSystem& system, double factor_entries);
 
 /// The solver for the tangents of a model. `method`: kAutomatic, kIterative, or as make_direct_tangent_solver.
 std::unique_ptr<TangentSolver> make_tangent_solver(const Model& model, const std::string& method,

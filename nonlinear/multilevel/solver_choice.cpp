@@ -10,6 +10,9 @@ namespace {
 
 /// Factors of a network that a separator of s vertices cuts in two hold about 10 (6 s)^2 entries by nested dissection.
 constexpr double kEntriesPerSquare = 10.0;
+/// Entries of factors for each junction from which on iteration is quicker: cubes from 12 junctions a side on, no
+/// sheets.
+constexpr double kLeastEntriesOfJunction = 4500.0;
 
 /// Vertices that lie as far from one end of a network as the middle one, in steps: a separator.
 int separator(const std::vector<int>& start, const std::vector<int>& next) {
@@ -61,7 +64,10 @@ double factor_entries(const CondensedSystem& system) {
   return entries;
 }
 
-bool is_large_network(const CondensedSystem& system) { return factor_entries(system) > kMostFactorEntries; }
+bool is_quicker_by_iteration(const CondensedSystem& system, double factor_entries) {
+  const double junctions = static_cast<double>(system.matrix()->getGlobalNumRows()) / kVertexDofs;
+  return factor_entries >= kLeastEntriesOfJunction * junctions;
+}
 
 std::unique_ptr<TangentSolver> make_tangent_solver(const Model& model, const std::string& method,
                                                    double residual_tolerance) {
@@ -69,8 +75,12 @@ std::unique_ptr<TangentSolver> make_tangent_solver(const Model& model, const std
     return make_direct_tangent_solver(model, method, residual_tolerance);
   return std::make_unique<ChainSolver>(
       model, kSparseSolver, residual_tolerance, [&](const CondensedSystem& system) -> std::unique_ptr<LinearSolver> {
-        if (method == kIterative || is_large_network(system))
-          return std::make_unique<NetworkSolver>(system, residual_tolerance, model.times());
+        const double entries = method == kIterative ? 2.0 * kMostFactorEntries : factor_entries(system);
+        if (entries > kMostFactorEntries || is_quicker_by_iteration(system, entries)) {
+          auto solver = std::make_unique<NetworkSolver>(system, residual_tolerance, model.times());
+          if (entries <= kMostFactorEntries) solver->keep_factors_at_hand();
+          return solver;
+        }
         return make_direct_solver(system.matrix(), kSparseSolver, residual_tolerance, model.times());
       });
 }

@@ -40,6 +40,8 @@ class BeamProblem {
 
   /// Whether tangents are too large for factors: then eigenvalues are not counted.
   bool iterates() const { return solvers_.front()->iterates(); }
+  /// Whether stable states are iterated with, and counted so.
+  bool tries_iteration() const { return solvers_.front()->tries_iteration(); }
 
   /// Drops cached factors, so that the next solve depends on its tangent alone. A resumed path starts in this state.
   void forget_tangents() {

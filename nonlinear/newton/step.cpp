@@ -25,7 +25,7 @@ std::unique_ptr<Linearization> linearize(BeamProblem& problem, const EvaluationP
   const TangentKind kind{choice.in_space, choice.counts_interior};
   // tangent of the elements, each condensed to its two vertices -> chains eliminated to their ends
   // -> junctions factorised
-  return std::make_unique<Linearization>(problem, point, cap, kind);
+  return std::make_unique<Linearization>(problem, point, cap, kind, choice.may_iterate);
 }
 
 Cap find_increment(BeamProblem& problem, Linearization& here, const MixedVector& rows, bool keeps_cap, double enough,
@@ -46,8 +46,9 @@ State moved(const BeamProblem& problem, const State& from, const MixedVector& in
 }
 
 Linearization::Linearization(BeamProblem& problem, const EvaluationPoint& point, const Cap& cap,
-                             const TangentKind& kind)
+                             const TangentKind& kind, bool may_iterate)
     : tangent_(problem.model, point, cap, kind), solver_(problem.take_solver()) {
+  solver_->allow_iteration(may_iterate);
   try {
     solver_->factorize(tangent_);
   } catch (const LinearSolverError& error) {

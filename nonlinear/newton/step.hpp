@@ -18,6 +18,7 @@ struct TangentChoice {
   /// Relative energy error allowed in a solve. Newton increments get a tighter one where a loose one would cost an
   /// iteration.
   double enough = 0.0;
+  bool may_iterate = false;  ///< in networks where that is quicker: for states that are stable, as a rule
 };
 
 /// Bordered systems next to a critical point combine several solves with a nearly singular tangent, whose errors cancel
@@ -28,7 +29,8 @@ constexpr TangentChoice near_critical(bool leaves_plane) { return {100.0, true, 
 /// The equations linearised at a point and factorised.
 class Linearization {
  public:
-  Linearization(BeamProblem& problem, const EvaluationPoint& point, const Cap& cap, const TangentKind& kind);
+  Linearization(BeamProblem& problem, const EvaluationPoint& point, const Cap& cap, const TangentKind& kind,
+                bool may_iterate = false);
   Linearization(const Linearization&) = delete;
   Linearization& operator=(const Linearization&) = delete;
 

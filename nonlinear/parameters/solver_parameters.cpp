@@ -72,8 +72,9 @@ BoundList<LinearSolverParameters> linear_parameters() {
   BoundList<LinearSolverParameters> linear("Solution of the linear systems.");
   linear.bind(
       &LinearSolverParameters::method, choice("Method", {"automatic", "chains", "iterative", "KLU2"}).by_default(),
-      "automatic: chains, and iterative where factors of a network would take too much memory; chains: elements in a "
-      "row are condensed to the ends of their chain in parallel; the remaining system is solved by KLU2 where it has "
+      "automatic: chains, and iterative where factors of a network would take too much memory, or more time from a "
+      "stable state; chains: elements in a row are condensed to the ends of their chain in parallel; the remaining "
+      "system is solved by KLU2 where it has "
       "few loops, as L D L^T by MUMPS where it is a network; iterative: the remaining system is solved by conjugate "
       "gradients with coarse spaces, and of stability only its sign at the end of each stage is "
       "determined; KLU2: sparse direct solver of Amesos2 for the whole matrix. "

@@ -175,7 +175,7 @@ class AutomaticPath {
       throw GaveUp{"the path returns to an earlier state: it has changed to another one before load factor " +
                    rounded(load_factor(next.load_factor), 6)};
     }
-    if (problem_->iterates() && problem_->work.factorizations > tangents) next = station_at(found, along);
+    if (problem_->tries_iteration() && problem_->work.factorizations > tangents) next = station_at(found, along);
     accept(std::move(next), found.residual, std::move(passed));
     return true;
   }

@@ -131,8 +131,10 @@ class AfterOneIteration : public NOX::StatusTest::Generic {
 
 }  // namespace
 
-Correction Corrector::at_load(const State& from, double load_factor, int most_iterations, const MixedVector* way) {
+Correction Corrector::at_load(const State& from, double load_factor, int most_iterations, const MixedVector* way,
+                              bool from_stable) {
   TangentChoice choice;
+  choice.may_iterate = from_stable;
   choice.enough = newton_limit.enough_for_increments;  // what the next iteration removes need not be solved for
   const auto start = group_at(global_, problem_, {from, load_factor}, choice);
   if (way == nullptr) return solve(start, most_iterations);

@@ -41,7 +41,9 @@ class Corrector {
 
   /// Equilibrium at a load factor. What the tangent says of the way there (increments for the whole step, null where it
   /// is not known) takes the place of the first iteration, limited as that is.
-  Correction at_load(const State& from, double load_factor, int most_iterations, const MixedVector* way = nullptr);
+  /// `from_stable`: networks may be iterated with.
+  Correction at_load(const State& from, double load_factor, int most_iterations, const MixedVector* way = nullptr,
+                     bool from_stable = false);
   /// Equilibrium at which the row holds.
   Correction on_row(const Guess& guess, const ControlRow& row, int most_iterations);
 

@@ -36,7 +36,8 @@ Correction PathGoal::correct(Corrector& corrector, const Station& from, double v
                              int most_iterations) const {
   if (!is_controlled()) {
     const bool predicts = way != nullptr && from.cap_ratio == 0.0;
-    return corrector.at_load(from.state, value, most_iterations, predicts ? &way->x : nullptr);
+    const bool is_stable = from.stability && from.stability->verdict() == Verdict::stable;
+    return corrector.at_load(from.state, value, most_iterations, predicts ? &way->x : nullptr, is_stable);
   }
   Guess guess{from.state, from.load_factor};
   if (way != nullptr) {

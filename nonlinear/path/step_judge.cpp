@@ -283,7 +283,8 @@ StepJudge::Look StepJudge::look(const PathPiece& piece, PathDirection guess) con
   if (!std::isfinite(seen.correction)) return seen;
   seen.corrected.x.update(1.0, newton, -change, rate, 1.0);
   seen.corrected.load += change;
-  const std::optional<StabilityResult> there = count({at.state, load_factor + change}, How::inertia);
+  std::optional<StabilityResult> there = at.stability;
+  if (!there) there = count({at.state, load_factor + change}, How::inertia);
   if (there) seen.negative = there->negative;
   return seen;
 }
@@ -407,6 +408,7 @@ Station StepJudge::station(const State& state, double load_factor, const PathDir
     TangentChoice choice;
     choice.counts_interior = counts;
     choice.enough = newton_limit.enough_for_tangents;
+    choice.may_iterate = true;
     BeamGroup group(corrector_.global(), problem_, state, load_factor, {}, choice);
     group.computeF();
     if (counts) here.stability = count({state, load_factor, &group.linearization()}, How::factors);
@@ -440,14 +442,18 @@ PathDirection StepJudge::secant_tangent(const Station& at, double from, double t
 StepJudge::Linear StepJudge::linear_at(const State& start, const PathDirection& guess, double load_factor) const {
   const Model& model = problem_->model;
   const bool in_plane = start.in_plane && model.is_in_plane(guess.x);
-  BeamGroup group(corrector_.global(), problem_, start, load_factor, {}, near_critical(!in_plane));
+  TangentChoice choice = near_critical(!in_plane);
+  choice.counts_interior = stability_ != nullptr;
+  BeamGroup group(corrector_.global(), problem_, start, load_factor, {}, choice);
   group.setX(BeamVector(guess.x));
   Teuchos::ParameterList none;
   group.computeNewton(none);
   BeamVector slope(model.create_vector()), by_load(model.create_vector());
   load_derivative(model, group.state(), within_stage(load_factor, stage_end_), group.scales(), slope.values());
   group.applyJacobianInverse(none, slope, by_load);
-  return {group.state(), BeamVector::of(group.getNewton()).clone(true), std::move(by_load.values())};
+  std::optional<StabilityResult> stability;
+  if (stability_ != nullptr) stability = count({group.state(), load_factor, &group.linearization()}, How::factors);
+  return {group.state(), BeamVector::of(group.getNewton()).clone(true), std::move(by_load.values()), stability};
 }
 
 }  // namespace mixbeam

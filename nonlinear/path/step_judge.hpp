@@ -132,10 +132,11 @@ class StepJudge {
   StepSigns signs_of_ends(const PathPiece& piece, const StepTest& test, int depth) const;
   double cosine_where_loads_turn(const PathPiece& piece) const;
   bool loads_move_nothing(const PathPiece& piece) const;
-  /// What the tangent at a state yields: Newton's increment, and that for the load less du/dlambda.
+  /// What the tangent at a state yields: Newton's increment, that for the load less du/dlambda, and a count.
   struct Linear {
     State state;
     MixedVector newton, less_rate;
+    std::optional<StabilityResult> stability;  ///< none: its factors do not tell
   };
   Linear linear_at(const State& start, const PathDirection& guess, double load_factor) const;
   PathDirection tangent_of(BeamGroup& group, const MixedVector& slope) const;

@@ -207,8 +207,7 @@ Verdict StabilityResult::verdict() const {
 Stability::Look Stability::evaluate_tangent(const State& state, double load_factor, double raise) {
   const Model& model = problem_.model;
   const double stress = stress_of(model, magnitude_of(model, state, load_factor));
-  const double share =
-      stress >= stability_limit.small_stress ? std::min(1.0, stress) : std::max(stress, least_stiffness());
+  const double share = share_of_cap(stress);
   MixedVector residual = model.create_vector();
   const EvaluationPoint point = mixed_residual(model, state, load_factor, residual);
   std::optional<Tangent> tangent;
@@ -223,18 +222,51 @@ Stability::Look Stability::evaluate_tangent(const State& state, double load_fact
   return {std::move(*tangent), interior, stability_limit.zero * stress};
 }
 
+/// Of the usual cap of counts.
+double Stability::share_of_cap(double stress, const Tangent* unloaded) {
+  if (stress >= stability_limit.small_stress) return std::min(1.0, stress);
+  return std::max(stress, least_stiffness(unloaded));
+}
+
 /// The smallest eigenvalue of the unloaded structure in units of its largest EI/L, roughly, and at most one: from what
-/// chains leave.
-double Stability::least_stiffness() {
-  if (least_stiffness_) return *least_stiffness_;
+/// chains leave. `unloaded`: its tangent with the usual cap, where that is known.
+double Stability::least_stiffness(const Tangent* unloaded) {
+  if (unloaded_) return unloaded_->stiffness;
   const Model& model = problem_.model;
-  MixedVector residual = model.create_vector();
-  const EvaluationPoint point = mixed_residual(model, model.reference_state(), 0.0, residual);
-  const RootResult root = factorized_beside_chains({Tangent(model, point, cap_for(model, point.scales), {true}), {}});
+  std::optional<Tangent> own;
+  if (unloaded == nullptr) {
+    MixedVector residual = model.create_vector();
+    const EvaluationPoint point = mixed_residual(model, model.reference_state(), 0.0, residual);
+    unloaded = &own.emplace(model, point, cap_for(model, point.scales), TangentKind{true, true});
+  }
+  const Tangent::InteriorCount interior = unloaded->interior_count();
+  const RootResult root = factorized_beside_chains({*unloaded, interior});
+  const StabilityResult& seen = root.result;
   const double size =
       number_of_root(unknowns_beside_chains_->root(), [&] { return root.is_reliable ? root.nearest : 0.0; });
-  least_stiffness_ = std::clamp(size, stability_limit.least_cap_share, 1.0);
-  return *least_stiffness_;
+  const bool is_stable = root.is_reliable && !root.is_near_zero && !interior.uncertain && seen.symmetric &&
+                         seen.negative == 0 && seen.null == 0;
+  unloaded_ = {std::clamp(size, stability_limit.least_cap_share, 1.0), is_stable};
+  return unloaded_->stiffness;
+}
+
+/// A result that tells that no eigenvalue is below zero: the compliance of a cap makes no tangent stiffer.
+StabilityResult Stability::stable(const EvaluationPoint& point, double share_of_cap) const {
+  StabilityResult result = counted(0);
+  const double raise = stability_limit.cap_of_count * share_of_cap;
+  result.cap_ratio = cap_for(problem_.model, point.scales, raise).least_ratio;
+  result.end_angle = largest_end_angle(problem_.model, point).angle;
+  return result;
+}
+
+/// Without stresses no eigenvalue is below zero, and those of the unloaded structure tell whether one is zero.
+std::optional<StabilityResult> Stability::count_without_stress(const State& state, double load_factor) {
+  const Model& model = problem_.model;
+  if (stress_of(model, magnitude_of(model, state, load_factor)) > 0.0) return std::nullopt;
+  const double share = share_of_cap(0.0);
+  if (!unloaded_->is_stable) return std::nullopt;
+  MixedVector residual = model.create_vector();
+  return stable(mixed_residual(model, state, load_factor, residual), share);
 }
 
 /// The tangent of evaluate_tangent(), all of it.
@@ -280,7 +312,7 @@ void Stability::look_for_zero(const SparseMatrix& matrix, const Solvers& solvers
 }
 
 /// Adds what interiors and chains have. Collective.
-Stability::RootResult Stability::completed(RootResult root, const RootCopy& copy, const Look& look, long of_chains) {
+Stability::RootResult Stability::completed(RootResult root, const RootCopy& copy, const Seen& look, long of_chains) {
   StabilityResult& result = root.result;
   double numbers[6] = {static_cast<double>(result.negative), static_cast<double>(result.null),
                        result.symmetric ? 1.0 : 0.0,         result.asymmetry,
@@ -305,7 +337,7 @@ Stability::RootResult Stability::completed(RootResult root, const RootCopy& copy
 
 /// The tangent with its chains condensed, and whether their pivots can be relied on. Without symmetry: what its
 /// symmetric part tells, but for the determinant, which is that of the whole.
-Stability::RootResult Stability::factorized_beside_chains(const Look& look) {
+Stability::RootResult Stability::factorized_beside_chains(const Seen& look) {
   if (chains_ == nullptr) {
     chains_ = std::make_unique<CondensedSystem>(problem_.model);
     unknowns_beside_chains_ = std::make_unique<IndependentUnknowns>(problem_.model, chains_->remaining());
@@ -322,7 +354,7 @@ Stability::RootResult Stability::factorized_beside_chains(const Look& look) {
   return root;
 }
 
-Stability::RootResult Stability::factorized_beside_chains(const Look& look, bool symmetric_part, double asymmetry) {
+Stability::RootResult Stability::factorized_beside_chains(const Seen& look, bool symmetric_part, double asymmetry) {
   int reliable = chains_->condense(look.tangent, symmetric_part) ? 1 : 0;
   const SparseMatrix& matrix = unknowns_beside_chains_->reduce(look.tangent);
   const RootCopy& copy = unknowns_beside_chains_->root();
@@ -346,7 +378,7 @@ Stability::RootResult Stability::factorized_beside_chains(const Look& look, bool
 
 /// None where the signs of pivots cannot be relied on, next to a critical point.
 std::optional<StabilityResult> Stability::inertia_with_chains(const Look& look) {
-  const RootResult root = factorized_beside_chains(look);
+  const RootResult root = factorized_beside_chains(look.seen());
   if (!root.is_reliable || root.is_near_zero || root.result.null > 0 || look.interior.uncertain) return std::nullopt;
   if (!root.result.symmetric) {
     // The determinant tells one negative eigenvalue from none, but not two.
@@ -371,13 +403,16 @@ std::optional<StabilityResult> Stability::inertia_with_chains(const Look& look) 
   return root.result;
 }
 
-/// An eigenvalue of the remaining system is no nearer to zero than the nearest one of the whole tangent.
-std::optional<StabilityResult> Stability::count_by(Linearization& at) const {
+/// An eigenvalue of the remaining system is no nearer to zero than the nearest one of the whole tangent. Where the cap
+/// cuts off some stiffness zero alone is a count; unless it is that of counts, and the signs found in solves tell.
+std::optional<StabilityResult> Stability::count_by(Linearization& at) {
   const Tangent& tangent = at.tangent();
-  const bool iterates = at.solver().iterates();  // then the signs found in the solves count
-  if (tangent.is_planar() || (tangent.cap().cuts_off && !iterates) || !at.failure().empty()) return std::nullopt;
+  const bool by_solves = at.solver().counts_by_solves();
+  if (tangent.is_planar() || !at.failure().empty()) return std::nullopt;
   const Tangent::InteriorCount interior = tangent.interior_count();
-  if (interior.uncertain || (!iterates && !at.solver().negative_eigenvalues())) return std::nullopt;
+  if (interior.uncertain || (!by_solves && !at.solver().negative_eigenvalues())) return std::nullopt;
+  if (tangent.cap().cuts_off && !by_solves && *at.solver().negative_eigenvalues() + interior.negative > 0)
+    return std::nullopt;
   const EvaluationPoint& point = tangent.point();
   const double stress = stress_of(problem_.model, magnitude_of(problem_.model, point.state, point.load_factor));
   const double near_zero = stability_limit.near_zero * stress * relative_length(problem_.model);
@@ -387,6 +422,11 @@ std::optional<StabilityResult> Stability::count_by(Linearization& at) const {
   if (!(nearest.size > std::max(near_zero, stability_limit.near_rounding * nearest.rounding))) return std::nullopt;
   const std::optional<long> negative = at.solver().negative_eigenvalues();
   if (!negative) return std::nullopt;
+  if (tangent.cap().cuts_off && !by_solves) {
+    const bool tells_stiffness =
+        stress == 0.0 && tangent.cap().stiffness == cap_for(problem_.model, point.scales).stiffness;
+    return stable(point, share_of_cap(stress, tells_stiffness ? &tangent : nullptr));
+  }
   StabilityResult result = counted(*negative + interior.negative);
   result.inside = interior.negative;
   result.cap_ratio = tangent.cap().least_ratio;
@@ -398,8 +438,8 @@ std::optional<StabilityResult> Stability::count_by_iteration(const State& state,
   const Model& model = problem_.model;
   MixedVector residual = model.create_vector();
   const EvaluationPoint point = mixed_residual(model, state, load_factor, residual);
-  Linearization at(problem_, point, cap_for(model, point.scales, stability_limit.cap_of_count),
-                   TangentKind{true, true});
+  Linearization at(problem_, point, cap_for(model, point.scales, stability_limit.cap_of_count), TangentKind{true, true},
+                   true);
   if (at.failure().empty()) try {
       return count_by(at);
     } catch (const LinearSolverError&) {  // why is told below
@@ -419,7 +459,7 @@ StabilityResult Stability::inertia(const Look& look, double shift) {
     if (root.result.symmetric) root.result.negative = beside.negative;
   });
   root.result.shift = number_of_root(unknowns_->root(), [&] { return shift; });
-  return completed(root, unknowns_->root(), look, 0).result;
+  return completed(root, unknowns_->root(), look.seen(), 0).result;
 }
 
 InertiaSolver& Stability::solver(const StabilityResult& result) {
@@ -427,6 +467,11 @@ InertiaSolver& Stability::solver(const StabilityResult& result) {
 }
 
 StabilityResult Stability::count(const State& state, double load_factor) {
+  std::optional<StabilityResult> easy;
+  if (problem_.tries_iteration()) easy = count_by_iteration(state, load_factor);
+  if (easy && easy->negative == 0) return *easy;
+  easy = count_without_stress(state, load_factor);
+  if (easy) return *easy;
   std::optional<Look> look = evaluate_tangent(state, load_factor, stability_limit.cap_of_count);
   const double end_angle = largest_end_angle(problem_.model, look->tangent.point()).angle;
   std::optional<StabilityResult> result = inertia_with_chains(*look);

@@ -94,7 +94,7 @@ enum class How {
   /// computed, by spectrum(). Unsymmetric: the sign of the determinant alone.
   inertia,
   /// Newton's own factors, if they can tell and no eigenvalue may be zero: no joints, slanting supports or loads
-  /// without potential, no cap, a network of some size.
+  /// without potential; where a cap cuts off some stiffness, no negative eigenvalue.
   factors,
   /// Where tangents are too large for factors: by conjugate gradients from an arbitrary vector, which meet negative
   /// curvature or converge. `negative` is zero, or at least one is negative.
@@ -146,28 +146,37 @@ class Stability {
   };
 
   /// A tangent, and what is known of it before any factorisation.
+  struct Seen {
+    const Tangent& tangent;
+    Tangent::InteriorCount interior;
+    double zero = 0.0;  ///< eigenvalues up to this size are zero
+  };
   struct Look {
     Tangent tangent;
     Tangent::InteriorCount interior;
-    double zero = 0.0;  ///< eigenvalues up to this size are zero
+    double zero = 0.0;
+    Seen seen() const { return {tangent, interior, zero}; }
     const State& state() const { return tangent.point().state; }
     double load_factor() const { return tangent.point().load_factor; }
   };
 
   Look evaluate_tangent(const State& state, double load_factor, double raise);
   Look assemble(const State& state, double load_factor);
-  double least_stiffness();
+  double share_of_cap(double stress, const Tangent* unloaded = nullptr);
+  double least_stiffness(const Tangent* unloaded);
+  StabilityResult stable(const EvaluationPoint& point, double share_of_cap) const;
   RootResult factorized(const SparseMatrix& matrix, Solvers& solvers, double asymmetry_beside = 0.0) const;
   static int negative_of_symmetric_part(const SparseMatrix& matrix, Solvers& solvers);
   static void look_for_zero(const SparseMatrix& matrix, const Solvers& solvers, double zero, RootResult& root);
-  static RootResult completed(RootResult root, const RootCopy& copy, const Look& look, long of_chains);
-  RootResult factorized_beside_chains(const Look& look);
-  RootResult factorized_beside_chains(const Look& look, bool symmetric_part, double asymmetry);
+  static RootResult completed(RootResult root, const RootCopy& copy, const Seen& look, long of_chains);
+  RootResult factorized_beside_chains(const Seen& look);
+  RootResult factorized_beside_chains(const Seen& look, bool symmetric_part, double asymmetry);
   std::optional<StabilityResult> inertia_with_chains(const Look& look);
   StabilityResult inertia(const Look& look, double shift = 0.0);
   InertiaSolver& solver(const StabilityResult& result);
   StabilityResult count(const State& state, double load_factor);
-  std::optional<StabilityResult> count_by(Linearization& at) const;
+  std::optional<StabilityResult> count_by(Linearization& at);
+  std::optional<StabilityResult> count_without_stress(const State& state, double load_factor);
   std::optional<StabilityResult> count_by_iteration(const State& state, double load_factor);
   StabilityResult count_held(const State& state, double load_factor, const MixedVector& motion);
   void share(Pairs& pairs) const;
@@ -178,7 +187,12 @@ class Stability {
   std::vector<EigenMode> corrected_modes(const Look& look, const StabilityResult& stability, const Pairs& pairs);
 
   BeamProblem& problem_;
-  std::optional<double> least_stiffness_;
+  /// Of the structure without loads: see least_stiffness(), and whether all eigenvalues are known to be above zero.
+  struct Unloaded {
+    double stiffness = 0.0;
+    bool is_stable = false;
+  };
+  std::optional<Unloaded> unloaded_;
   // When first needed:
   std::unique_ptr<IndependentUnknowns> unknowns_, unknowns_beside_chains_;
   Solvers all_, beside_chains_;
