@@ -60,12 +60,20 @@ class SignalHandlers {
   }
   ~SignalHandlers() {
     for (int signal = 1; signal < NSIG; ++signal)
-      if (is_known_[signal] && signal != SIGKILL && signal != SIGSTOP) sigaction(signal, &before_[signal], nullptr);
+      if (is_known_[signal] && !is_ours(signal)) sigaction(signal, &before_[signal], nullptr);
   }
   SignalHandlers(const SignalHandlers&) = delete;
   SignalHandlers& operator=(const SignalHandlers&) = delete;
 
  private:
+  /// What an interrupt that came meanwhile has set: an alarm, and the default for the next one.
+  static bool is_ours(int signal) {
+    struct sigaction now {};
+    if (signal == SIGALRM || signal == SIGKILL || signal == SIGSTOP) return true;
+    return (signal == SIGINT || signal == SIGTERM) && sigaction(signal, nullptr, &now) == 0 &&
+           now.sa_handler == SIG_DFL;
+  }
+
   struct sigaction before_[NSIG] {};
   bool is_known_[NSIG]{};
 };

@@ -10,9 +10,9 @@ namespace {
 
 /// Factors of a network that a separator of s vertices cuts in two hold about 10 (6 s)^2 entries by nested dissection.
 constexpr double kEntriesPerSquare = 10.0;
-/// Entries of factors for each junction from which on iteration is quicker: cubes from 12 junctions a side on, no
+/// Entries of factors for each junction from which on iteration is quicker: cubes from 13 junctions a side on, no
 /// sheets.
-constexpr double kLeastEntriesOfJunction = 4500.0;
+constexpr double kLeastEntriesOfJunction = 2800.0;
 
 /// Vertices that lie as far from one end of a network as the middle one, in steps: a separator.
 int separator(const std::vector<int>& start, const std::vector<int>& next) {
