@@ -102,8 +102,10 @@ void require_disk(const Application& app, const Needs& needs, const std::filesys
 
 void require_room(const Application& app, const Scene& scene, const SolverParameters& parameters,
                   const std::filesystem::path& file) {
-  if (app.force || is_small(app, scene)) return;
+  if (is_small(app, scene)) return;
   const Needs needs = needs_of_run(app, scene, parameters);
+  take_large_pages(needs.memory_of_rank(app.communicator->getSize()));
+  if (app.force) return;
   require_memory(app, scene, needs);
   if (!file.empty()) require_disk(app, needs, file);
 }

@@ -3,11 +3,14 @@
 #include "apps/common/tables/formatted.hpp"
 #include "nonlinear/linear/blas_setup.hpp"
 
+#include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
 
 #include <array>
+#include <cstdint>
+#include <cstdlib>
 #include <fstream>
 #include <limits>
 #include <optional>
@@ -113,6 +116,20 @@ std::string bytes_text(double bytes) {
   std::size_t unit = 0;
   for (; unit + 1 < kUnits.size() && bytes >= 999.5; bytes /= 1000.0) ++unit;
   return formatted("%.3g %s", bytes, kUnits[unit]);
+}
+
+void take_large_pages(double bytes) {
+#ifdef __GLIBC__
+  constexpr double kWorthwhile = 3e7;
+  constexpr std::uintptr_t kPage = std::uintptr_t{1} << 21;
+  if (!(bytes >= kWorthwhile && bytes <= memory_left().bytes)) return;
+  void* const block = std::malloc(static_cast<std::size_t>(bytes));
+  const auto address = reinterpret_cast<std::uintptr_t>(block);
+  const std::uintptr_t begin = (address + kPage - 1) / kPage * kPage;
+  if (block != nullptr)
+    madvise(reinterpret_cast<void*>(begin), address + static_cast<std::size_t>(bytes) - begin, MADV_HUGEPAGE);
+  std::free(block);
+#endif
 }
 
 }  // namespace mixbeam
