@@ -66,7 +66,7 @@ class SignalHandlers {
   SignalHandlers& operator=(const SignalHandlers&) = delete;
 
  private:
-  /// What an interrupt that came meanwhile has set: an alarm, and the default for the next one.
+  /// Handlers that an interrupt has set meanwhile: its alarm, and the default for the next one.
   static bool is_ours(int signal) {
     struct sigaction now {};
     if (signal == SIGALRM || signal == SIGKILL || signal == SIGSTOP) return true;
