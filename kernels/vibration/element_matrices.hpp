@@ -3,7 +3,7 @@
 /// the mass has been added.
 #pragma once
 
-#include "kernels/condensation/moment_elimination.hpp"
+#include "kernels/condensation/tangent.hpp"
 
 namespace mixbeam {
 
@@ -91,9 +91,9 @@ struct ElementMatrices {
     const ElementKinematics<K> kinematics(in, layout);
     const MotionColumns<K> columns{transpose(kinematics.triad), 1.0 / kinematics.length};
     ReducedSystem<K> system;
-    GeneralMomentRows<K, double> moments;
+    MomentRows<K> moments;
     system.clear();
-    moments.clear();
+    moments.clear(tables);
     const SectionNumbers<double> no_section{};
     for (int q = 0; q < tables.force_points; ++q) {
       const ForcePoint<K> point(q, in, kinematics, tables, layout, reference, no_section);
@@ -102,7 +102,7 @@ struct ElementMatrices {
     }
     for (int q = 0; q <= K; ++q) {
       const MomentPoint<K> point(q, in, kinematics, tables, layout, reference);
-      add_moment_tangent(point, tables.moment_legendre[q], tables.moment_slope[q], kinematics.length, moments, system);
+      add_moment_tangent(q, point, tables, kinematics.length, moments, system);
       add_velocity(q, point.rotation, kinematics.length, columns);
     }
     for (int end = 0; end < 2; ++end)
@@ -126,14 +126,15 @@ struct ElementMatrices {
     spread(strain, layout.force(q), Blocks::spin(), times_hat(by_slope, point.p), columns);
     for (int j = 1; j < K; ++j) spread(strain, layout.force(q), Blocks::psi(j), P[j] * by_psi, columns);
   }
-  void add_moment_strain(const GeneralMomentRows<K, double>& moments, const MotionColumns<K>& columns) const {
-    for (int j = 0; j <= K; ++j)
-      for (int block = 0; block < Blocks::kCount; ++block) {
-        Mat m;
-        for (int r = 0; r < 3; ++r)
-          for (int c = 0; c < 3; ++c) m(r, c) = moments.row[3 * j + r][3 * block + c];
-        spread(strain, layout.moment(j), block, m, columns);
+  void add_moment_strain(const MomentRows<K>& moments, const MotionColumns<K>& columns) const {
+    for (int j = 0; j <= K; ++j) {
+      for (int i = 1; i < K; ++i) spread(strain, layout.moment(j), Blocks::psi(i), moments.psi[j][i], columns);
+      for (int end = 0; end < 2; ++end) {
+        const Mat by_spin = signed_end_value(end, j) * moments.end[end];
+        spread(strain, layout.moment(j), Blocks::vertex(end), by_spin, columns);
+        spread(strain, layout.moment(j), Blocks::spin(), -1.0 * by_spin, columns);
       }
+    }
   }
   void add_geometric(const ReducedSystem<K>& system, const MotionColumns<K>& columns) const {
     for (int I = 0; I < Blocks::kCount; ++I)

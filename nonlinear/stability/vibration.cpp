@@ -28,8 +28,9 @@ constexpr int kMostShifts = 4;
 constexpr double kRigid = 1e-12;
 /// Eigenvalues 1 / (omega^2 + shift) below this share of the largest one are those of motions without mass.
 constexpr double kMassless = 1e-13;
-/// The cap of rigid sections lowers omega^2 by up to 3e-3 of it, by 3e-5 where it is raised so for a count.
-constexpr double kCapOfVibration = 1.0, kGap = 2e-4;
+/// The cap is taken out of each solution, so that a low one, which leaves less of rounding, serves best: 3e-12 times cap
+/// times elements of a mode, whose square is the error of omega^2. Counts keep the cap: it lowers omega^2 by 3e-5 there.
+constexpr double kCapOfVibration = 1e-2, kGap = 2e-4;
 /// What is left of the cap in a solution, and solves that may take: two as a rule.
 constexpr double kCapLeft = 1e-14;
 constexpr int kMostCapSolves = 12;
