@@ -8,9 +8,15 @@ namespace {
 
 constexpr hsize_t kMonitorChunkRows = 64;  // 512 bytes a column: small for short runs, few chunks for long ones
 
-// Called from the innermost error outwards: keeps the first description, which is the cause.
+// Called from the innermost error outwards: keeps the first description, which is the cause. Not all of those of an
+// allocation say of what.
 herr_t keep_innermost(unsigned depth, const H5E_error2_t* error, void* reason) {
-  if (depth == 0 && error->desc != nullptr) *static_cast<std::string*>(reason) = error->desc;
+  if (depth != 0 || error->desc == nullptr) return 0;
+  std::string& text = *static_cast<std::string*>(reason);
+  text = error->desc;
+  const bool is_allocation = error->min_num == H5E_CANTALLOC || error->min_num == H5E_NOSPACE;
+  if (is_allocation && text.find("memory") == std::string::npos && text.find("file") == std::string::npos)
+    text += ", no memory is left";
   return 0;
 }
 

@@ -62,7 +62,7 @@ TEST_F(Modes, AreInFileTerminalAndQuantities) {
 TEST_F(Modes, SupportsMayBeMissingWhereNothingActs) {
   const Ended ended = run(scene(kMass, "", "Number: 5, In Plane: true"));
   EXPECT_EQ(ended.exit_code, 0) << ended.out << ended.err;
-  expect_in(ended.out, {"22.3732854"});
+  expect_in(ended.out, {"22.373285"});  // of a slender beam; shear takes 6e-9 of it
   expect_refused(scene(kMass, "  Point Loads: {push: {Point: tip, Force: [0, 1, 0]}}\n", "Number: 5"),
                  {"Supports", "no support"});
 }
