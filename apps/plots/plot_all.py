@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 
 BENCHMARKS = ("rollup", "superimposed_rotation", "arc_segment", "helix", "helical_rod", "slope_discontinuity", "fork",
-              "extremes", "trade", "thread_scaling")
+              "modes", "extremes", "trade", "thread_scaling")
 NAMES = (*BENCHMARKS, "economies")  # which compares nothing with others
 
 

@@ -20,7 +20,8 @@ sys.path.insert(0, str(ROOT / "apps" / "plots"))
 
 import verification_table  # noqa: E402
 
-BENCHMARKS = ("rollup", "superimposed_rotation", "arc_segment", "helix", "helical_rod", "slope_discontinuity", "fork", "extremes")
+BENCHMARKS = ("rollup", "superimposed_rotation", "arc_segment", "helix", "helical_rod", "slope_discontinuity", "fork", "modes",
+              "extremes")
 
 
 def check(name, value, printed, comparison, tolerance, passed=True, source="a table"):
