@@ -124,7 +124,7 @@ class VerificationTable(unittest.TestCase):
         self.write_benchmark("rollup")
         complaint = self.table("--update", str(page))[1]
         for part in ("verification.md is left as it is", "no results of superimposed_rotation, arc_segment",
-                     "fork, extremes, verification, gallery"):
+                     "fork, modes, extremes, verification, gallery"):
             self.assertIn(part, complaint)
         self.assertEqual(page.read_text(), f"{before}\nold\n{after}")
         self.write_all()
@@ -133,7 +133,7 @@ class VerificationTable(unittest.TestCase):
             updated = page.read_text()
             self.assertTrue(updated.startswith(f"{before}\n| benchmark | quantity |"), updated)
             self.assertTrue(updated.endswith(f"\n{after}"))
-            self.assertIn("32 of 32 values agree", updated)
+            self.assertIn("35 of 35 values agree", updated)
             self.assertNotIn("old", updated)
 
     def test_shows_studies_of_cost_where_they_were_made(self):
@@ -141,7 +141,7 @@ class VerificationTable(unittest.TestCase):
         self.write_all()
         self.assertNotIn("| trade |", self.table("--markdown")[0])
         self.write_benchmark("trade")
-        self.expect("| trade |", "35 of 35 values agree")
+        self.expect("| trade |", "38 of 38 values agree")
 
     def test_says_what_it_cannot_read(self):
         self.assertIn("no such folder", self.table()[1])
