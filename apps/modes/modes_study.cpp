@@ -86,68 +86,84 @@ Support hinge(const std::string& point, bool slides) {
   return support_of(point, {!slides, true, true}, {true, true, false});
 }
 
-std::vector<Case> cases_of(const Scene& cantilever) {
-  const auto changed = [&](auto change) {
-    Scene scene = cantilever;
-    change(scene);
-    return scene;
-  };
+template <class Change>
+Scene changed(Scene scene, const Change& change) {
+  change(scene);
+  return scene;
+}
+
+std::vector<Reference> bending(const std::vector<double>& beta, const std::vector<Tabulated>& tabulated) {
+  std::vector<Reference> all;
+  for (size_t i = 0; i < beta.size(); ++i)
+    all.push_back(
+        {"bending " + std::to_string(i + 1), fourth(beta[i]), i < tabulated.size() ? tabulated[i] : Tabulated{}});
+  return all;
+}
+
+void add_bending_by_supports(const Scene& cantilever, std::vector<Case>& cases) {
   const auto cosines = [](double sign, double from, int count) {
     return roots([sign](double x) { return std::cos(x) + sign / std::cosh(x); }, from, count);
   };
-  const auto bending = [](const std::vector<double>& beta, const std::vector<Tabulated>& tabulated) {
-    std::vector<Reference> all;
-    for (size_t i = 0; i < beta.size(); ++i)
-      all.push_back(
-          {"bending " + std::to_string(i + 1), fourth(beta[i]), i < tabulated.size() ? tabulated[i] : Tabulated{}});
-    return all;
-  };
-  std::vector<Case> cases;
   cases.push_back({"cantilever", cantilever, 3, 0, true,
                    bending(cosines(1.0, 1.0, 3), {{2e-3, 8e-6, 8e-10, 7e-13}, {}, {1e-1, 2e-3, 1e-5, 7e-8}})});
-  cases.push_back({"clamped at both ends", changed([](Scene& s) {
-                     s.supports.push_back(support_of("end", {true, true, true}, {true, true, true}));
-                   }),
+  cases.push_back({"clamped at both ends",
+                   changed(cantilever,
+                           [](Scene& s) {
+                             s.supports.push_back(support_of("end", {true, true, true}, {true, true, true}));
+                           }),
                    2, 0, true, bending(cosines(-1.0, 4.0, 2), {{}, {1e-1, 2e-3, 1e-5, 7e-8}})});
-  cases.push_back({"hinged", changed([](Scene& s) {
-                     s.supports = {hinge("start", false), hinge("end", true)};
-                   }),
+  cases.push_back({"hinged",
+                   changed(cantilever,
+                           [](Scene& s) {
+                             s.supports = {hinge("start", false), hinge("end", true)};
+                           }),
                    2, 0, true, bending({kPi, 2.0 * kPi}, {})});
-  cases.push_back(
-      {"free", changed([](Scene& s) { s.supports.clear(); }), 5, 3, true, bending(cosines(-1.0, 4.0, 2), {})});
+  cases.push_back({"free", changed(cantilever, [](Scene& s) { s.supports.clear(); }), 5, 3, true,
+                   bending(cosines(-1.0, 4.0, 2), {})});
+}
+
+void add_other_motions(const Scene& cantilever, std::vector<Case>& cases) {
   const double axial = 0.25 * kPi * kPi;
   const Tabulated of_axial{3e-3, 2e-6, 6e-10, 9e-14};
   cases.push_back({"axial",
-                   changed([](Scene& s) {
-                     s.sections[0].axial_stiffness = 1.0;
-                     s.sections[0].bending_stiffness = {kStiff, kStiff};
-                   }),
+                   changed(cantilever,
+                           [](Scene& s) {
+                             s.sections[0].axial_stiffness = 1.0;
+                             s.sections[0].bending_stiffness = {kStiff, kStiff};
+                           }),
                    1,
                    0,
                    true,
                    {{"axial 1", axial, of_axial}}});
   cases.push_back({"torsion",
-                   changed([](Scene& s) {
-                     s.sections[0].rotary_inertia = {1.0, 0.5, 0.5};
-                     s.sections[0].bending_stiffness = {kStiff, kStiff};
-                   }),
+                   changed(cantilever,
+                           [](Scene& s) {
+                             s.sections[0].rotary_inertia = {1.0, 0.5, 0.5};
+                             s.sections[0].bending_stiffness = {kStiff, kStiff};
+                           }),
                    1,
                    0,
                    false,
                    {{"torsion 1", axial, of_axial}}});
-  cases.push_back({"body at the end", changed([](Scene& s) {
-                     s.point_masses.push_back({"end", 1.0, {0.1, 0.1, 0.1}});
-                   }),
+  cases.push_back({"body at the end",
+                   changed(cantilever,
+                           [](Scene& s) {
+                             s.point_masses.push_back({"end", 1.0, {0.1, 0.1, 0.1}});
+                           }),
                    2, 0, true,
                    bending(roots([](double x) { return with_body(x, 1.0, 0.1); }, 0.2, 2),
                            {{6e-4, 1e-6, 4e-11, 2e-14}, {5e-3, 7e-6, 6e-9, 2e-12}})});
+}
+
+void add_shear(const Scene& cantilever, std::vector<Case>& cases) {
   constexpr double kShear = 100.0, kInertia = 0.005;
   Case timoshenko_beam{"hinged, Timoshenko",
-                       changed([](Scene& s) {
-                         s.supports = {hinge("start", false), hinge("end", true)};
-                         s.sections[0].shear_stiffness = {kShear, kShear};
-                         s.sections[0].rotary_inertia = {kInertia, 0.0, kInertia};
-                       }),
+                       changed(cantilever,
+                               [](Scene& s) {
+                                 s.supports = {hinge("start", false), hinge("end", true)};
+                                 s.sections[0].shear_stiffness = {kShear, kShear};
+                                 s.sections[0].rotary_inertia = {kInertia, 0.0, kInertia};
+                               }),
                        14,
                        0,
                        true,
@@ -156,6 +172,13 @@ std::vector<Case> cases_of(const Scene& cantilever) {
                         {"second spectrum, n = 1", timoshenko(1, kShear, kInertia)[1]},
                         {"omega^2 = GA/J", kShear / kInertia}}};
   cases.push_back(timoshenko_beam);
+}
+
+std::vector<Case> cases_of(const Scene& cantilever) {
+  std::vector<Case> cases;
+  add_bending_by_supports(cantilever, cases);
+  add_other_motions(cantilever, cases);
+  add_shear(cantilever, cases);
   return cases;
 }
 
