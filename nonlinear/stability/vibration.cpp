@@ -1,16 +1,12 @@
 #include "nonlinear/stability/vibration.hpp"
 
-#include "discretization/assembly/masses.hpp"
-#include "discretization/text/number_text.hpp"
-#include "nonlinear/linear/krylov.hpp"
 #include "nonlinear/linear/linear_solver.hpp"
 #include "nonlinear/stability/block_krylov.hpp"
 #include "nonlinear/stability/thresholds.hpp"
+#include "nonlinear/stability/vibration_operator.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
-#include <optional>
 
 namespace mixbeam {
 
@@ -28,33 +24,22 @@ constexpr int kMostShifts = 4;
 constexpr double kRigid = 1e-12;
 /// Eigenvalues 1 / (omega^2 + shift) below this share of the largest one are those of motions without mass.
 constexpr double kMassless = 1e-13;
-/// The cap is taken out of each solution, so that a low one, which leaves less of rounding, serves best: 3e-12 times cap
-/// times elements of a mode, whose square is the error of omega^2. Counts keep the cap: it lowers omega^2 by 3e-5 there.
+/// The cap is taken out of each solution, so that a low one, which leaves less of rounding, serves best: 3e-12 times
+/// cap times elements of a mode, whose square is the error of omega^2. Counts keep the cap: it lowers omega^2 by 3e-5
+/// there.
 constexpr double kCapOfVibration = 1e-2, kGap = 2e-4;
-/// What is left of the cap in a solution, and solves that may take: two as a rule.
-constexpr double kCapLeft = 1e-14;
-constexpr int kMostCapSolves = 12;
-/// Rounding of a solve beyond which it is refined, and refused: share of the sum of the terms of a row.
-constexpr double kRefined = 1e-14, kRefused = 1e-9;
 
 class Vibration {
  public:
   Vibration(BeamProblem& problem, const State& state, double load_factor, bool in_plane)
-      : model_(problem.model),
-        state_(state),
-        in_plane_(in_plane && problem.model.plane().has_value()),
-        residual_(model_.create_vector()),
-        point_(mixed_residual(model_, state, load_factor, residual_)),
-        unknowns_(model_),
-        masses_(model_, in_plane_) {}
+      : operator_(problem, state, load_factor, in_plane) {}
 
   std::vector<VibrationMode> modes(int count) {
-    require_potential();
     const int wanted = count + kModesBehind;
     double shift = first_shift();
     std::vector<VibrationMode> found;
     for (int i = 0; i < kMostShifts; ++i) {
-      factorize(shift, kCapOfVibration, false);
+      operator_.factorize(shift, kCapOfVibration, false);
       found.clear();
       for (const RitzPair& pair : ritz_pairs(wanted)) found.push_back(completed(pair));
       const double lowest = lowest_elastic(found, shift);
@@ -70,28 +55,18 @@ class Vibration {
   }
 
  private:
-  void require_potential() const {
-    for (const ElementBlock& block : model_.structure().blocks)
-      for (int e = 0; e < block.count; ++e)
-        if (block.is_unsymmetric(e)) refuse_loads();
-  }
-  [[noreturn]] static void refuse_loads() {
-    throw LinearSolverError("modes need loads with a potential: dead forces, prescribed motions, no follower loads");
-  }
-
   /// EI/(m L^4) of the largest stiffness and the mean mass.
   double first_shift() {
-    linearize(0.0, kCapOfVibration, false);
+    operator_.linearize(0.0, kCapOfVibration, false);
     double mass = 0.0;
     for (int axis = 0; axis < 3; ++axis) {
-      translation_[axis] = masses_.translation(state_, axis);
+      translation_[axis] = operator_.masses().translation(operator_.state(), axis);
       mass = std::max(mass, dot_product(translation_[axis], translation_[axis]));
     }
-    outside_ =
-        unknowns_.reduce(*tangent_, [&](const VertexMatrix& matrix) { masses_.gather_outside(*tangent_, matrix); });
+    outside_ = operator_.outside();
     if (!(mass > 0.0)) throw LinearSolverError("modes need a mass: no section and no point has any");
-    const double L = model_.structure().length;
-    return model_.structure().bending_reference / (mass * L * L * L);
+    const Structure& structure = operator_.model().structure();
+    return structure.bending_reference / (mass * structure.length * structure.length * structure.length);
   }
 
   static double lowest_elastic(const std::vector<VibrationMode>& found, double shift) {
@@ -103,118 +78,14 @@ class Vibration {
     return lowest;
   }
 
-  void linearize(double shift, double raise, bool counts) {
-    tangent_.reset();
-    tangent_.emplace(model_, point_, cap_for(model_, point_.scales, raise), TangentKind{true, false});
-    masses_.condense(*tangent_, shift, counts);
-  }
-
-  /// K + shift M with what is inside of elements condensed; its negative eigenvalues, -1 where they are uncertain.
-  long factorize(double shift, double raise, bool counts) {
-    linearize(shift, raise, counts);
-    unknowns_.reduce(*tangent_, [&](const VertexMatrix& matrix) { masses_.gather(*tangent_, shift, matrix); });
-    double negative = number_of_root(unknowns_.root(), [&] {
-      const SparseMatrix& matrix = unknowns_.matrix();
-      if (matrix.rows() == 0) return 0.0;
-      if (asymmetry(matrix) > stability_limit.symmetric) return -2.0;
-      if (solver_ == nullptr) solver_ = std::make_unique<InertiaSolver>(InertiaSolver::Kind::symmetric, matrix);
-      return static_cast<double>(solver_->factorize(matrix).negative);
-    });
-    if (negative == -2.0) refuse_loads();
-    if (!counts) return static_cast<long>(negative);
-    const Tangent::InteriorCount interior = masses_.interior_count();
-    return interior.uncertain ? -1 : static_cast<long>(negative) + interior.negative;
-  }
-
-  /// A motion, and its independent unknowns (rank 0).
-  struct Response {
-    MixedVector motion;
-    std::vector<double> y{};
-
-    void add(double factor, const Response& other) {
-      motion.update(factor, other.motion, 1.0);
-      add_multiple(factor, other.y, y);
-    }
-  };
-
-  /// Under rows that condense_momenta() or condense_interior() gathered, of the capped stiffness.
-  Response solve(const MixedVector& rows) {
-    const MixedVector& projected = rows;
-    tangent_->project_on_free_motions(projected.vertex());
-    std::vector<double> y = unknowns_.reduced_rows(projected.vertex_dofs());
-    on_root(unknowns_.root(), [&] { solve_reduced(y); });
-    Response response{model_.create_vector(), std::move(y)};
-    unknowns_.expand(response.y.data(), response.motion.vertex_dofs());
-    masses_.recover(rows, response.motion);
-    return response;
-  }
-
-  void solve_reduced(std::vector<double>& y) {
-    if (y.empty()) return;
-    const std::vector<double> given = y;
-    solver_->solve(y.data(), 1);
-    for (int pass = 0;; ++pass) {
-      std::vector<double> left = given;
-      const double error = rest(y, left);
-      if (error <= kRefined) return;
-      if (pass > 0 && !(error <= kRefused))
-        throw LinearSolverError("the equations of vibration were not solved: backward error " + shortest(error));
-      if (pass > 0) return;
-      solver_->solve(left.data(), 1);
-      add_multiple(1.0, left, y);
-    }
-  }
-  /// given - K y; its size, over the largest sum of the terms of a row.
-  double rest(const std::vector<double>& y, std::vector<double>& given) const {
-    const SparseMatrix& matrix = unknowns_.matrix();
-    double largest = 0.0, size = 0.0;
-    for (int i = 0; i < matrix.rows(); ++i) {
-      double sum = std::abs(given[i]);
-      for (int k = matrix.row_start[i]; k < matrix.row_start[i + 1]; ++k) {
-        const double term = matrix.value[k] * y[matrix.column[k]];
-        given[i] -= term;
-        sum += std::abs(term);
-      }
-      largest = std::max(largest, std::abs(given[i]));
-      size = std::max(size, sum);
-    }
-    return largest == 0.0 ? 0.0 : largest / size;
-  }
-
-  /// (K + shift M)^-1 G^T times momenta, of the true stiffness: what the cap leaves out is solved for as in theory
-  /// (38), g = E x with x = x_0 + S g.
-  Response respond(const double* momenta) {
-    MixedVector rows = model_.create_vector();
-    masses_.condense_momenta(state_, momenta, rows);
-    Response found = solve(rows);
-    if (!tangent_->cap().cuts_off) return found;
-    std::vector<MixedVector> basis;
-    std::vector<Response> responses;
-    basis.push_back(found.motion.clone(false));
-    masses_.excess_rows(found.motion, basis.front());
-    const double beta = norm_of(basis.front());
-    if (!(beta > 0.0) || !std::isfinite(beta)) return found;
-    const GmresResult left_out =
-        gmres(basis, beta, kCapLeft, kMostCapSolves, [&](const MixedVector& of, MixedVector& next) {
-          MixedVector given = of.clone(true);
-          masses_.condense_interior(given);
-          responses.push_back(solve(given));
-          masses_.excess_rows(responses.back().motion, next);
-          next.update(1.0, of, -1.0);
-          return true;
-        });
-    for (size_t k = 0; k < left_out.y.size(); ++k) found.add(left_out.y[k], responses[k]);
-    return found;
-  }
-
   std::vector<RitzPair> ritz_pairs(int wanted) {
     KrylovProblem eigen;
-    eigen.unknowns = masses_.momenta();
+    eigen.unknowns = operator_.masses().momenta();
     eigen.width = std::max(kLeastBlock, (wanted + kBlocksOfModes - 1) / kBlocksOfModes);
     eigen.apply = [&](double* block, int columns) {
       for (int j = 0; j < columns; ++j) {
-        double* own = block + static_cast<size_t>(j) * masses_.momenta();
-        const std::vector<double> image = masses_.momenta_of(state_, respond(own).motion);
+        double* own = block + static_cast<size_t>(j) * operator_.masses().momenta();
+        const std::vector<double> image = operator_.momenta_of(operator_.respond(own).motion);
         std::copy(image.begin(), image.end(), own);
       }
     };
@@ -230,18 +101,19 @@ class Vibration {
   /// One more solution makes the mode, and its Rayleigh quotient the eigenvalue: with compliances in place of
   /// stiffnesses, in whose rounding small eigenvalues would be lost.
   VibrationMode completed(const RitzPair& pair) {
-    Response found = respond(pair.vector.data());
+    VibrationOperator::Response found = operator_.respond(pair.vector.data());
     VibrationMode mode{{0.0, std::move(found.motion)}, 0.0, {}};
-    std::vector<double> momenta = masses_.momenta_of(state_, mode.pair.mode);
-    const double outside = number_of_root(unknowns_.root(), [&] {
+    std::vector<double> momenta = operator_.momenta_of(mode.pair.mode);
+    const double outside = number_of_root(operator_.unknowns().root(), [&] {
       std::vector<double> force(found.y.size());
       outside_.multiply(found.y.data(), force.data());
       return dot_product(found.y, force);
     });
-    mode.pair.eigenvalue = (masses_.stiffness_form(mode.pair.mode) + outside) / dot_product(momenta, momenta);
+    mode.pair.eigenvalue =
+        (operator_.masses().stiffness_form(mode.pair.mode) + outside) / dot_product(momenta, momenta);
     mode.pair.error = pair.residual;
-    normalize_mode(model_, mode.pair.mode);
-    momenta = masses_.momenta_of(state_, mode.pair.mode);
+    normalize_mode(operator_.model(), mode.pair.mode);
+    momenta = operator_.momenta_of(mode.pair.mode);
     mode.modal_mass = dot_product(momenta, momenta);
     for (int axis = 0; axis < 3; ++axis)
       mode.participation[axis] = dot_product(momenta, translation_[axis]) / mode.modal_mass;
@@ -262,21 +134,13 @@ class Vibration {
       }
     if (below == have && (have == 0 || have == wanted)) place = have == 0 ? 0.0 : value(have - 1) * (1.0 + kGap);
     if (have < wanted && below == have) place = 2.0 * std::abs(value(have - 1));
-    const bool agrees = have > 0 && factorize(-place, stability_limit.cap_of_count, true) == below;
+    const bool agrees = have > 0 && operator_.factorize(-place, stability_limit.cap_of_count, true) == below;
     for (VibrationMode& mode : found) mode.pair.converged = agrees;
   }
 
-  const Model& model_;
-  State state_;
-  bool in_plane_;
-  MixedVector residual_;
-  EvaluationPoint point_;
-  IndependentUnknowns unknowns_;
-  Masses masses_;
-  std::optional<Tangent> tangent_;
+  VibrationOperator operator_;
   std::array<std::vector<double>, 3> translation_{};  ///< momenta of velocity one along each axis
   SparseMatrix outside_{};                            ///< what springs, loads and constraints add to K; rank 0
-  std::unique_ptr<InertiaSolver> solver_;
 };
 
 }  // namespace

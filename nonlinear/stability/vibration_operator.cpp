@@ -1,0 +1,141 @@
+#include "nonlinear/stability/vibration_operator.hpp"
+
+#include "discretization/text/number_text.hpp"
+#include "nonlinear/linear/krylov.hpp"
+#include "nonlinear/linear/linear_solver.hpp"
+#include "nonlinear/stability/block_krylov.hpp"
+#include "nonlinear/stability/eigen_mode.hpp"
+#include "nonlinear/stability/thresholds.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mixbeam {
+
+namespace {
+
+/// What is left of the cap in a solution, and solves that may take: two as a rule.
+constexpr double kCapLeft = 1e-14;
+constexpr int kMostCapSolves = 12;
+/// Rounding of a solve beyond which it is refined, and refused: share of the sum of the terms of a row.
+constexpr double kRefined = 1e-14, kRefused = 1e-9;
+
+[[noreturn]] void refuse_loads() {
+  throw LinearSolverError("modes need loads with a potential: dead forces, prescribed motions, no follower loads");
+}
+
+}  // namespace
+
+VibrationOperator::VibrationOperator(BeamProblem& problem, const State& state, double load_factor, bool in_plane)
+    : model_(problem.model),
+      state_(state),
+      in_plane_(in_plane && problem.model.plane().has_value()),
+      residual_(model_.create_vector()),
+      point_(mixed_residual(model_, state, load_factor, residual_)),
+      unknowns_(model_),
+      masses_(model_, in_plane_) {
+  for (const ElementBlock& block : model_.structure().blocks)
+    for (int e = 0; e < block.count; ++e)
+      if (block.is_unsymmetric(e)) refuse_loads();
+}
+
+void VibrationOperator::Response::add(double factor, const Response& other) {
+  motion.update(factor, other.motion, 1.0);
+  add_multiple(factor, other.y, y);
+}
+
+void VibrationOperator::linearize(double shift, double raise, bool counts) {
+  tangent_.reset();
+  tangent_.emplace(model_, point_, cap_for(model_, point_.scales, raise), TangentKind{true, false});
+  masses_.condense(*tangent_, shift, counts);
+}
+
+long VibrationOperator::factorize(double shift, double raise, bool counts) {
+  linearize(shift, raise, counts);
+  unknowns_.reduce(*tangent_, [&](const VertexMatrix& matrix) { masses_.gather(*tangent_, shift, matrix); });
+  double negative = number_of_root(unknowns_.root(), [&] {
+    const SparseMatrix& matrix = unknowns_.matrix();
+    if (matrix.rows() == 0) return 0.0;
+    if (asymmetry(matrix) > stability_limit.symmetric) return -2.0;
+    if (solver_ == nullptr) solver_ = std::make_unique<InertiaSolver>(InertiaSolver::Kind::symmetric, matrix);
+    return static_cast<double>(solver_->factorize(matrix).negative);
+  });
+  if (negative == -2.0) refuse_loads();
+  if (!counts) return static_cast<long>(negative);
+  const Tangent::InteriorCount interior = masses_.interior_count();
+  return interior.uncertain ? -1 : static_cast<long>(negative) + interior.negative;
+}
+
+SparseMatrix VibrationOperator::outside() {
+  return unknowns_.reduce(*tangent_, [&](const VertexMatrix& matrix) { masses_.gather_outside(*tangent_, matrix); });
+}
+
+/// Under rows that condense_momenta() or condense_interior() gathered, of the capped stiffness.
+VibrationOperator::Response VibrationOperator::solve(const MixedVector& rows) {
+  const MixedVector& projected = rows;
+  tangent_->project_on_free_motions(projected.vertex());
+  std::vector<double> y = unknowns_.reduced_rows(projected.vertex_dofs());
+  on_root(unknowns_.root(), [&] { solve_reduced(y); });
+  Response response{model_.create_vector(), std::move(y)};
+  unknowns_.expand(response.y.data(), response.motion.vertex_dofs());
+  masses_.recover(rows, response.motion);
+  return response;
+}
+
+void VibrationOperator::solve_reduced(std::vector<double>& y) {
+  if (y.empty()) return;
+  const std::vector<double> given = y;
+  solver_->solve(y.data(), 1);
+  for (int pass = 0;; ++pass) {
+    std::vector<double> left = given;
+    const double error = rest(y, left);
+    if (error <= kRefined) return;
+    if (pass > 0 && !(error <= kRefused))
+      throw LinearSolverError("the equations of vibration were not solved: backward error " + shortest(error));
+    if (pass > 0) return;
+    solver_->solve(left.data(), 1);
+    add_multiple(1.0, left, y);
+  }
+}
+/// given - K y; its size, over the largest sum of the terms of a row.
+double VibrationOperator::rest(const std::vector<double>& y, std::vector<double>& given) const {
+  const SparseMatrix& matrix = unknowns_.matrix();
+  double largest = 0.0, size = 0.0;
+  for (int i = 0; i < matrix.rows(); ++i) {
+    double sum = std::abs(given[i]);
+    for (int k = matrix.row_start[i]; k < matrix.row_start[i + 1]; ++k) {
+      const double term = matrix.value[k] * y[matrix.column[k]];
+      given[i] -= term;
+      sum += std::abs(term);
+    }
+    largest = std::max(largest, std::abs(given[i]));
+    size = std::max(size, sum);
+  }
+  return largest == 0.0 ? 0.0 : largest / size;
+}
+
+VibrationOperator::Response VibrationOperator::respond(const double* momenta) {
+  MixedVector rows = model_.create_vector();
+  masses_.condense_momenta(state_, momenta, rows);
+  Response found = solve(rows);
+  if (!tangent_->cap().cuts_off) return found;
+  std::vector<MixedVector> basis;
+  std::vector<Response> responses;
+  basis.push_back(found.motion.clone(false));
+  masses_.excess_rows(found.motion, basis.front());
+  const double beta = norm_of(basis.front());
+  if (!(beta > 0.0) || !std::isfinite(beta)) return found;
+  const GmresResult left_out =
+      gmres(basis, beta, kCapLeft, kMostCapSolves, [&](const MixedVector& of, MixedVector& next) {
+        MixedVector given = of.clone(true);
+        masses_.condense_interior(given);
+        responses.push_back(solve(given));
+        masses_.excess_rows(responses.back().motion, next);
+        next.update(1.0, of, -1.0);
+        return true;
+      });
+  for (size_t k = 0; k < left_out.y.size(); ++k) found.add(left_out.y[k], responses[k]);
+  return found;
+}
+
+}  // namespace mixbeam

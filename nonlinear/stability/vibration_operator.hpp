@@ -1,0 +1,64 @@
+/// Solutions with stiffness and inertia about a state, of which no mass is condensed: theory (72).
+#pragma once
+
+#include "discretization/assembly/masses.hpp"
+#include "nonlinear/newton/beam_problem.hpp"
+#include "nonlinear/stability/independent_unknowns.hpp"
+
+#include <optional>
+#include <vector>
+
+namespace mixbeam {
+
+/// (K + shift M)^-1 with K the true stiffness, rigid sections included; all functions are collective, and throw
+/// LinearSolverError where equations cannot be solved.
+class VibrationOperator {
+ public:
+  /// A motion, and its independent unknowns (rank 0).
+  struct Response {
+    MixedVector motion;
+    std::vector<double> y{};
+
+    void add(double factor, const Response& other);
+  };
+
+  /// `in_plane`: without motions that leave the plane of the model, where it has one. The problem must outlive it.
+  VibrationOperator(BeamProblem& problem, const State& state, double load_factor, bool in_plane);
+
+  const Model& model() const { return model_; }
+  const State& state() const { return state_; }
+  const Masses& masses() const { return masses_; }
+  const IndependentUnknowns& unknowns() const { return unknowns_; }
+  const Tangent& tangent() const { return *tangent_; }
+
+  /// Condenses K + shift M of the elements, with the cap raised by a factor. `counts`: as TangentKind::counts_interior.
+  void linearize(double shift, double raise, bool counts);
+  /// Also reduces and factorises it. Returns the number of its negative eigenvalues, -1 where they are uncertain;
+  /// without `counts` those inside of elements are left out.
+  long factorize(double shift, double raise, bool counts);
+
+  /// What springs, loads and constraints add to K (rank 0).
+  SparseMatrix outside();
+
+  /// (K + shift M)^-1 G^T times momenta (Masses::momenta()) with the last factors: what the cap leaves out is solved
+  /// for as in theory (38), g = E x with x = x_0 + S g.
+  Response respond(const double* momenta);
+  std::vector<double> momenta_of(const MixedVector& motion) const { return masses_.momenta_of(state_, motion); }
+
+ private:
+  Response solve(const MixedVector& rows);
+  void solve_reduced(std::vector<double>& y);
+  double rest(const std::vector<double>& y, std::vector<double>& given) const;
+
+  const Model& model_;
+  State state_;
+  bool in_plane_;
+  MixedVector residual_;
+  EvaluationPoint point_;
+  IndependentUnknowns unknowns_;
+  Masses masses_;
+  std::optional<Tangent> tangent_;
+  std::unique_ptr<InertiaSolver> solver_;
+};
+
+}  // namespace mixbeam
