@@ -3,9 +3,11 @@
 #include "apps/mixbeam/commands.hpp"
 #include "discretization/parameters/parameter_file.hpp"
 #include "discretization/parameters/validate.hpp"
+#include "discretization/reading/blade_file.hpp"
 #include "discretization/results/disk_file.hpp"
 #include "discretization/text/errors.hpp"
 #include "discretization/text/message_text.hpp"
+#include "discretization/text/text_file.hpp"
 
 #include <iostream>
 
@@ -16,7 +18,8 @@ namespace {
 using List = Teuchos::ParameterList;
 
 struct Conversion {
-  std::string from, to;
+  std::vector<std::string> from;
+  std::string to;
   bool may_replace = false;
 };
 
@@ -33,13 +36,14 @@ Conversion read_arguments(const Arguments& arguments) {
   const CommandLine line =
       read_command_line(static_cast<int>(others.size()), others.data(), {"--output", "--force", "--help"}, "scene");
   if (line.output) files.push_back(*line.output);
-  if (files.size() != 2)
+  if (files.size() < 2)
     throw InputError(std::to_string(files.size()) +
                      " files given to \"convert\"; allowed: two, mixbeam convert FROM TO");
-  const std::string ending = lower_case(std::filesystem::path(files[1]).extension().string());
+  const std::string to = files.back(), ending = lower_case(std::filesystem::path(to).extension().string());
   if (ending != ".xml" && ending != ".yaml" && ending != ".yml")
-    throw InputError("\"" + excerpt(files[1]) + "\": unknown ending; allowed: .xml, .yaml, .yml");
-  return {files[0], files[1], line.force};
+    throw InputError("\"" + excerpt(to) + "\": unknown ending; allowed: .xml, .yaml, .yml");
+  files.pop_back();
+  return {files, to, line.force};
 }
 
 /// Path of the first entry that differs, in name, order or value; empty if none does.
@@ -77,23 +81,41 @@ bool has_comment(const std::string& yaml) {
   return false;
 }
 
-}  // namespace
-
-int convert_command(const Arguments& arguments) {
-  const auto [from, to, may_replace] = read_arguments(arguments);
-  if (!may_replace && std::filesystem::exists(to))
-    throw InputError("\"" + excerpt(to) + "\" is there already; allowed: another name, or --force to replace it");
+/// Writes the scene as `to`, read again and compared.
+void write_scene(const XmlParameters& scene, const std::string& to) {
   const ListSpec& root = mixbeam_root_spec();
-  const XmlParameters scene = read_parameters(from, root);
-  const bool is_from_xml = format_of(from, scene.text) == FileFormat::xml;
-  const bool is_to_yaml = format_of(to) == FileFormat::yaml;
-  const std::string text = is_to_yaml ? yaml_text(scene, root, to) : xml_text(*scene.list);
+  const std::string text = format_of(to) == FileFormat::yaml ? yaml_text(scene, root, to) : xml_text(*scene.list);
   require_equal(scene, parse_parameters(text, to, root), root);
   try {
     replace_file(to, text, false);
   } catch (const FileError& error) {
     throw InputError(error.what());
   }
+}
+
+/// Sections of other programs as a scene.
+void convert_blade(const std::vector<std::string>& from, const std::string& to) {
+  std::vector<std::string> remarks;
+  write_scene(parse_parameters(xml_text(scene_of_blades(from, remarks)), "blade.xml", mixbeam_root_spec()), to);
+  std::cout << to << ": a blade with the sections of " << from.front() << (from.size() > 1 ? ", ..." : "") << "\n";
+  for (const std::string& remark : remarks) std::cout << "note: " << remark << "\n";
+}
+
+}  // namespace
+
+int convert_command(const Arguments& arguments) {
+  const auto [files, to, may_replace] = read_arguments(arguments);
+  if (!may_replace && std::filesystem::exists(to))
+    throw InputError("\"" + excerpt(to) + "\" is there already; allowed: another name, or --force to replace it");
+  const std::string& from = files.front();
+  if (files.size() > 1 || blade_format(text_of_file(from, "a scene")) != BladeFormat::none) {
+    convert_blade(files, to);
+    return 0;
+  }
+  const XmlParameters scene = read_parameters(from, mixbeam_root_spec());
+  write_scene(scene, to);
+  const bool is_from_xml = format_of(from, scene.text) == FileFormat::xml;
+  const bool is_to_yaml = format_of(to) == FileFormat::yaml;
   std::cout << to << ": the scene of " << from << "\n";
   const bool keeps_comments = is_from_xml && is_to_yaml;
   if (!keeps_comments && (is_from_xml ? !scene.comments.empty() : has_comment(scene.text)))

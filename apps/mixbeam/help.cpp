@@ -91,6 +91,9 @@ const std::map<std::string, const char*>& texts() {
        "Writes the scene FROM as TO, each in XML or YAML by the ending of its name (.xml, .yaml, .yml). What was "
        "written\n"
        "is read again and compared. Comments survive the way from XML to YAML.\n\n"
+       "usage: mixbeam convert FILE [FILE]... TO [--force]\n\n"
+       "Writes a scene of a blade with its sections: files of VABS (NAME.K) or BECAS (NAME.out), one for each section\n"
+       "from root to tip, a blade file of BeamDyn (as SONATA writes it), or a turbine of WindIO in YAML.\n\n"
        "  --force              replaces TO if it is there\n\n"},
       {"resume",
        "usage: mixbeam resume RESULTS.h5 [options]\n\n"

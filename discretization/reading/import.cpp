@@ -3,6 +3,7 @@
 #include "discretization/parameters/access.hpp"
 #include "discretization/parameters/formula_value.hpp"
 #include "discretization/parameters/validate.hpp"
+#include "discretization/reading/blade_file.hpp"
 #include "discretization/reading/read_scene.hpp"
 #include "discretization/reading/scene_parts.hpp"
 #include "discretization/reading/variables.hpp"
@@ -285,6 +286,25 @@ void add_entries(const ImportTable& table, const std::map<std::string, EntryColu
   });
 }
 
+/// Sections of a file that another program wrote; false: the file is a table.
+bool import_blade(const Teuchos::ParameterList& import, const InputPlace& place, Teuchos::ParameterList& sections) {
+  const std::string parameter = "Sections File";
+  const auto& name = import.get<std::string>(parameter);
+  const auto kept = place.source().files().find(name);
+  const std::string text =
+      kept == place.source().files().end() ? text_of_file(resolved(import, parameter, place), "a table") : kept->second;
+  if (blade_format(text) == BladeFormat::none) return false;
+  const Teuchos::ParameterList read = sections_of_blade(text, beside_scene(name, place.source()).string());
+  for (const std::string& section : names_of(read)) {
+    if (sections.isParameter(section))
+      throw place[parameter].error("section \"" + section +
+                                   "\" is in the list \"Sections\" already; allowed: names "
+                                   "that differ");
+    sections.sublist(section) = read.sublist(section);
+  }
+  return true;
+}
+
 }  // namespace
 
 void import_entries(Teuchos::ParameterList& scene_list, ParameterSource& source, const ParameterPath& path) {
@@ -294,6 +314,8 @@ void import_entries(Teuchos::ParameterList& scene_list, ParameterSource& source,
   const auto import_list = [&](const std::string& name) {
     const bool is_taken = scene_list.isParameter(name) && !scene_list.isSublist(name);  // validate() says so
     if (!import.isType<std::string>(name + " File") || is_taken) return;
+    if (name == "Sections" && import_blade(import, InputPlace(source, path)["Import"], scene_list.sublist(name)))
+      return;
     const std::map<std::string, EntryColumn> columns = entry_columns(*scene.find_list(name)->list->named_list);
     std::vector<std::string> names = {kNameColumn};
     for (const auto& [column, target] : columns) names.push_back(column);

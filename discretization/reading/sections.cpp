@@ -25,6 +25,8 @@ const std::vector<std::string> kStiffnesses = {"EA", "GA2", "GA3", "GIt", "EI2",
 constexpr std::size_t kMatrixSize = 36;
 constexpr std::size_t kTriangleSize = 21;
 constexpr double kRigid = std::numeric_limits<double>::infinity();
+/// Of a section that is a thin strip both are equal, and numbers are written with ten digits.
+constexpr double kRoundedProduct = 1e-9;
 
 /// Parameters that belong to Shape.
 const std::vector<std::string> kOfShape = {"Diameter", "Wall",   "Width",         "Height",       "Flange",
@@ -40,6 +42,7 @@ struct SectionDraft {
   std::vector<double> matrix{};
   std::optional<double> mass{};
   std::optional<std::array<double, 3>> rotary_inertia{};
+  std::optional<double> inertia_product{};
   std::optional<std::array<double, 2>> mass_offset{};
   std::optional<double> inner_radius{};
   std::optional<StressPoints> stress_points{};
@@ -163,8 +166,8 @@ void bind_shape(BoundList<SectionDraft>& section) {
                                     {"T", form({"Width", "Height", "Flange", "Web"})},
                                     {"L", form({"Width", "Height", "Wall"})},
                                     {"U", form({"Width", "Height", "Flange", "Web"})}});
-  section.spec.without_form({"EA", "GA2", "GA3", "GIt", "EI2", "EI3", "Matrix", "Mass", "Rotary Inertia", "Mass Offset",
-                             "Stress Points", "Drawn As"});
+  section.spec.without_form({"EA", "GA2", "GA3", "GIt", "EI2", "EI3", "Matrix", "Mass", "Rotary Inertia",
+                             "Inertia Product", "Mass Offset", "Stress Points", "Drawn As"});
 }
 
 BoundList<SectionDraft> section_parameters() {
@@ -187,6 +190,10 @@ BoundList<SectionDraft> section_parameters() {
   section.bind(&SectionDraft::rotary_inertia, array("Rotary Inertia", ParameterType::real_array, 3).at_least(0.0),
                "With Mass: moments of inertia per length about axes 1, 2 and 3 through the centre of mass, for Modes; "
                "zero if absent (those of one given by Shape follow from Density) [mass * length].");
+  section.bind(
+      &SectionDraft::inertia_product, real("Inertia Product"),
+      "With Rotary Inertia: integral of density times x2 x3 over the section, from the centre of mass; zero if "
+      "absent [mass * length].");
   section.bind(
       &SectionDraft::mass_offset,
       array("Mass Offset", ParameterType::real_array, 2).at_least(-kLargestCoordinate).at_most(kLargestCoordinate),
@@ -234,7 +241,7 @@ class SectionReader {
   /// Parameters of one way to give a section must not stand beside those of another.
   void check_one_way() const {
     const bool shape = list_.isParameter("Shape"), matrix = list_.isParameter("Matrix");
-    for (const char* name : {"Mass", "Rotary Inertia", "Mass Offset"}) {
+    for (const char* name : {"Mass", "Rotary Inertia", "Inertia Product", "Mass Offset"}) {
       if (!is_given(list_, name)) continue;
       if (shape) throw error(name, "given beside \"Shape\"; allowed: \"Density\" in \"Material\"");
       if (!draft_.mass) throw error(name, "given without \"Mass\"; allowed: with it");
@@ -259,6 +266,12 @@ class SectionReader {
       throw error("Rotary Inertia",
                   "one of the three is larger than the sum of the others, which no body has; "
                   "allowed: for flat sections {J2 + J3, J2, J3}");
+    section.inertia_product = draft_.inertia_product.value_or(0.0);
+    const double product = section.inertia_product;
+    if (product * product > section.rotary_inertia[1] * section.rotary_inertia[2] * (1.0 + kRoundedProduct))
+      throw error("Inertia Product", "value " + shortest(product) +
+                                         ": its square is larger than the product of the moments about axes 2 and 3, "
+                                         "which no body has; allowed: with \"Rotary Inertia\", at most its root");
   }
 
   StressPoints checked_stress_points(const Section& section) const {
@@ -410,7 +423,8 @@ class SectionReader {
 void check_profile_alone(const ParameterList& list, const InputPlace& place) {
   std::vector<std::string> others = kStiffnesses;
   others.insert(others.end(), profile_parameters().begin(), profile_parameters().end());
-  others.insert(others.end(), {"Matrix", "Mass", "Rotary Inertia", "Mass Offset", "Stress Points", "Drawn As"});
+  others.insert(others.end(),
+                {"Matrix", "Mass", "Rotary Inertia", "Inertia Product", "Mass Offset", "Stress Points", "Drawn As"});
   for (const std::string& name : others)
     if (is_given(list, name) || list.isSublist(name))
       throw place[name].error("given beside \"Profile\"; allowed: \"Material\", \"Shear Correction\"");

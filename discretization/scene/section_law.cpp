@@ -161,6 +161,7 @@ Section interpolated_stiffness(double weight, const Section& start, const Sectio
   section.mass = interpolated(weight, start.mass, end.mass);
   for (int i = 0; i < 3; ++i)
     section.rotary_inertia[i] = interpolated(weight, start.rotary_inertia[i], end.rotary_inertia[i]);
+  section.inertia_product = interpolated(weight, start.inertia_product, end.inertia_product);
   for (int i = 0; i < 2; ++i)
     section.mass_offset[i] = interpolated(weight, start.mass_offset[i], end.mass_offset[i]);
   section.stress_points = interpolated_points(weight, start, end);

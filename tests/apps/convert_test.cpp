@@ -122,6 +122,61 @@ Scene:
   EXPECT_EQ(contents_of_file(file("back.xml")), contents_of_file(file("rod.xml")));
 }
 
+/// EA = 7e9 at (0.3, -0.2), where its principal axes are turned by cos = 0.8, EI = 5e7 and 6e8 about them; the
+/// reference point lies in the origin.
+const std::string kSectionOfVabs = R"( Timoshenko Stiffness Matrix (1-extension; 2,3-shear, 4-twist; 5,6-bending)
+ ======================================
+
+ 7000000000 0 0 0 -1400000000 -2100000000
+ 0 2360000000 -480000000 328000000 0 0
+ 0 -480000000 2640000000 696000000 0 0
+ 0 328000000 696000000 314400000 0 0
+ -1400000000 0 0 0 528000000 156000000
+ -2100000000 0 0 0 156000000 1032000000
+)";
+
+/// A force along a member through the reference point bends it about both axes of its centre: the moments 0.2 and 0.3
+/// of 1 N give kappa_2 = 5.32e-9, kappa_3 = 4.24e-9, linear theory to P L^2 / EI = 2e-8.
+TEST_F(Convert, SectionsOfOtherProgramsBendAboutTheirCentre) {
+  write_text(file("root.K"), kSectionOfVabs);
+  write_text(file("tip.K"), kSectionOfVabs);
+  const auto bends = [&](const std::vector<std::string>& sections, const std::string& value) {
+    std::vector<std::string> arguments = {"convert"};
+    for (const std::string& section : sections) arguments.push_back(file(section));
+    arguments.insert(arguments.end(), {file("blade.yaml"), "--force"});
+    const Ended ended = run(arguments);
+    EXPECT_EQ(ended.exit_code, 0) << ended.err;
+    expect_in(ended.out, {"note: the length is not in the file: the variable L is 1"});
+    write_text(file("loaded.yaml"), text_of(file("blade.yaml")) +
+                                        "  Point Loads: {pull: {Point: tip, Force: [1, 0, 0]}}\nExpected:\n"
+                                        "  up: {Quantity: displacement, Point: tip, Component: z, Load Factor: 1, "
+                                        "Relative Tolerance: 1e-6, Source: closed form, Value: " +
+                                        value + "}\n");
+    return run({"run", file("loaded.yaml"), "--force"}).exit_code;
+  };
+  EXPECT_EQ(bends({"root.K"}, "-2.66e-9"), 0);
+  EXPECT_EQ(bends({"root.K", "tip.K"}, "-2.66e-9"), 0);
+  EXPECT_NE(bends({"root.K"}, "-2.12e-9"), 0);  // as if axes 2 and 3 were exchanged
+}
+
+TEST_F(Convert, SectionsOfOtherProgramsAreImported) {
+  write_text(file("root.K"), kSectionOfVabs);
+  write_text(file("scene.yaml"), R"(Scene:
+  Import: {Sections File: root.K}
+  Points: {a: [0, 0, 0], b: [1, 0, 0]}
+  Members: {rod: {Start: a, End: b, Section: root, Second Axis: [0, 1, 0]}}
+  Supports: {a: {Point: a}}
+  Point Loads: {pull: {Point: b, Force: [1, 0, 0]}}
+Expected:
+  side: {Quantity: displacement, Point: b, Component: y, Load Factor: 1, Relative Tolerance: 1e-6, Source: closed form, Value: 2.12e-9}
+)");
+  EXPECT_EQ(run({"run", file("scene.yaml")}).exit_code, 0);
+  write_text(file("root.K"), changed(kSectionOfVabs, "-2100000000 0", "2100000000 0"));
+  const Ended ended = run({"check", file("scene.yaml")});
+  EXPECT_EQ(ended.exit_code, 2);
+  expect_in(ended.err, {"root.K", "stiffness matrix is not symmetric"});
+}
+
 TEST_F(Convert, RefusesWhatItWouldChange) {
   write_text(file("a.xml"), kCommented);
   const auto refused = [&](const std::vector<std::string>& arguments, const std::vector<std::string>& parts) {

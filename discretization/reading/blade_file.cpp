@@ -1,0 +1,458 @@
+#include "discretization/reading/blade_file.hpp"
+
+#include "discretization/text/errors.hpp"
+#include "discretization/text/message_text.hpp"
+#include "discretization/text/number_text.hpp"
+#include "discretization/text/text_file.hpp"
+#include "kernels/math/constants.hpp"
+
+#include <yaml-cpp/yaml.h>
+#include <Teuchos_Array.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <sstream>
+
+namespace mixbeam {
+
+namespace {
+
+/// Entries across the diagonal that differ by more, over the roots of their diagonal entries, are no rounding: files
+/// have five digits and more.
+constexpr double kAsymmetry = 1e-3;
+/// Files round moments of inertia to five digits; the polar one of thin sections is the sum of the others.
+constexpr double kRoundedPolar = 1e-3;
+/// Places of stations that count as equal, over the length.
+constexpr double kSamePlace = 1e-9;
+
+constexpr const char* kVabsStiffness = "Timoshenko Stiffness Matrix";
+constexpr const char* kVabsMass = "The 6X6 Mass Matrix";
+constexpr const char* kBecasStiffness = "Stiffness matrix w.r.t. to the cross section reference point";
+constexpr const char* kBecasMass = "Mass matrix w.r.t. to the cross section reference point";
+constexpr const char* kBeamDynTable = "DISTRIBUTED PROPERTIES";
+
+/// Place of (x, y, z) and of rotations about them, z along the blade, among (1, 2, 3): a turn of axes, no sign changes.
+constexpr std::array<std::size_t, 6> kAlongZ = {1, 2, 0, 4, 5, 3};
+constexpr std::array<std::size_t, 6> kAlongX = {0, 1, 2, 3, 4, 5};
+
+InputError bad(const std::string& file, const std::string& problem) { return InputError(file + ": " + problem); }
+
+void put(Matrix6& matrix, const std::array<std::size_t, 6>& order, std::size_t i, std::size_t j, double value) {
+  matrix[order[i]][order[j]] = value;
+}
+
+/// The 36 numbers that come next.
+Matrix6 next_matrix(std::istream& in, const std::array<std::size_t, 6>& order, const std::string& file,
+                    const std::string& heading) {
+  Matrix6 matrix{};
+  for (std::size_t i = 0; i < 6; ++i)
+    for (std::size_t j = 0; j < 6; ++j) {
+      std::string word;
+      double value = 0.0;
+      in >> word;
+      const Problem problem = parse_number(word, value);
+      if (!problem.empty() || !std::isfinite(value))
+        throw bad(file, "\"" + excerpt(heading) + "\": row " + std::to_string(i + 1) + ", column " +
+                            std::to_string(j + 1) + " is \"" + excerpt(word) + "\"; allowed: six rows of six numbers");
+      put(matrix, order, i, j, value);
+    }
+  return matrix;
+}
+
+/// The matrix below the line that begins with `heading`, after lines of marks and "K=". Zero where there is none.
+Matrix6 matrix_below(const std::string& text, const std::string& heading, const std::array<std::size_t, 6>& order,
+                     const std::string& file) {
+  std::istringstream in(text);
+  std::string line;
+  while (std::getline(in, line))
+    if (trimmed(line).rfind(heading, 0) == 0) break;
+  if (!in) return {};
+  for (std::streampos here = in.tellg(); std::getline(in, line); here = in.tellg())
+    if (line.find_first_of("0123456789") != std::string::npos) {
+      in.seekg(here);
+      return next_matrix(in, order, file, heading);
+    }
+  throw bad(file, "\"" + heading + "\": no numbers below; allowed: six rows of six numbers");
+}
+
+BladeStation single_section(const std::string& text, const std::string& stiffness, const std::string& mass,
+                            const std::array<std::size_t, 6>& order, const std::string& file) {
+  BladeStation station;
+  station.stiffness = matrix_below(text, stiffness, order, file);
+  station.mass = matrix_below(text, mass, order, file);
+  return station;
+}
+
+std::vector<BladeStation> read_beamdyn(const std::string& text, const std::string& file) {
+  std::istringstream in(text);
+  std::string line;
+  int count = 0;
+  while (std::getline(in, line) && line.find(kBeamDynTable) == std::string::npos)
+    if (line.find("station_total") != std::string::npos) count = std::atoi(line.c_str());
+  if (count < 2) throw bad(file, "station_total is missing or less than two");
+  std::vector<BladeStation> stations(static_cast<std::size_t>(count));
+  for (BladeStation& station : stations) {
+    if (!(in >> station.position))
+      throw bad(file, "ends before station " + std::to_string(&station - stations.data() + 1) + " of " +
+                          std::to_string(count) + ", or has no number there");
+    const std::string at = "station " + shortest(station.position);
+    station.stiffness = next_matrix(in, kAlongZ, file, at + ", stiffness");
+    station.mass = next_matrix(in, kAlongZ, file, at + ", mass");
+  }
+  return stations;
+}
+
+/// Values over the grid of a WindIO file.
+struct OverGrid {
+  std::vector<double> grid{}, value{};
+
+  double at(double x) const {
+    const std::size_t i = static_cast<std::size_t>(std::upper_bound(grid.begin(), grid.end(), x) - grid.begin());
+    if (i == 0) return value.front();
+    if (i == grid.size()) return value.back();
+    return value[i - 1] + (value[i] - value[i - 1]) * (x - grid[i - 1]) / (grid[i] - grid[i - 1]);
+  }
+};
+
+class WindIo {
+ public:
+  WindIo(const std::string& text, const std::string& file) : file_(file) {
+    try {
+      root_ = YAML::Load(text);
+    } catch (const YAML::Exception& error) {
+      throw bad(file + ":" + std::to_string(error.mark.line + 1), error.msg);
+    }
+  }
+
+  std::vector<BladeStation> stations() const {
+    try {
+      const YAML::Node blade = need(need(root_, "components"), "blade");
+      if (const YAML::Node first = blade["elastic_properties_mb"])
+        return matrices_of_version_1(blade, need(first, "six_x_six"));
+      return matrices_of_version_2(blade, structure_of_version_2(blade));
+    } catch (const YAML::Exception& error) {
+      throw bad(file_ + ":" + std::to_string(error.mark.line + 1), error.msg);
+    }
+  }
+
+ private:
+  YAML::Node need(const YAML::Node& parent, const std::string& name) const {
+    const YAML::Node child = parent.IsMap() ? parent[name] : YAML::Node();
+    if (!child) throw bad(file_, "\"" + name + "\" is missing: no elastic properties of a blade as WindIO writes them");
+    return child;
+  }
+  static YAML::Node structure_of_version_2(const YAML::Node& blade) {
+    const YAML::Node structure = blade["structure"];
+    return structure && structure["elastic_properties"] ? structure["elastic_properties"] : blade["elastic_properties"];
+  }
+
+  OverGrid over_grid(const YAML::Node& node, const std::string& name) const {
+    OverGrid read{need(node, "grid").as<std::vector<double>>(), need(node, "values").as<std::vector<double>>()};
+    check_grid(read.grid, read.value.size(), name);
+    return read;
+  }
+  void check_grid(const std::vector<double>& grid, std::size_t values, const std::string& name) const {
+    if (grid.size() < 2 || grid.size() != values)
+      throw bad(file_, "\"" + name + "\": " + std::to_string(grid.size()) + " places and " + std::to_string(values) +
+                           " values; allowed: as many, two or more");
+    for (std::size_t i = 0; i < grid.size(); ++i)
+      if (!(grid[i] >= 0.0) || !(grid[i] <= 1.0) || (i > 0 && !(grid[i] > grid[i - 1])))
+        throw bad(file_, "\"" + name + "\": grid has " + shortest(grid[i]) + "; allowed: ascending from 0 to 1");
+  }
+
+  /// Each with a grid of its own, or beside one for all.
+  OverGrid coordinate(const YAML::Node& axis, const std::string& name) const {
+    const YAML::Node node = need(axis, name);
+    if (!node.IsSequence()) return over_grid(node, "reference_axis/" + name);
+    OverGrid read{need(axis, "grid").as<std::vector<double>>(), node.as<std::vector<double>>()};
+    check_grid(read.grid, read.value.size(), "reference_axis/" + name);
+    return read;
+  }
+
+  /// Twist of WindIO is about -z: positive turns the leading edge towards the wind.
+  void place_along(const YAML::Node& axis, const OverGrid& twist, double radians,
+                   std::vector<BladeStation>& stations) const {
+    const OverGrid x = coordinate(axis, "x"), y = coordinate(axis, "y"), z = coordinate(axis, "z");
+    for (BladeStation& station : stations) {
+      station.twist = -twist.at(station.position) * radians;
+      station.place = {x.at(station.position), y.at(station.position), z.at(station.position)};
+    }
+  }
+
+  /// Rows of the upper triangle, 21 numbers for each place.
+  std::vector<Matrix6> triangles(const YAML::Node& node, const std::string& name, std::vector<double>& grid) const {
+    grid = need(node, "grid").as<std::vector<double>>();
+    const auto rows = need(node, "values").as<std::vector<std::vector<double>>>();
+    check_grid(grid, rows.size(), name);
+    std::vector<Matrix6> matrices;
+    for (const std::vector<double>& row : rows) {
+      if (row.size() != 21)
+        throw bad(file_, "\"" + name + "\": " + std::to_string(row.size()) + " numbers at a place; allowed: 21");
+      Matrix6& matrix = matrices.emplace_back();
+      auto next = row.begin();
+      for (std::size_t i = 0; i < 6; ++i)
+        for (std::size_t j = i; j < 6; ++j, ++next) {
+          put(matrix, kAlongZ, i, j, *next);
+          put(matrix, kAlongZ, j, i, *next);
+        }
+    }
+    return matrices;
+  }
+
+  std::vector<BladeStation> matrices_of_version_1(const YAML::Node& blade, const YAML::Node& six) const {
+    std::vector<double> grid, mass_grid;
+    const std::vector<Matrix6> stiffness = triangles(need(six, "stiff_matrix"), "stiff_matrix", grid),
+                               mass = triangles(need(six, "inertia_matrix"), "inertia_matrix", mass_grid);
+    check_same(grid, mass_grid);
+    std::vector<BladeStation> stations(grid.size());
+    for (std::size_t i = 0; i < grid.size(); ++i) stations[i] = {grid[i], stiffness[i], mass[i]};
+    const YAML::Node axis =
+        six["reference_axis"] ? six["reference_axis"] : need(need(blade, "outer_shape_bem"), "reference_axis");
+    const YAML::Node twist = six["twist"] ? six["twist"] : need(need(blade, "outer_shape_bem"), "twist");
+    place_along(axis, over_grid(twist, "twist"), 1.0, stations);
+    return stations;
+  }
+
+  void check_same(const std::vector<double>& grid, const std::vector<double>& other) const {
+    bool same = grid.size() == other.size();
+    for (std::size_t i = 0; same && i < grid.size(); ++i) same = std::abs(grid[i] - other[i]) <= kSamePlace;
+    if (!same) throw bad(file_, "stiffness and mass matrices stand at other places; allowed: one grid for both");
+  }
+
+  std::vector<BladeStation> matrices_of_version_2(const YAML::Node& blade, const YAML::Node& elastic) const {
+    if (!elastic) need(blade, "elastic_properties");
+    const YAML::Node stiffness = need(elastic, "stiffness_matrix"), inertia = need(elastic, "inertia_matrix");
+    const auto grid = need(stiffness, "grid").as<std::vector<double>>();
+    check_same(grid, need(inertia, "grid").as<std::vector<double>>());
+    std::vector<BladeStation> stations(grid.size());
+    for (std::size_t i = 0; i < grid.size(); ++i) stations[i].position = grid[i];
+    const auto column = [&](const YAML::Node& node, const std::string& name) {
+      auto values = need(node, name).as<std::vector<double>>();
+      check_grid(grid, values.size(), name);
+      return values;
+    };
+    for (std::size_t i = 0; i < 6; ++i)
+      for (std::size_t j = i; j < 6; ++j) {
+        const auto entry = column(stiffness, "K" + std::to_string(i + 1) + std::to_string(j + 1));
+        for (std::size_t s = 0; s < grid.size(); ++s) {
+          put(stations[s].stiffness, kAlongZ, i, j, entry[s]);
+          put(stations[s].stiffness, kAlongZ, j, i, entry[s]);
+        }
+      }
+    const auto mass = column(inertia, "mass"), cm_x = column(inertia, "cm_x"), cm_y = column(inertia, "cm_y"),
+               edge = column(inertia, "i_edge"), flap = column(inertia, "i_flap"), polar = column(inertia, "i_plr"),
+               product = column(inertia, "i_cp");
+    for (std::size_t s = 0; s < grid.size(); ++s)
+      stations[s].mass = mass_about_axis(mass[s], {cm_x[s], cm_y[s]}, {polar[s], edge[s], flap[s]}, product[s]);
+    const YAML::Node outer = need(blade, "outer_shape");
+    const YAML::Node axis = blade["reference_axis"] ? blade["reference_axis"] : need(elastic, "reference_axis");
+    place_along(axis, over_grid(need(outer, "twist"), "twist"), kPi / 180.0, stations);
+    return stations;
+  }
+
+  /// `inertia`: about axes 1, 2, 3 through the reference point.
+  static Matrix6 mass_about_axis(double mass, const std::array<double, 2>& centre, const Vector3& inertia,
+                                 double product) {
+    Matrix6 m{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      m[i][i] = mass;
+      m[3 + i][3 + i] = inertia[i];
+    }
+    m[0][4] = m[4][0] = mass * centre[1];
+    m[0][5] = m[5][0] = -mass * centre[0];
+    m[1][3] = m[3][1] = -mass * centre[1];
+    m[2][3] = m[3][2] = mass * centre[0];
+    m[4][5] = m[5][4] = -product;
+    return m;
+  }
+
+  std::string file_;
+  YAML::Node root_;
+};
+
+/// The mean of both triangles.
+void make_symmetric(Matrix6& matrix, const std::string& what, const std::string& file) {
+  for (std::size_t i = 0; i < 6; ++i)
+    for (std::size_t j = 0; j < i; ++j) {
+      const double unit = std::sqrt(std::abs(matrix[i][i] * matrix[j][j]));
+      if (!(std::abs(matrix[i][j] - matrix[j][i]) <= kAsymmetry * unit))
+        throw bad(file, what + " is not symmetric: " + shortest(matrix[i][j]) + " across the diagonal from " +
+                            shortest(matrix[j][i]));
+      matrix[i][j] = matrix[j][i] = 0.5 * (matrix[i][j] + matrix[j][i]);
+    }
+}
+
+/// Mass, the place of its centre, and moments of inertia about axes through that.
+void set_mass(const Matrix6& m, const std::string& file, Teuchos::ParameterList& section) {
+  const double mass = m[0][0];
+  if (mass == 0.0) return;
+  const double c2 = -m[0][5] / mass, c3 = m[0][4] / mass;
+  const double j2 = m[4][4] - mass * c3 * c3, j3 = m[5][5] - mass * c2 * c2, product = -m[4][5] - mass * c2 * c3;
+  double j1 = m[3][3] - mass * (c2 * c2 + c3 * c3);
+  if (std::abs(j1 - j2 - j3) <= kRoundedPolar * m[3][3]) j1 = j2 + j3;
+  if (!(mass > 0.0) || !(j2 >= 0.0) || !(j3 >= 0.0) || !(j1 >= 0.0) || !(j1 <= j2 + j3) ||
+      !(product * product <= j2 * j3))
+    throw bad(file, "mass matrix with the diagonal " + shortest(mass) + ", " + shortest(m[3][3]) + ", " +
+                        shortest(m[4][4]) + ", " + shortest(m[5][5]) +
+                        " (mass, moments of inertia about axes 1, 2, 3), which no section has");
+  section.set("Mass", mass);
+  section.set("Mass Offset", Teuchos::Array<double>(Teuchos::tuple(c2, c3)));
+  section.set("Rotary Inertia", Teuchos::Array<double>(Teuchos::tuple(j1, j2, j3)));
+  section.set("Inertia Product", product);
+}
+
+Teuchos::ParameterList section_of(BladeStation station, const std::string& file) {
+  make_symmetric(station.stiffness, "stiffness matrix", file);
+  make_symmetric(station.mass, "mass matrix", file);
+  Teuchos::ParameterList section;
+  Teuchos::Array<double> triangle;
+  for (std::size_t i = 0; i < 6; ++i)
+    for (std::size_t j = i; j < 6; ++j) triangle.push_back(station.stiffness[i][j]);
+  section.set("Matrix", triangle);
+  set_mass(station.mass, file, section);
+  return section;
+}
+
+struct NamedStation {
+  std::string name, file;
+  BladeStation station;
+};
+
+Vector3 unit(const Vector3& v) {
+  const double length = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+  return {v[0] / length, v[1] / length, v[2] / length};
+}
+double dot(const Vector3& a, const Vector3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/// Places along the line from the first station to the last, and away from it.
+void set_stations(const std::vector<NamedStation>& all, Teuchos::ParameterList& list) {
+  Teuchos::Array<double> position, twist, offset2, offset3;
+  Teuchos::Array<std::string> names;
+  const Vector3 &root = all.front().station.place, &tip = all.back().station.place;
+  const Vector3 line = {tip[0] - root[0], tip[1] - root[1], tip[2] - root[2]};
+  const bool has_axis = dot(line, line) > 0.0;
+  const Vector3 along = has_axis ? unit(line) : Vector3{0.0, 0.0, 1.0};
+  const Vector3 axis2 = unit({1.0 - along[0] * along[0], -along[0] * along[1], -along[0] * along[2]});
+  const Vector3 axis3 = {along[1] * axis2[2] - along[2] * axis2[1], along[2] * axis2[0] - along[0] * axis2[2],
+                         along[0] * axis2[1] - along[1] * axis2[0]};
+  for (const NamedStation& at : all) {
+    const Vector3 from = {at.station.place[0] - root[0], at.station.place[1] - root[1], at.station.place[2] - root[2]};
+    position.push_back(&at == &all.back() ? 1.0
+                       : has_axis         ? dot(from, along) / std::sqrt(dot(line, line))
+                                          : at.station.position);
+    twist.push_back(at.station.twist);
+    offset2.push_back(has_axis ? dot(from, axis2) : 0.0);
+    offset3.push_back(has_axis ? dot(from, axis3) : 0.0);
+    names.push_back(at.name);
+  }
+  list.set("Position", position);
+  list.set("Section", names);
+  const auto set_where_used = [&](const std::string& name, const Teuchos::Array<double>& values) {
+    if (std::any_of(values.begin(), values.end(), [](double value) { return value != 0.0; })) list.set(name, values);
+  };
+  set_where_used("Twist", twist);
+  set_where_used("Offset 2", offset2);
+  set_where_used("Offset 3", offset3);
+}
+
+std::vector<std::string> names_of_stations(std::size_t count, const std::string& file) {
+  if (count == 1) return {std::filesystem::path(file).stem().string()};
+  std::vector<std::string> names;
+  for (std::size_t i = 1; i <= count; ++i) names.push_back("station " + std::to_string(i));
+  return names;
+}
+
+/// Sections of all files in turn, with names that differ. Returns their format.
+BladeFormat read_all(const std::vector<std::string>& files, std::vector<NamedStation>& all) {
+  BladeFormat format = BladeFormat::none;
+  for (const std::string& file : files) {
+    const std::string text = text_of_file(file, "a file with matrices of sections");
+    const std::vector<BladeStation> stations = read_blade(text, file);
+    const std::vector<std::string> names = names_of_stations(stations.size(), file);
+    if (files.size() > 1 && (stations.size() > 1 || (!all.empty() && blade_format(text) != format)))
+      throw bad(file, "more than one section, or another format than " + files.front() +
+                          "; allowed: several files only of one section each, of one format");
+    format = blade_format(text);
+    for (std::size_t i = 0; i < stations.size(); ++i) {
+      for (const NamedStation& other : all)
+        if (other.name == names[i])
+          throw bad(file, "a second file called \"" + names[i] + "\"; allowed: names that differ");
+      all.push_back({names[i], file, stations[i]});
+    }
+  }
+  for (std::size_t i = 0; files.size() > 1 && i < all.size(); ++i)
+    all[i].station.position = static_cast<double>(i) / static_cast<double>(all.size() - 1);
+  return format;
+}
+
+}  // namespace
+
+BladeFormat blade_format(const std::string& text) {
+  const auto has = [&](const char* words) { return text.find(words) != std::string::npos; };
+  if (has(kVabsStiffness)) return BladeFormat::vabs;
+  if (has(kBecasStiffness)) return BladeFormat::becas;
+  if (has("station_total") && has(kBeamDynTable)) return BladeFormat::beamdyn;
+  if (has("components:") && has("blade:") && has("elastic_properties")) return BladeFormat::windio;
+  return BladeFormat::none;
+}
+
+std::vector<BladeStation> read_blade(const std::string& text, const std::string& file) {
+  switch (blade_format(text)) {
+    case BladeFormat::vabs:
+      return {single_section(text, kVabsStiffness, kVabsMass, kAlongX, file)};
+    case BladeFormat::becas:
+      return {single_section(text, kBecasStiffness, kBecasMass, kAlongZ, file)};
+    case BladeFormat::beamdyn:
+      return read_beamdyn(text, file);
+    case BladeFormat::windio:
+      return WindIo(text, file).stations();
+    case BladeFormat::none:
+      break;
+  }
+  throw bad(file, "no matrices of sections; allowed: VABS (NAME.K), BECAS (NAME.out), blade file of BeamDyn, WindIO");
+}
+
+Teuchos::ParameterList sections_of_blade(const std::string& text, const std::string& file) {
+  const std::vector<BladeStation> stations = read_blade(text, file);
+  const std::vector<std::string> names = names_of_stations(stations.size(), file);
+  Teuchos::ParameterList sections;
+  for (std::size_t i = 0; i < stations.size(); ++i) sections.sublist(names[i]) = section_of(stations[i], file);
+  return sections;
+}
+
+Teuchos::ParameterList scene_of_blades(const std::vector<std::string>& files, std::vector<std::string>& remarks) {
+  std::vector<NamedStation> all;
+  const BladeFormat format = read_all(files, all);
+  if (files.size() > 1)
+    remarks.emplace_back("the files do not tell where their sections are: they are equally spaced; see Position");
+  const bool along_x = format == BladeFormat::vabs, has_axis = format == BladeFormat::windio;
+  Teuchos::ParameterList root("blade");
+  Teuchos::ParameterList& scene = root.sublist("Scene");
+  if (!has_axis) {
+    scene.sublist("Variables").set("L", 1.0);
+    remarks.emplace_back("the length is not in the file: the variable L is 1");
+  }
+  for (const NamedStation& at : all) scene.sublist("Sections").sublist(at.name) = section_of(at.station, at.file);
+  const Vector3 &start = all.front().station.place, &end = all.back().station.place;
+  Teuchos::ParameterList& points = scene.sublist("Points");
+  points.set("root", Teuchos::Array<double>(start.begin(), start.end()));
+  if (has_axis)
+    points.set("tip", Teuchos::Array<double>(end.begin(), end.end()));
+  else
+    points.set("tip", Teuchos::Array<std::string>(
+                          Teuchos::tuple<std::string>(along_x ? "=L" : "0", "0", along_x ? "0" : "=L")));
+  Teuchos::ParameterList& member = scene.sublist("Members").sublist("blade");
+  member.set("Start", "root");
+  member.set("End", "tip");
+  member.set("Second Axis",
+             Teuchos::Array<double>(along_x ? Teuchos::tuple(0.0, 1.0, 0.0) : Teuchos::tuple(1.0, 0.0, 0.0)));
+  if (all.size() == 1)
+    member.set("Section", all.front().name);
+  else
+    set_stations(all, member.sublist("Section Stations"));
+  scene.sublist("Supports").sublist("root").set("Point", "root");
+  return root;
+}
+
+}  // namespace mixbeam
