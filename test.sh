@@ -35,7 +35,7 @@ while [[ $# -gt 0 ]]; do
   shift
 done
 
-prepare "$install" "$browser_package"
+prepare "$install" "$browser_package" "$dask_package"
 ensure_vtk "$install"
 ensure_yaml_server "$install"
 if [[ $headers == yes ]]; then

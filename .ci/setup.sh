@@ -43,6 +43,9 @@ readonly yaml_server=yaml-language-server@1.15.0
 # (80 MB), and no test is skipped for want of it.
 readonly browser_package=chromium-headless-shell
 
+# Workers that share a batch, for one test. Only test.sh asks for it.
+readonly dask_package=python3-distributed
+
 say() { printf '== %s\n' "$*"; }
 fail() { # fail <exit code> <message>...
   local code=$1

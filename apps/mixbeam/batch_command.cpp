@@ -50,8 +50,6 @@ std::string chosen_case(const Scene& scene, const std::optional<std::string>& wa
 }
 
 void set_up_batch(Application& app, const CommandLine& line) {
-  if (app.communicator->getSize() > 1)
-    throw InputError(std::to_string(app.communicator->getSize()) + " ranks; a batch runs on the threads of one");
   set_up_run(app, line, *line.scene_file, mixbeam_definition());
   warn_of_scene(app);
   if (!app.xml.list->isSublist("Batch"))
@@ -65,9 +63,12 @@ void set_up_batch(Application& app, const CommandLine& line) {
 /// All cases of a batch, from their parameters to their rows.
 class BatchRun {
  public:
-  BatchRun(Application& app, const std::string& load_case)
+  /// `ranks`: share out the groups of cases, each of which is solved by one of them; the application is that of its
+  /// rank alone.
+  BatchRun(Application& app, const Batch& batch, const std::string& load_case, const Communicator& ranks)
       : app_(app),
-        batch_(read_batch(app.xml.list->sublist("Batch"), app.xml.source)),
+        ranks_(ranks),
+        batch_(batch),
         quantities_(app, batch_.output, load_case),
         case_scenes_(app, batch_, load_case),
         solver_(app, quantities_, batch_.size(), [&app] { return interrupt_requested(app.communicator); }) {}
@@ -98,6 +99,7 @@ class BatchRun {
   void report_group(const std::vector<std::size_t>& group, std::size_t number, std::size_t groups, double seconds);
 
   Application& app_;
+  Communicator ranks_;
   Batch batch_;
   CaseQuantities quantities_;
   CaseScenes case_scenes_;
@@ -129,11 +131,13 @@ void BatchRun::solve() {
   read_scenes();
   const Stopwatch stopwatch(app_, "batch solve");
   double before = stopwatch.seconds();
-  interrupted_ = !solver_.solve_all(grouped_, [&](std::size_t g) {
+  const auto report = [&](std::size_t g) {
     const double now = stopwatch.seconds();
     report_group(grouped_.groups[g], g, grouped_.groups.size(), now - before);
     before = now;
-  });
+  };
+  const bool all = solver_.solve_all(grouped_, report, ranks_->getRank(), ranks_->getSize());
+  interrupted_ = !solver_.gather(*ranks_, all);
 }
 
 void BatchRun::report_group(const std::vector<std::size_t>& group, std::size_t number, std::size_t groups,
@@ -221,6 +225,37 @@ void BatchRun::print_ends() const {
   app_.out() << "\n";
 }
 
+/// The cases, or those rows of them that the command line names.
+Batch chosen_batch(const Application& app, const CommandLine& line) {
+  Batch batch = read_batch(app.xml.list->sublist("Batch"), app.xml.source);
+  if (!line.rows) return batch;
+  const auto [first, last] = *line.rows;
+  if (static_cast<std::size_t>(first) > batch.size())
+    throw InputError("option --rows: row " + std::to_string(first) + " of " + std::to_string(batch.size()) +
+                     "; allowed: 1 to " + std::to_string(batch.size()));
+  batch.keep(first - 1, std::min<std::size_t>(last, batch.size()) - (first - 1));
+  return batch;
+}
+
+/// Of `scene.yaml`: "scene-batch"; with --rows "scene-batch-3-7".
+std::string name_of_batch(const CommandLine& line) {
+  const std::string name = std::filesystem::path(*line.scene_file).stem().string() + "-batch";
+  return line.rows ? name + "-" + std::to_string((*line.rows)[0]) + "-" + std::to_string((*line.rows)[1]) : name;
+}
+
+/// Each rank solves by itself from here on; the first one speaks.
+void part_ranks(Application& app) {
+  static std::ostream silence(nullptr);
+  const int rank = app.communicator->getRank();
+  if (app.communicator->getSize() == 1) return;
+  app.communicator = app.communicator->split(rank, 0);
+  if (rank == 0) return;
+  app.terminal = &silence;
+  const int threads = app.summary.threads;
+  app.summary = {};
+  app.summary.threads = threads;
+}
+
 /// Exit code of a batch that has been solved and written.
 int conclude(Application& app, const CommandLine& line, BatchRun& run) {
   const std::size_t failed = run.failed();
@@ -247,26 +282,30 @@ int conclude(Application& app, const CommandLine& line, BatchRun& run) {
 }  // namespace
 
 int batch_command(const Arguments& arguments) {
-  const CommandLine line =
-      read_command_line(arguments.count(), arguments.values.data(),
-                        {"--output", "--case", "--threads", "--summary", "--quiet", "--force", "--help"}, "scene file");
+  const CommandLine line = read_command_line(
+      arguments.count(), arguments.values.data(),
+      {"--output", "--case", "--rows", "--threads", "--summary", "--quiet", "--force", "--help"}, "scene file");
   if (!line.scene_file) throw InputError("a scene file is missing: mixbeam batch SCENE.xml");
   const MpiSession session;
   return guarded_run(session.communicator(), "mixbeam", [&] {
     Application app;
     app.communicator = session.communicator();
     set_up_batch(app, line);
-    const std::string name = std::filesystem::path(*line.scene_file).stem().string() + "-batch";
+    const std::string name = name_of_batch(line);
     const SharedResultLock lock = lock_or_warn(app, app.output / (name + ".h5"));
     watch_for_interrupts();
-    BatchRun run(app, chosen_case(app.scene, line.load_case));
+    part_ranks(app);
+    BatchRun run(app, chosen_batch(app, line), chosen_case(app.scene, line.load_case), session.communicator());
     for (const char* ending : {".h5", ".csv"}) require_no_input((app.output / (name + ending)).string());
     try {
-      const LastResort rows([&] { run.write_so_far(app.output / name); });
+      const LastResort rows([&] {
+        if (session.communicator()->getRank() == 0) run.write_so_far(app.output / name);
+      });
       run.solve();
     } catch (const MemberError& error) {
       throw placed(app, error);
     }
+    if (session.communicator()->getRank() > 0) return 0;
     finish_in_order();  // the table is written as a whole
     run.write(app.output / name);
     run.check_expected();

@@ -146,8 +146,25 @@ void read_table(const std::string& name, const ParameterSource& source, Batch& b
 
 }  // namespace
 
+void Batch::keep(std::size_t first, std::size_t count) {
+  const auto cut = [](auto& all, std::size_t from, std::size_t number) {
+    all.erase(all.begin() + static_cast<std::ptrdiff_t>(from + number), all.end());
+    all.erase(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(from));
+  };
+  cut(values, first * columns.size(), count * columns.size());
+  if (!case_names.empty()) cut(case_names, first, count);
+  std::vector<Formula> kept;
+  for (Formula& formula : formulas)
+    if (formula.index >= first && formula.index < first + count) {
+      formula.index -= first;
+      kept.push_back(std::move(formula));
+    }
+  formulas = std::move(kept);
+  before += first;
+}
+
 std::string Batch::name_of_case(std::size_t index) const {
-  const std::string number = "case " + std::to_string(index + 1);
+  const std::string number = "case " + std::to_string(before + index + 1);
   return case_names.empty() ? number : case_names[index] + ": " + number;
 }
 

@@ -36,9 +36,12 @@ struct Batch {
   std::vector<Formula> formulas{};        ///< cells that CaseScenes gives values to, in the order of the table
   std::vector<std::string> case_names{};  ///< where each case stands: "sweep.csv:3"; of a grid: empty
   BatchOutput output = BatchOutput::followed;
+  std::size_t before = 0;  ///< cases of the table or grid before these
 
   std::size_t size() const { return columns.empty() ? 0 : values.size() / columns.size(); }
   double value(std::size_t index, std::size_t column) const { return values[index * columns.size() + column]; }
+  /// Leaves out all cases but `count` from `first` on, which keep their numbers.
+  void keep(std::size_t first, std::size_t count);
   /// "sweep.csv:3: case 2", "case 2".
   std::string name_of_case(std::size_t index) const;
 };

@@ -45,7 +45,7 @@ void write_rows(const std::filesystem::path& file, const Batch& batch, const Cas
   for (std::size_t i = 0; i < results.size(); ++i) {
     const CaseResult& result = results[i];
     if (!result.solved) continue;
-    cells.assign(1, CsvCell(i + 1));
+    cells.assign(1, CsvCell(batch.before + i + 1));
     for (std::size_t c = 0; c < batch.columns.size(); ++c) cells.emplace_back(batch.value(i, c));
     for (std::size_t q = 0; q < quantities.names().size(); ++q) {
       const double value = value_of(result, q);
@@ -72,7 +72,7 @@ void write_columns(const std::filesystem::path& file, const Batch& batch, const 
     for (std::size_t i = 0; i < results.size(); ++i)
       if (results[i].solved) column.values.push_back(value(i));
   };
-  add("case", [](std::size_t i) { return static_cast<double>(i + 1); });
+  add("case", [&](std::size_t i) { return static_cast<double>(batch.before + i + 1); });
   for (std::size_t c = 0; c < batch.columns.size(); ++c)
     add(batch.columns[c].parameter, [&](std::size_t i) { return batch.value(i, c); });
   for (std::size_t q = 0; q < quantities.names().size(); ++q)

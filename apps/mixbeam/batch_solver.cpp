@@ -7,6 +7,9 @@
 #include "discretization/scene/merged_scene.hpp"
 #include "nonlinear/run/accurate_run.hpp"
 
+#include <Teuchos_CommHelpers.hpp>
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 
 namespace mixbeam {
@@ -104,16 +107,80 @@ void BatchSolver::solve(const std::vector<std::size_t>& cases, const std::vector
   solve_range({0, cases.size()});
 }
 
-bool BatchSolver::solve_all(GroupedCases& cases, const std::function<void(std::size_t group)>& solved) {
-  const auto is_left = [](const CaseResult& result) { return !result.solved; };
-  for (std::size_t g = 0; g < cases.groups.size(); ++g) {
+bool BatchSolver::solve_all(GroupedCases& cases, const std::function<void(std::size_t group)>& solved, int rank,
+                            int ranks) {
+  const auto is_left = [this](std::size_t i) { return !results_[i].solved; };
+  for (std::size_t g = static_cast<std::size_t>(rank); g < cases.groups.size(); g += static_cast<std::size_t>(ranks)) {
     std::vector<Scene> scenes;
     for (const std::size_t i : cases.groups[g]) scenes.push_back(std::move(cases.scenes[i]));
     solve(cases.groups[g], scenes);
     solved(g);
-    if (stop_() && std::any_of(results_.begin(), results_.end(), is_left)) return false;
+    const bool is_last = g + static_cast<std::size_t>(ranks) >= cases.groups.size();
+    if (stop_() && (!is_last || std::any_of(cases.groups[g].begin(), cases.groups[g].end(), is_left))) return false;
   }
   return true;
+}
+
+namespace {
+
+using Json = nlohmann::json;
+
+Json json_of(const CaseResult& result) {
+  Json limited = Json::array();
+  for (const EstimatedValue& value : result.values.limited)
+    limited.push_back({value.name, value.value, value.error, value.not_estimated});
+  return {result.converged,  result.alone,    result.values.written, limited,
+          result.iterations, result.residual, result.cause,          result.stable};
+}
+
+CaseResult result_from(const Json& json) {
+  CaseResult result;
+  result.solved = true;
+  result.converged = json[0];
+  result.alone = json[1];
+  result.values.written = json[2].get<std::vector<double>>();
+  for (const Json& value : json[3]) result.values.limited.push_back({value[0], value[1], value[2], value[3]});
+  result.iterations = json[4];
+  result.residual = json[5];
+  result.cause = json[6];
+  result.stable = json[7];
+  return result;
+}
+
+/// Texts of all ranks on rank 0.
+std::vector<std::string> texts_of(const Teuchos::Comm<int>& ranks, const std::string& mine) {
+  std::vector<std::string> all(ranks.getSize());
+  all[0] = mine;
+  for (int rank = 1; rank < ranks.getSize(); ++rank) {
+    int size = static_cast<int>(mine.size());
+    if (ranks.getRank() == rank) {
+      Teuchos::send(ranks, size, 0);
+      ranks.send(size, mine.data(), 0);
+    } else if (ranks.getRank() == 0) {
+      Teuchos::receive(ranks, rank, &size);
+      all[rank].resize(size);
+      ranks.receive(rank, size, all[rank].data());
+    }
+  }
+  return all;
+}
+
+}  // namespace
+
+bool BatchSolver::gather(const Teuchos::Comm<int>& ranks, bool all_solved) {
+  Json mine = {{"all", all_solved}, {"summary", app_.summary.packed()}, {"results", Json::object()}};
+  for (std::size_t i = 0; i < results_.size(); ++i)
+    if (results_[i].solved) mine["results"][std::to_string(i)] = json_of(results_[i]);
+  std::string bytes;
+  Json::to_cbor(mine, bytes);
+  const std::vector<std::string> all = texts_of(ranks, bytes);
+  for (int rank = 1; ranks.getRank() == 0 && rank < ranks.getSize(); ++rank) {
+    const Json other = Json::from_cbor(all[rank]);
+    all_solved = all_solved && other["all"].get<bool>();
+    app_.summary.append(other["summary"]);
+    for (const auto& [index, result] : other["results"].items()) results_[std::stoul(index)] = result_from(result);
+  }
+  return all_solved;
 }
 
 void BatchSolver::solve_range(const Range& range) {

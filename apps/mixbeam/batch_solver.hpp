@@ -39,9 +39,12 @@ class BatchSolver {
   /// Solves these cases, which are alike; `scenes` are theirs, in the same order.
   void solve(const std::vector<std::size_t>& cases, const std::vector<Scene>& scenes);
 
-  /// Solves all groups, whose scenes are freed then, and reports the number of each. False: stopped before the last
-  /// case.
-  bool solve_all(GroupedCases& cases, const std::function<void(std::size_t group)>& solved);
+  /// Solves all groups, or the share of a rank among several, whose scenes are freed then, and reports the number of
+  /// each. False: stopped before the last case.
+  bool solve_all(GroupedCases& cases, const std::function<void(std::size_t group)>& solved, int rank = 0,
+                 int ranks = 1);
+  /// Gives what the ranks have solved to rank 0, in the order of the cases. False: one of them was stopped. Collective.
+  bool gather(const Teuchos::Comm<int>& ranks, bool all_solved);
 
   const std::vector<CaseResult>& results() const { return results_; }
   /// Copies the results as they are now, for other threads than the one that solves: final as far as they are solved.

@@ -64,7 +64,9 @@ const std::map<std::string, const char*>& texts() {
        "  DIR/NAME-batch.h5      as columns\n\n"
        "  -o, --output DIR     folder for results; default: results/NAME\n"
        "  --case NAME          the load case, where the scene has some\n"
+       "  --rows A:B           only cases A to B, into NAME-batch-A-B.csv: for arrays of jobs\n"
        "  --threads N, --summary FILE.json, --quiet, --force    as for mixbeam run\n\n"
+       "Under mpirun the ranks share the cases; the table is the same, bit for bit.\n"
        "With cases that did not converge the exit code is 3; the others are in the table.\n"},
       {"check",
        "usage: mixbeam check SCENE.xml [--case NAME] [-o DIR]\n\n"

@@ -201,6 +201,41 @@ std::string rolled_up() {
   return changed(scene, "\"Force\"", "\"Moment\"");
 }
 
+TEST_F(Batch, RanksShareTheCasesBitForBit) {
+  ASSERT_EQ(solve(sweep(), sweep_table(), {"--quiet"}).exit_code, kOk);
+  const std::string alone = text_of(folder_ / "results" / "scene-batch.csv");
+  for (const std::string ranks : {"2", "3"}) {
+    const Ended ended = run_process("/usr/bin/env",
+                                    {"mpirun", "--allow-run-as-root", "--oversubscribe", "--bind-to", "none", "-np",
+                                     ranks, program("mixbeam"), "batch", "scene.xml", "--output", "ranks", "--force"},
+                                    folder_);
+    EXPECT_EQ(ended.exit_code, kOk) << ended.err;
+    EXPECT_EQ(text_of(folder_ / "ranks" / "scene-batch.csv"), alone) << ranks;
+    expect_in(ended.out, {"15 of 15 checks passed", "40 cases, 0 failed"});
+  }
+}
+
+TEST_F(Batch, RowsOfATableKeepTheirNumbers) {
+  ASSERT_EQ(solve(sweep(), sweep_table(), {"--quiet"}).exit_code, kOk);
+  const std::vector<Row> all = rows();
+  ASSERT_EQ(solve(sweep(), sweep_table(), {"--quiet", "--rows", "3:7"}).exit_code, kOk);
+  const std::vector<Row> some = rows_of(folder_ / "results" / "scene-batch-3-7.csv");
+  ASSERT_EQ(some.size(), 5u);
+  constexpr double kOtherGroups = 1e-11;  // residuals are as small, not the same
+  for (std::size_t i = 0; i < some.size(); ++i) {
+    EXPECT_EQ(some[i].at("case"), std::to_string(i + 3));
+    EXPECT_NEAR(std::stod(some[i].at("tip turns")), std::stod(all[i + 2].at("tip turns")), kOtherGroups);
+    EXPECT_GT(std::abs(std::stod(some[i].at("tip turns")) - std::stod(all[i].at("tip turns"))), 1e3 * kOtherGroups);
+  }
+  EXPECT_EQ(solve(sweep(), sweep_table(), {"--rows", "39:99"}).exit_code, kOk);
+  EXPECT_EQ(rows_of(folder_ / "results" / "scene-batch-39-99.csv").size(), 2u);
+  for (const std::string rows : {"41:50", "7:3", "0:3", "3", "a:b"}) {
+    const Ended ended = solve(sweep(), sweep_table(), {"--rows", rows});
+    EXPECT_EQ(ended.exit_code, kBadInput) << rows;
+    expect_in(ended.err, {"option --rows", "allowed: "});
+  }
+}
+
 TEST_F(Batch, ACaseThatCannotBeSolvedSpoilsNoOther) {
   const Ended ended =
       solve(rolled_up(), "Point Loads/weight/Moment[2]\n5\n5.5\n6.2831853071795\n6\n5.25\n4.5\n");  // 2 pi (1 - 1e-14)

@@ -341,6 +341,27 @@ class Bits(InFolder):
         nudged = {name: theirs[name] * (1 + 1e-15) for name in theirs if "Force" in name}
         self.assertFalse(np.array_equal(mixbeam.batch(scene, nudged, output="expected")["tip turns"], ours["tip turns"]))
 
+    def test_workers_of_dask_share_a_batch(self):
+        try:
+            import distributed
+        except ImportError:
+            if os.environ.get("CI"):
+                raise
+            self.skipTest("python3-distributed is not installed")
+        table = {"point_loads/weight/force[1]": -np.linspace(1, 10, 23)}
+        scene = mixbeam.read(SOURCES / "apps/batch/elastica_sweep.xml")
+        with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, \
+                distributed.Client(cluster) as client:
+            shared = mixbeam.batch(scene, table, output="expected", client=client)
+            with self.assertRaisesRegex(mixbeam.InputError, "nowhere"):
+                mixbeam.batch(scene, {"point_loads/nowhere/force[1]": [1.0, 2.0]}, client=client)
+        alone = mixbeam.batch(scene, table, output="expected")
+        self.assertEqual(shared.dtype.names, alone.dtype.names)
+        self.assertTrue(shared["converged"].all())
+        for name in ("tip moves back", "tip moves down", "tip turns"):  # other groups: rounding, not bits
+            np.testing.assert_allclose(shared[name], alone[name], rtol=1e-11)
+        self.assertFalse(np.allclose(shared["tip turns"], alone["tip turns"][::-1], rtol=1e-11))
+
     def test_a_scene_with_an_accuracy_is_opened_on_the_mesh_that_was_chosen(self):
         scene = cantilever()
         scene.members["rod"].elements = None

@@ -11,7 +11,7 @@ namespace mixbeam {
 
 namespace {
 
-constexpr int kMostThreads = 1024, kMostJobs = 1024, kMostSteps = 999999999;
+constexpr int kMostThreads = 1024, kMostJobs = 1024, kMostSteps = 999999999, kMostRows = 999999999;
 
 /// "-1" is a value, if a bad one.
 bool is_option(const std::string& argument) {
@@ -23,6 +23,17 @@ int number_from(const std::string& option, const std::string& text, int least, i
   if (parse_number(text, number).empty() && number >= least && number <= most) return number;
   throw InputError("option " + option + ": value \"" + excerpt(text) + "\"; allowed: a whole number from " +
                    std::to_string(least) + " to " + std::to_string(most));
+}
+
+/// "3:7"
+std::array<int, 2> rows_from(const std::string& option, const std::string& text) {
+  const std::size_t colon = text.find(':');
+  int first = 0, last = 0;
+  if (colon != std::string::npos && parse_number(text.substr(0, colon), first).empty() &&
+      parse_number(text.substr(colon + 1), last).empty() && first >= 1 && last >= first && last <= kMostRows)
+    return {first, last};
+  throw InputError("option " + option + ": value \"" + excerpt(text) +
+                   "\"; allowed: first and last row, counted from 1, as in 1:100");
 }
 
 /// Returns the word that follows an option; another option there means that the value was forgotten.
@@ -75,6 +86,8 @@ void read_option(const std::string& name, int& i, int argc, const char* const* a
     line.threads = number_from(name, value_after(i, argc, argv), 1, kMostThreads);
   else if (name == "--jobs")
     line.jobs = number_from(name, value_after(i, argc, argv), 1, kMostJobs);
+  else if (name == "--rows")
+    line.rows = rows_from(name, value_after(i, argc, argv));
   else if (name == "--from")
     line.last_step = number_from(name, value_after(i, argc, argv), 0, kMostSteps);
 }

@@ -1,6 +1,7 @@
 /// The command line that all applications share.
 #pragma once
 
+#include <array>
 #include <iosfwd>
 #include <optional>
 #include <string>
@@ -11,6 +12,7 @@ namespace mixbeam {
 struct CommandLine {
   std::optional<std::string> scene_file, output, summary, load_case;
   std::optional<int> threads, last_step;
+  std::optional<std::array<int, 2>> rows;  ///< first and last, counted from 1
   int jobs = 1;
   bool help = false, print_parameters = false, single = false, quiet = false, markdown = false, durable = false;
   bool force = false, json = false;

@@ -8,7 +8,7 @@ import sys
 import tempfile
 import weakref
 from collections import namedtuple
-from functools import cache, cached_property
+from functools import cache, cached_property, partial
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -71,11 +71,12 @@ def open_results(file):
     return Run(_core.open(os.fspath(file)), file)
 
 
-def batch(scene, table, case=None, *, output="followed", threads=None, progress=False):
+def batch(scene, table, case=None, *, output="followed", threads=None, progress=False, client=None):
     """Solves a scene once for each row of a table, by the program's solver for many cases at once.
 
     table: {parameter: values}, or a structured array; parameters by their paths, "point_loads/tip/force[1]". output:
-    "followed" (motion of supported or loaded points, reactions), "expected" or "quantities" of the scene.
+    "followed" (motion of supported or loaded points, reactions), "expected" or "quantities" of the scene. client: a
+    Dask client whose workers, with mixbeam installed, share the rows (a file that the scene names must lie there too).
 
     Returns a structured array: the columns of the table, those of the output, and of each case iterations, residual,
     converged, stable and, where it is not converged, its cause.
@@ -92,6 +93,8 @@ def batch(scene, table, case=None, *, output="followed", threads=None, progress=
     if any(column.ndim != 1 for column in columns.values()):
         raise InputError("table of a batch: columns of more than one dimension; allowed: one number for each case")
     values = np.stack(list(columns.values()), axis=1) if columns else np.empty((0, 0))
+    if client is not None and len(values) > 0:
+        return _shared_batch(client, scene, columns, case, output, threads)
     say = (lambda done, cases: _say(f"{done} of {cases} cases")) if progress else None
     found = _core.batch(scene_text(scene), case, paths, values, outputs.index(output), _threads(threads), say)
     numbers = {**columns, **dict(zip(found["names"], found["values"].T)), "residual": found["residual"]}
@@ -103,6 +106,21 @@ def batch(scene, table, case=None, *, output="followed", threads=None, progress=
                          "cause": causes}.items():
         result[name] = column
     return result
+
+
+def _shared_batch(client, scene, columns, case, output, threads):
+    """Solves the rows in pieces, a few for each worker: one that is done early takes another."""
+    pieces_of_worker = 4
+    rows = len(next(iter(columns.values())))
+    count = min(rows, pieces_of_worker * max(1, len(client.scheduler_info()["workers"])))
+    text = scene.to_xml() if isinstance(scene, Scene) else scene
+    work = partial(batch, text, case=case, output=output, threads=threads or 1)
+    pieces = [{name: column[part] for name, column in columns.items()} for part in np.array_split(np.arange(rows), count)]
+    futures = client.map(work, pieces, pure=False)
+    try:
+        return np.concatenate(client.gather(futures))
+    finally:
+        client.cancel(futures)  # what an interrupt or a failure leaves
 
 
 def _watched(start, output, progress, on_step):
