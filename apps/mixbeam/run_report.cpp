@@ -109,7 +109,8 @@ std::string moves_most(const SampledMembers& members, const std::vector<Vector3>
 std::string verdict_text(const EndOfRun& end) {
   if (end.stable == "neutral") return "neutral (an eigenvalue is zero: some motion has no stiffness)";
   if (end.stable == "unknown" && end.negative < 0) return "unknown (\"Stability\" was not determined)";
-  if (end.stable == "unknown" && !end.has_potential) return "unknown (loads without a potential: it may flutter)";
+  if (end.stable == "unknown" && !end.has_potential)
+    return "unknown (loads without a potential: it may flutter; \"Modes\" of a structure with masses tell)";
   if (end.negative <= 0) return end.stable;
   return end.stable + formatted(" (%d negative eigenvalue%s)", end.negative, end.negative == 1 ? "" : "s");
 }
@@ -233,17 +234,23 @@ void RunReport::print_buckling(std::ostream& out) const {
   finish();
 }
 
+/// Rates of growth below this share of the largest frequency are rounding of motions without stiffness.
+constexpr double kRoundedGrowth = 1e-6;
+
 void RunReport::print_modes(std::ostream& out) const {
   if (last_.vibration.empty()) return;
   out << "  natural modes\n"
       << formatted("  %6s %18s %16s %12s %38s\n", "mode", "omega", "frequency", "modal mass", "participation x, y, z");
+  double largest = 0.0;
+  for (const RecordedVibrationMode& mode : last_.vibration) largest = std::max(largest, mode.omega);
   for (std::size_t i = 0; i < last_.vibration.size(); ++i) {
     const RecordedVibrationMode& mode = last_.vibration[i];
     const auto part = [](double value) { return std::abs(value) < 1e-10 ? 0.0 : value; };
     out << formatted("  %6zu %18.10g %16.10g %12.5g %12.5g %12.5g %12.5g", i + 1, mode.omega, mode.frequency,
                      mode.modal_mass, part(mode.participation_x), part(mode.participation_y),
                      part(mode.participation_z))
-        << (mode.eigenvalue < 0.0 && mode.omega == 0.0 ? formatted("  omega^2 %.3g", mode.eigenvalue) : "")
+        << (std::abs(mode.growth) > kRoundedGrowth * largest ? formatted("  %s as exp(%.6g t)", mode.growth > 0.0 ? "grows" : "decays", mode.growth)
+                               : "")
         << (mode.confirmed ? "\n" : "  not confirmed\n");
   }
 }
@@ -265,9 +272,10 @@ std::string RunReport::collapse_text() const {
 void RunReport::print_critical_points(std::ostream& out) const {
   for (std::size_t i = 0; i < std::min(critical_.size(), kMostLines); ++i) {
     const RecordedCriticalPoint& point = critical_[i];
-    out << formatted("  critical point %zu: %s at load factor %s, negative eigenvalues %d before, %d after\n", i + 1,
-                     point.kind.c_str(), in_known_digits(point.load_factor, point.load_factor_error).c_str(),
-                     point.negative_before, point.negative_after);
+    out << formatted("  critical point %zu: ", i + 1)
+        << critical_text(point.kind, point.load_factor, point.load_factor_error, point.negative_before,
+                         point.negative_after, point.omega)
+        << "\n";
   }
   print_left_out(out, critical_.size());
 }

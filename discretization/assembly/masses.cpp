@@ -105,8 +105,10 @@ void Masses::hold_vertices(const Tangent& at, const MatrixRows& rows) const {
 }
 
 void Masses::condense(const Tangent& at, double shift, bool counts) {
+  StructureViews structure = at.cap().structure;
+  structure.field_value = at.point().line_fields;
   for (const VibratingBlock& block : blocks_)
-    evaluate_vibration(block, at.cap().structure, at.point().state.views, shift, counts, condensed_);
+    evaluate_vibration(block, structure, at.point().state.views, shift, counts, condensed_);
 }
 
 /// Axes of a body as they are turned with its vertex, as rows.

@@ -171,12 +171,13 @@ struct RecordedJump {
 
 /// A limit point or bifurcation between two steps, see CriticalPoint, without its fields.
 struct CriticalPointSummary {
-  std::string kind{};  ///< "limit point", "bifurcation"
+  std::string kind{};  ///< "limit point", "bifurcation", "flutter"
   double load_factor = 0.0;
   double load_factor_error = 0.0;               ///< estimated
   int negative_before = 0, negative_after = 0;  ///< eigenvalues below zero on either side, in the direction of the path
-  int modes = 1;                                ///< that become singular together
-  std::vector<MonitoredQuantity> monitored{};   ///< as in the step
+  int modes = 1;                                ///< that become singular, or meet, together
+  double omega = std::numeric_limits<double>::quiet_NaN();  ///< of flutter
+  std::vector<MonitoredQuantity> monitored{};               ///< as in the step
   std::vector<RecordedReaction> reactions{};
 };
 
@@ -201,6 +202,7 @@ struct RecordedVibrationMode {
   double eigenvalue = 0.0;  ///< omega^2; below zero where the state is not stable
   double omega = 0.0;       ///< its root, zero below zero
   double frequency = 0.0;   ///< omega / (2 pi)
+  double growth = 0.0;      ///< rate at which it grows; below zero: it decays
   double modal_mass = 0.0;  ///< twice its kinetic energy at unit rate
   double participation_x = 0.0, participation_y = 0.0, participation_z = 0.0;  ///< momentum over the modal mass
   double residual = 0.0;                                                       ///< see vibration_modes()

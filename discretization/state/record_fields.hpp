@@ -87,11 +87,13 @@ inline constexpr auto kFields<RecordedJump> = std::tuple{
 
 template <>
 inline constexpr auto kFields<RecordedCriticalPoint> =
-    std::tuple{field("kind", &RecordedCriticalPoint::kind, "", "limit point, bifurcation"),
+    std::tuple{field("kind", &RecordedCriticalPoint::kind, "", "limit point, bifurcation, flutter"),
                field("load_factor", &RecordedCriticalPoint::load_factor, "", "where it is"),
-               field("negative_before", &RecordedCriticalPoint::negative_before, "", "negative eigenvalues before"),
+               field("negative_before", &RecordedCriticalPoint::negative_before, "",
+                     "negative eigenvalues before; of flutter motions that grow"),
                field("negative_after", &RecordedCriticalPoint::negative_after, "", "negative eigenvalues behind"),
-               field("modes", &RecordedCriticalPoint::modes, "", "that become singular together"),
+               field("modes", &RecordedCriticalPoint::modes, "", "that become singular, or meet, together"),
+               field("omega", &RecordedCriticalPoint::omega, "radian / time", "of flutter", Kept::if_known),
                field("load_factor_error", &RecordedCriticalPoint::load_factor_error, "", "estimated", Kept::if_known),
                field("position", &RecordedCriticalPoint::position, "length", "spatial"),
                field("displacement", &RecordedCriticalPoint::displacement, "length", "spatial"),
@@ -110,6 +112,8 @@ inline constexpr auto kFields<RecordedVibrationMode> = std::tuple{
     field("eigenvalue", &RecordedVibrationMode::eigenvalue, "1 / time^2", "omega^2; negative: the state is not stable"),
     field("omega", &RecordedVibrationMode::omega, "radian / time", "zero where omega^2 is negative"),
     field("frequency", &RecordedVibrationMode::frequency, "1 / time", "omega / (2 pi): Hz where seconds are the unit"),
+    field("growth", &RecordedVibrationMode::growth, "1 / time",
+          "a disturbance grows as exp(growth t); negative: it decays so", Kept::if_known),
     field("modal_mass", &RecordedVibrationMode::modal_mass, "mass",
           "twice the kinetic energy of the mode at unit rate"),
     field("participation_x", &RecordedVibrationMode::participation_x, "",

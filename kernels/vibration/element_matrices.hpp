@@ -3,6 +3,7 @@
 /// the mass has been added.
 #pragma once
 
+#include "kernels/condensation/line_fields_tangent.hpp"
 #include "kernels/condensation/tangent.hpp"
 
 namespace mixbeam {
@@ -109,6 +110,33 @@ struct ElementMatrices {
       add_end_tangent(end, EndRotation<K>(end, in, kinematics, layout, reference), moments, system);
     add_moment_strain(moments, columns);
     add_geometric(system, columns);
+  }
+
+  /// Adds what the loads along the element add to the rows of all motions, theory (25); not symmetric.
+  void add_loads(const ElementInput<double>& in, const ElementFields<>& fields, const MotionRows& loads) const {
+    const ElementKinematics<K> kinematics(in, layout);
+    const MotionColumns<K> columns{transpose(kinematics.triad), 1.0 / kinematics.length};
+    ReducedSystem<K> none;
+    none.clear();
+    FullSystem<K> system(none, [](double x) { return x; });
+    MeanRows<K, double> mean;
+    add_field_tangent(fields, kinematics, tables, system, mean);
+    const auto block = [](const auto& matrix, int I, int J) {
+      Mat m{};
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) m(i, j) = matrix[3 * I + i][3 * J + j];
+      return m;
+    };
+    for (int I = 0; I < Blocks::kCount; ++I)
+      for (int J = 0; J < Blocks::kCount; ++J)
+        columns.spread(J, block(system.matrix, I, J), [&](int column, const Mat& half) {
+          columns.spread(I, transpose(half),
+                         [&](int row, const Mat& part) { loads.add(row, column, transpose(part)); });
+        });
+    for (int J = 0; J < K && mean.used; ++J)
+      columns.spread(J, 0.5 * (kinematics.triad * block(mean.row, 0, J)), [&](int column, const Mat& part) {
+        for (int end = 0; end < 2; ++end) loads.add(MotionColumns<K>::kInterior + 6 * end, column, part);
+      });
   }
 
  private:

@@ -72,6 +72,17 @@ void solve_factors(const double* a, int n, const int* pivots, double* x) {
   }
 }
 
+/// The same with the transpose.
+void solve_transposed_factors(const double* a, int n, const int* pivots, double* x) {
+  for (int k = 0; k < n; ++k) {
+    for (int i = 0; i < k; ++i) x[k] -= a[i * n + k] * x[i];
+    x[k] /= a[k * n + k];
+  }
+  for (int k = n - 1; k >= 0; --k)
+    for (int i = k + 1; i < n; ++i) x[k] -= a[i * n + k] * x[i];
+  for (int k = n - 1; k >= 0; --k) std::swap(x[k], x[pivots[k]]);
+}
+
 /// Velocities times roots of mass and weight.
 void scale_velocities(const double* mass, int points, const double* weight, double length, int columns, double* rows) {
   for (int q = 0; q < points; ++q, mass += kMassNumbers, rows += 6 * columns) {
@@ -105,9 +116,9 @@ struct VibrationLoop {
     std::fill_n(strain, stresses * kMotions, 0.0);
     std::fill_n(momentum, velocities * kMotions, 0.0);
     const ElementInput<double> in = input(e);
-    ElementMatrices<K>{
-        tables, block.interior, block.reference_layout, {strain, kMotions}, {matrix, kMotions}, {momentum, kMotions}}
-        .evaluate(in);
+    const ElementMatrices<K> matrices{
+        tables, block.interior, block.reference_layout, {strain, kMotions}, {matrix, kMotions}, {momentum, kMotions}};
+    matrices.evaluate(in);
     const double length = block.reference(e, 0);
     scale_velocities(&vibrating.mass(e, 0), K + 1, tables.moment_weight, length, kMotions, momentum);
     set_compliance(e, length);
@@ -118,8 +129,10 @@ struct VibrationLoop {
         const double factor = shift * momentum[v * kMotions + i];
         for (int j = 0; j < kMotions; ++j) matrix[i * kMotions + j] += factor * momentum[v * kMotions + j];
       }
+    const bool unsymmetric = vibrating.left.extent(0) > 0 && block.is_unsymmetric(e);
+    if (unsymmetric) matrices.add_loads(in, fields(e), {matrix, kMotions});
     if (counts) count(e, matrix);
-    condense(e, matrix);
+    condense(e, matrix, unsymmetric);
   }
 
  private:
@@ -135,6 +148,12 @@ struct VibrationLoop {
     in.interior = state.interior.data() + block.unknowns_at()(e);
     in.reference = &block.reference(e, 0);
     return in;
+  }
+  ElementFields<> fields(int e) const {
+    ElementFields<> result;
+    for (int i = 0; i < kLineFields; ++i)
+      if (const int row = vibrating.block.field_row(e, i); row >= 0) result.values[i] = &structure.field_value(row, 0);
+    return result;
   }
   void set_compliance(int e, double length) const {
     const ElementBlock& block = vibrating.block;
@@ -172,7 +191,7 @@ struct VibrationLoop {
     const InteriorSigns signs = count_negative<kInterior, kInterior>(interior);
     vibrating.negative(e) = signs.uncertain ? kUncertainCount : signs.negative;
   }
-  void condense(int e, const double* matrix) const {
+  void condense(int e, const double* matrix, bool unsymmetric) const {
     double *factors = &vibrating.factors(e, 0), *response = &vibrating.response(e, 0);
     int* pivots = &vibrating.pivots(e, 0);
     for (int i = 0; i < kInterior; ++i)
@@ -184,6 +203,12 @@ struct VibrationLoop {
       solve_factors(factors, kInterior, pivots, x);
       for (int i = 0; i < kInterior; ++i) response[i * 12 + c] = x[i];
     }
+    for (int c = 0; c < 12 && vibrating.left.extent(0) > 0; ++c) {
+      double x[kInterior];
+      for (int i = 0; i < kInterior; ++i) x[i] = -matrix[(kInterior + c) * kMotions + i];
+      solve_transposed_factors(factors, kInterior, pivots, x);
+      for (int i = 0; i < kInterior; ++i) vibrating.left(e, i * 12 + c) = x[i];
+    }
     double condensed[12][12];
     for (int r = 0; r < 12; ++r)
       for (int c = 0; c < 12; ++c) {
@@ -193,7 +218,8 @@ struct VibrationLoop {
       }
     double* out = &tangent(vibrating.block.first_element + e, 0);
     for (int r = 0; r < 12; ++r)
-      for (int c = 0; c < 12; ++c) out[12 * r + c] = 0.5 * (condensed[r][c] + condensed[c][r]);
+      for (int c = 0; c < 12; ++c)
+        out[12 * r + c] = unsymmetric ? condensed[r][c] : 0.5 * (condensed[r][c] + condensed[c][r]);
   }
 };
 
@@ -238,6 +264,8 @@ VibratingBlock allocate_vibrating_block(const ElementBlock& block) {
   made.excess = KernelView<double**>("mixbeam::vibration::excess", count, numbers);
   made.factors = KernelView<double**>("mixbeam::vibration::factors", count, n * n);
   made.response = KernelView<double**>("mixbeam::vibration::response", count, 12 * n);
+  for (int e = 0; e < count && made.left.extent(0) == 0; ++e)
+    if (block.is_unsymmetric(e)) made.left = KernelView<double**>("mixbeam::vibration::left", count, 12 * n);
   made.pivots = KernelView<int**>("mixbeam::vibration::pivots", count, n);
   made.negative = KernelView<int*>("mixbeam::vibration::negative", count);
   return made;
@@ -291,7 +319,8 @@ void condense_rows(const VibratingBlock& vibrating, const KernelView<const doubl
     eliminate_stresses(vibrating, e, layout, rows, motions);
     double* out = &vertex(vibrating.block.first_element + e, 0);
     for (int i = 0; i < 12; ++i) out[i] += motions[layout.interior() + i];
-    add_transposed_product(&vibrating.response(e, 0), layout.interior(), 12, 12, motions, out);
+    const KernelView<double**>& from = vibrating.left.extent(0) > 0 ? vibrating.left : vibrating.response;
+    add_transposed_product(&from(e, 0), layout.interior(), 12, 12, motions, out);
   });
 }
 

@@ -3,8 +3,9 @@
 ///
 /// Rows of G are velocities at the k + 1 moment points times roots of weight and mass, so that T = 1/2 |G dx|^2, theory
 /// (71) ("momenta": both sides of G have the unit sqrt(mass) * velocity). The equations are
-///   stresses:  D dx - S dN = -r,     motions:  D^T dN + (H + shift G^T G) dx = f,
-/// D, H, S as in element_matrices.hpp. S is the capped compliance; excess_rows() tells what it is too large by.
+///   stresses:  D dx - S dN = -r,     motions:  D^T dN + (H + B + shift G^T G) dx = f,
+/// D, H, S as in element_matrices.hpp, B of loads along the element without a potential. S is the capped compliance;
+/// excess_rows() tells what it is too large by.
 #pragma once
 
 #include "kernels/loops/block.hpp"
@@ -23,6 +24,7 @@ struct VibratingBlock {
   KernelView<double**> geometric{};                    ///< H
   KernelView<double**> compliance{}, own{}, excess{};  ///< inverse of the capped S; the true one; their difference
   KernelView<double**> factors{}, response{};          ///< L U of the interior; its motion by those of the vertices
+  KernelView<double**> left{};                         ///< as response, of the transpose; empty: all are symmetric
   KernelView<int**> pivots{};                          ///< rows exchanged
   KernelView<int*> negative{};                         ///< pivots below zero of the interior; kUncertainCount
   VibrationLayout layout() const { return {block.order, block.interior.force_points}; }
@@ -31,8 +33,8 @@ struct VibratingBlock {
 /// Room for the elements of a block; `mass` is to be filled.
 VibratingBlock allocate_vibrating_block(const ElementBlock& block);
 
-/// Condenses K + shift M at a state. `structure`: sections with the cap. `tangent`: (local element, kFullTangent).
-/// Counts the interiors, theory (47), where asked: otherwise VibratingBlock::negative stays as it is.
+/// Condenses K + shift M at a state. `structure`: sections with the cap, line fields. `tangent`: (local element,
+/// kFullTangent). Counts the interiors, theory (47), where asked: otherwise VibratingBlock::negative stays as it is.
 void evaluate_vibration(const VibratingBlock& vibrating, const StructureViews& structure, const StateViews& state,
                         double shift, bool counts, const KernelView<double**>& tangent);
 

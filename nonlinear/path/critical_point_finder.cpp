@@ -9,7 +9,10 @@
 
 namespace mixbeam {
 
-const char* name_of(CriticalKind kind) { return kind == CriticalKind::limit_point ? "limit point" : "bifurcation"; }
+const char* name_of(CriticalKind kind) {
+  if (kind == CriticalKind::flutter) return "flutter";
+  return kind == CriticalKind::limit_point ? "limit point" : "bifurcation";
+}
 
 namespace {
 

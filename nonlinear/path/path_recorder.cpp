@@ -17,6 +17,8 @@ PathRecorder::PathRecorder(const Teuchos::RCP<BeamProblem>& problem, const Solve
   looks_at_end_ = looks && problem->iterates();
   if (!problem->iterates() && (reports_stability_ || vertices <= kVerticesForStability))
     stability_ = std::make_unique<Stability>(*problem);
+  if (parameters.analysis.modes.number > 0 && may_lack_potential(problem->model.scene()))
+    flutter_ = std::make_unique<FlutterFinder>(problem, parameters);
   if (!control.resume) return;
   started_ = true;
   result.steps = control.resume->step;
@@ -90,9 +92,10 @@ void PathRecorder::converged(const ConvergedStep& step) {
     report.stability = step.stability;
     report.held_stability = step.held_stability;
     report.critical_points = std::move(passed_);
-    critical_points_ += static_cast<int>(report.critical_points.size());
   }
   passed_.clear();
+  if (flutter_) add_flutter(report);
+  critical_points_ += static_cast<int>(report.critical_points.size());
   report.jump = std::exchange(jump_, std::nullopt);
   jumps_ += report.jump ? 1 : 0;
   if (looks_at_end_ && is_end_of_stage(report.load_factor, stage_))
@@ -112,6 +115,16 @@ void PathRecorder::converged(const ConvergedStep& step) {
   const bool at_end = !is_controlled_ && report.load_factor >= problem_->model.scene().stages;
   if (!at_end && control_.stop && control_.stop()) throw PathInterrupted();
   clock.run(piece);
+}
+
+/// Where loads have formulas no load factor between two states stands for them.
+void PathRecorder::add_flutter(StepReport& report) {
+  if (problem_->model.clock().piece()) return;
+  const std::optional<CriticalPoint> point = flutter_->passed(state_, report.load_factor);
+  if (!point) return;
+  if (result_.lost_at.empty())
+    result_.lost_at = std::string(name_of(point->kind)) + " at load factor " + rounded(point->load_factor, 6);
+  report.critical_points.push_back(*point);
 }
 
 void PathRecorder::rejected(const std::string& cause, int iterations) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "nonlinear/newton/newton_setup.hpp"
+#include "nonlinear/path/flutter_finder.hpp"
 #include "nonlinear/path/load_path.hpp"
 #include "nonlinear/path/step_size.hpp"
 
@@ -79,6 +80,7 @@ class PathRecorder {
 
  private:
   void keep(const ConvergedStep& step);
+  void add_flutter(StepReport& report);
   PathPoint point(const ConvergedStep& step, const std::optional<StabilityResult>& stability) const;
 
   Teuchos::RCP<BeamProblem> problem_;
@@ -88,6 +90,7 @@ class PathRecorder {
   LoadPathResult& result_;
   SolveRecord record_;
   std::unique_ptr<Stability> stability_;
+  std::unique_ptr<FlutterFinder> flutter_;  ///< where the scene asks for modes and loads may lack a potential
   bool reports_stability_ = false;
   bool looks_at_end_ = false;  ///< of each stage, in place of counts in every step
   int stage_ = 1;

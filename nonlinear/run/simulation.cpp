@@ -192,6 +192,7 @@ RecordedCriticalPoint Simulation::record(const CriticalPoint& point, int points_
   record.negative_before = point.negative_before;
   record.negative_after = point.negative_after;
   record.modes = point.modes;
+  record.omega = point.omega;
   for (const MemberSamples& member : sample_own_elements(scene(), model(), state_, points_per_element)) {
     record.position.insert(record.position.end(), member.position.begin(), member.position.end());
     record.displacement.insert(record.displacement.end(), member.displacement.begin(), member.displacement.end());
@@ -248,12 +249,24 @@ std::vector<RecordedBucklingMode> Simulation::buckling_modes(int count, int poin
   return recorded;
 }
 
+namespace {
+
+/// omega and the rate of growth: exp(i omega t) of omega^2 below zero or complex grows, or decays with the conjugate.
+std::complex<double> root_of(const VibrationMode& mode) {
+  const std::complex<double> root = std::sqrt(std::complex<double>(mode.pair.eigenvalue, mode.imaginary));
+  return {std::abs(root.real()), root.imag()};
+}
+
+}  // namespace
+
 std::vector<RecordedVibrationMode> Simulation::vibration_modes(int count, bool in_plane, int points_per_element) const {
   std::vector<RecordedVibrationMode> recorded;
   for (const VibrationMode& mode : mixbeam::vibration_modes(*problem_, state_, load_factor_, count, in_plane)) {
     RecordedVibrationMode& record = recorded.emplace_back();
     record.eigenvalue = mode.pair.eigenvalue;
-    record.omega = std::sqrt(std::max(0.0, mode.pair.eigenvalue));
+    const std::complex<double> omega = root_of(mode);
+    record.omega = omega.real();
+    record.growth = omega.imag();
     record.frequency = record.omega / (2.0 * kPi);
     record.modal_mass = mode.modal_mass;
     record.participation_x = mode.participation[0];
@@ -271,7 +284,7 @@ double Simulation::natural_frequency(int mode) const {
   const std::vector<VibrationMode> modes =
       mixbeam::vibration_modes(*problem_, state_, load_factor_, asked.number, asked.in_plane);
   if (mode > static_cast<int>(modes.size())) return std::numeric_limits<double>::quiet_NaN();
-  return std::sqrt(std::max(0.0, modes[mode - 1].pair.eigenvalue)) / (2.0 * kPi);
+  return root_of(modes[mode - 1]).real() / (2.0 * kPi);
 }
 
 /// Derivative of the positions along the mode, by a central difference.

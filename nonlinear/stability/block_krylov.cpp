@@ -122,9 +122,10 @@ class KrylovSpace {
     std::vector<RitzPair> pairs;
     for (int k = 0; k < std::min(m, wanted_); ++k) {
       const int i = order[k];
-      const int column = im[i] < 0.0 ? i - 1 : i;  // LAPACK: real part in the column of the first of a pair
-      pairs.push_back(pair_of(re[i], im[i], &vectors[static_cast<size_t>(column) * m]));
-      if (im[i] != 0.0) pairs.back().residual = complex_residual(re[i], std::abs(im[i]), &vectors[column * size_t(m)]);
+      pairs.push_back(
+          pair_of(re[i], im[i], &vectors[static_cast<size_t>(i) * m]));  // LAPACK: real part, imaginary part
+      const int first = im[i] < 0.0 ? i - 1 : i;
+      if (im[i] != 0.0) pairs.back().residual = complex_residual(re[i], std::abs(im[i]), &vectors[first * size_t(m)]);
     }
     return pairs;
   }

@@ -26,8 +26,9 @@ struct KrylovProblem {
 
 struct RitzPair {
   double value = 0.0, imaginary = 0.0;
-  std::vector<double> vector;  ///< of unit length in the inner product; real part of a complex one
-  double residual = 0.0;       ///< |A x - value x| / |value|
+  /// Of unit length in the inner product; of a complex pair the real part, and with its conjugate the imaginary one.
+  std::vector<double> vector;
+  double residual = 0.0;  ///< |A x - value x| / |value|
   /// Of the value, divided by it: the residual or, where the operator is symmetric and other values keep away, its
   /// square over their distance.
   double error = 0.0;

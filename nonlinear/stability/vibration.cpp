@@ -24,6 +24,10 @@ constexpr int kMostShifts = 4;
 constexpr double kRigid = 1e-12;
 /// Eigenvalues 1 / (omega^2 + shift) below this share of the largest one are those of motions without mass.
 constexpr double kMassless = 1e-13;
+/// Residuals of pairs whose operator is not symmetric: eigenvalues have no square of them, and where two meet the root.
+constexpr double kOfUnsymmetric = 1e-13;
+/// Residuals up to which such a pair counts as found: near a double value rounding leaves its root.
+constexpr double kFound = 1e-7;
 /// The cap is taken out of each solution, so that a low one, which leaves less of rounding, serves best: 3e-12 times
 /// cap times elements of a mode, whose square is the error of omega^2. Counts keep the cap: it lowers omega^2 by 3e-5
 /// there.
@@ -41,15 +45,15 @@ class Vibration {
     for (int i = 0; i < kMostShifts; ++i) {
       operator_.factorize(shift, kCapOfVibration, false);
       found.clear();
-      for (const RitzPair& pair : ritz_pairs(wanted)) found.push_back(completed(pair));
+      for (const RitzPair& pair : ritz_pairs(wanted)) found.push_back(completed(pair, shift));
       const double lowest = lowest_elastic(found, shift);
       if (lowest == 0.0 || (shift >= kLeastShift * lowest && shift <= kMostShift * lowest)) break;
       shift = kShift * lowest;
     }
     std::stable_sort(found.begin(), found.end(), [](const VibrationMode& a, const VibrationMode& b) {
-      return a.pair.eigenvalue < b.pair.eigenvalue;
+      return a.pair.eigenvalue < b.pair.eigenvalue;  // the positive imaginary part first, as they come
     });
-    confirm(found, count, wanted);
+    if (operator_.symmetric()) confirm(found, count, wanted);
     if (static_cast<int>(found.size()) > count) found.resize(count, found.front());
     return found;
   }
@@ -72,7 +76,7 @@ class Vibration {
   static double lowest_elastic(const std::vector<VibrationMode>& found, double shift) {
     double lowest = 0.0;
     for (const VibrationMode& mode : found) {
-      const double size = std::abs(mode.pair.eigenvalue);
+      const double size = std::hypot(mode.pair.eigenvalue, mode.imaginary);
       if (size > kRigid * shift && (lowest == 0.0 || size < lowest)) lowest = size;
     }
     return lowest;
@@ -81,6 +85,8 @@ class Vibration {
   std::vector<RitzPair> ritz_pairs(int wanted) {
     KrylovProblem eigen;
     eigen.unknowns = operator_.masses().momenta();
+    eigen.symmetric = operator_.symmetric();
+    if (!eigen.symmetric) eigen.tolerance = kOfUnsymmetric;
     eigen.width = std::max(kLeastBlock, (wanted + kBlocksOfModes - 1) / kBlocksOfModes);
     eigen.apply = [&](double* block, int columns) {
       for (int j = 0; j < columns; ++j) {
@@ -91,18 +97,19 @@ class Vibration {
     };
     std::vector<RitzPair> pairs = largest_eigenpairs(eigen, wanted);
     double largest = 0.0;
-    for (const RitzPair& pair : pairs) largest = std::max(largest, std::abs(pair.value));
+    const auto size = [](const RitzPair& pair) { return std::hypot(pair.value, pair.imaginary); };
+    for (const RitzPair& pair : pairs) largest = std::max(largest, size(pair));
     pairs.erase(std::remove_if(pairs.begin(), pairs.end(),
-                               [&](const RitzPair& pair) { return !(std::abs(pair.value) > kMassless * largest); }),
+                               [&](const RitzPair& pair) { return !(size(pair) > kMassless * largest); }),
                 pairs.end());
     return pairs;
   }
 
   /// One more solution makes the mode, and its Rayleigh quotient the eigenvalue: with compliances in place of
   /// stiffnesses, in whose rounding small eigenvalues would be lost.
-  VibrationMode completed(const RitzPair& pair) {
+  VibrationMode completed(const RitzPair& pair, double shift) {
     VibrationOperator::Response found = operator_.respond(pair.vector.data());
-    VibrationMode mode{{0.0, std::move(found.motion)}, 0.0, {}};
+    VibrationMode mode{{0.0, std::move(found.motion)}, 0.0, 0.0, {}};
     std::vector<double> momenta = operator_.momenta_of(mode.pair.mode);
     const double outside = number_of_root(operator_.unknowns().root(), [&] {
       std::vector<double> force(found.y.size());
@@ -112,12 +119,21 @@ class Vibration {
     mode.pair.eigenvalue =
         (operator_.masses().stiffness_form(mode.pair.mode) + outside) / dot_product(momenta, momenta);
     mode.pair.error = pair.residual;
+    if (!operator_.symmetric()) take_value(pair, shift, mode);
     normalize_mode(operator_.model(), mode.pair.mode);
     momenta = operator_.momenta_of(mode.pair.mode);
     mode.modal_mass = dot_product(momenta, momenta);
     for (int axis = 0; axis < 3; ++axis)
       mode.participation[axis] = dot_product(momenta, translation_[axis]) / mode.modal_mass;
     return mode;
+  }
+
+  /// Without symmetry: from the pair itself.
+  static void take_value(const RitzPair& pair, double shift, VibrationMode& mode) {
+    const double size = pair.value * pair.value + pair.imaginary * pair.imaginary;
+    mode.pair.eigenvalue = pair.value / size - shift;
+    mode.imaginary = pair.imaginary == 0.0 ? 0.0 : -pair.imaginary / size;
+    mode.pair.converged = pair.residual <= kFound;
   }
 
   /// Counts what lies below a gap behind the modes asked for.

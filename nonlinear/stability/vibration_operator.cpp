@@ -20,10 +20,6 @@ constexpr int kMostCapSolves = 12;
 /// Rounding of a solve beyond which it is refined, and refused: share of the sum of the terms of a row.
 constexpr double kRefined = 1e-14, kRefused = 1e-9;
 
-[[noreturn]] void refuse_loads() {
-  throw LinearSolverError("modes need loads with a potential: dead forces, prescribed motions, no follower loads");
-}
-
 }  // namespace
 
 VibrationOperator::VibrationOperator(BeamProblem& problem, const State& state, double load_factor, bool in_plane)
@@ -33,11 +29,7 @@ VibrationOperator::VibrationOperator(BeamProblem& problem, const State& state, d
       residual_(model_.create_vector()),
       point_(mixed_residual(model_, state, load_factor, residual_)),
       unknowns_(model_),
-      masses_(model_, in_plane_) {
-  for (const ElementBlock& block : model_.structure().blocks)
-    for (int e = 0; e < block.count; ++e)
-      if (block.is_unsymmetric(e)) refuse_loads();
-}
+      masses_(model_, in_plane_) {}
 
 void VibrationOperator::Response::add(double factor, const Response& other) {
   motion.update(factor, other.motion, 1.0);
@@ -53,14 +45,19 @@ void VibrationOperator::linearize(double shift, double raise, bool counts) {
 long VibrationOperator::factorize(double shift, double raise, bool counts) {
   linearize(shift, raise, counts);
   unknowns_.reduce(*tangent_, [&](const VertexMatrix& matrix) { masses_.gather(*tangent_, shift, matrix); });
-  double negative = number_of_root(unknowns_.root(), [&] {
+  constexpr double kNotSymmetric = -1.0;
+  const double negative = number_of_root(unknowns_.root(), [&] {
     const SparseMatrix& matrix = unknowns_.matrix();
     if (matrix.rows() == 0) return 0.0;
-    if (asymmetry(matrix) > stability_limit.symmetric) return -2.0;
-    if (solver_ == nullptr) solver_ = std::make_unique<InertiaSolver>(InertiaSolver::Kind::symmetric, matrix);
-    return static_cast<double>(solver_->factorize(matrix).negative);
+    const bool symmetric = asymmetry(matrix) <= stability_limit.symmetric;
+    std::unique_ptr<InertiaSolver>& solver = symmetric ? of_symmetric_ : of_general_;
+    const auto kind = symmetric ? InertiaSolver::Kind::symmetric : InertiaSolver::Kind::general;
+    if (solver == nullptr) solver = std::make_unique<InertiaSolver>(kind, matrix);
+    const InertiaSolver::Signs signs = solver->factorize(matrix);
+    return symmetric ? static_cast<double>(signs.negative) : kNotSymmetric;
   });
-  if (negative == -2.0) refuse_loads();
+  symmetric_ = negative != kNotSymmetric;
+  if (!symmetric_) return -1;
   if (!counts) return static_cast<long>(negative);
   const Tangent::InteriorCount interior = masses_.interior_count();
   return interior.uncertain ? -1 : static_cast<long>(negative) + interior.negative;
@@ -85,7 +82,8 @@ VibrationOperator::Response VibrationOperator::solve(const MixedVector& rows) {
 void VibrationOperator::solve_reduced(std::vector<double>& y) {
   if (y.empty()) return;
   const std::vector<double> given = y;
-  solver_->solve(y.data(), 1);
+  InertiaSolver& solver = symmetric_ ? *of_symmetric_ : *of_general_;
+  solver.solve(y.data(), 1);
   for (int pass = 0;; ++pass) {
     std::vector<double> left = given;
     const double error = rest(y, left);
@@ -93,7 +91,7 @@ void VibrationOperator::solve_reduced(std::vector<double>& y) {
     if (pass > 0 && !(error <= kRefused))
       throw LinearSolverError("the equations of vibration were not solved: backward error " + shortest(error));
     if (pass > 0) return;
-    solver_->solve(left.data(), 1);
+    solver.solve(left.data(), 1);
     add_multiple(1.0, left, y);
   }
 }

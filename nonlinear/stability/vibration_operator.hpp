@@ -33,9 +33,12 @@ class VibrationOperator {
 
   /// Condenses K + shift M of the elements, with the cap raised by a factor. `counts`: as TangentKind::counts_interior.
   void linearize(double shift, double raise, bool counts);
-  /// Also reduces and factorises it. Returns the number of its negative eigenvalues, -1 where they are uncertain;
-  /// without `counts` those inside of elements are left out.
+  /// Also reduces and factorises it, without symmetry where loads have no potential. Returns the number of its negative
+  /// eigenvalues, -1 where they are uncertain or not real; without `counts` those inside of elements are left out.
   long factorize(double shift, double raise, bool counts);
+
+  /// Whether the loads have a potential in the last factors.
+  bool symmetric() const { return symmetric_; }
 
   /// What springs, loads and constraints add to K (rank 0).
   SparseMatrix outside();
@@ -58,7 +61,8 @@ class VibrationOperator {
   IndependentUnknowns unknowns_;
   Masses masses_;
   std::optional<Tangent> tangent_;
-  std::unique_ptr<InertiaSolver> solver_;
+  std::unique_ptr<InertiaSolver> of_symmetric_, of_general_;  ///< rank 0
+  bool symmetric_ = true;
 };
 
 }  // namespace mixbeam

@@ -128,11 +128,31 @@ TEST_P(Vibration, StiffnessIsThatOfTheTangent) {
   expect_tangent_of_newton(general_block(general, 1e4, 1e4), "rigid components");
 }
 
+TEST_P(Vibration, LoadsAlongTheElementAddToTheStiffness) {
+  for (const LineField kind : {LineField::dead_couple, LineField::follower_force, LineField::follower_couple}) {
+    ElementSample sample = random_sample({GetParam(), ForceIntegration::both_reduced, 15});
+    add_fields(sample.element, bit(kind), 16);
+    const SampleBlock samples({sample}, true);
+    expect_tangent_of_newton(samples, "field " + std::to_string(static_cast<int>(kind)));
+    const VibratingSample made{samples};
+    double asymmetry = 0.0, largest = 0.0;
+    for (int i = 0; i < 12; ++i)
+      for (int j = 0; j < 12; ++j) {
+        const double here = made.tangent(samples.element_row(0), 12 * i + j);
+        asymmetry = std::max(asymmetry, std::abs(here - made.tangent(samples.element_row(0), 12 * j + i)));
+        largest = std::max(largest, std::abs(here));
+      }
+    EXPECT_GT(asymmetry, 1e3 * kElimination * largest);  // the twin: without the loads it is symmetric
+  }
+}
+
 /// Under the same interior rows; Newton's are residuals, of N without weights.
 TEST_P(Vibration, RecoversAsTheTangent) {
   GeneralSample general = general_sample(GetParam(), 12);
+  ElementSample follower = random_sample({GetParam(), ForceIntegration::both_reduced, 17});
+  add_fields(follower.element, bit(LineField::follower_force) | bit(LineField::follower_couple), 18);
   for (const SampleBlock& samples : {SampleBlock({random_sample({GetParam(), ForceIntegration::both_reduced, 12})}),
-                                     general_block(general, kNoLimit, kNoLimit)}) {
+                                     general_block(general, kNoLimit, kNoLimit), SampleBlock({follower}, true)}) {
     const VibratingSample made{samples};
     const std::vector<double> motion = random_motion(12 + samples.increments(), 13);
     const Motion residual(samples, motion), rows(samples, motion), expected(samples, motion), found(samples, motion);
@@ -147,7 +167,12 @@ TEST_P(Vibration, RecoversAsTheTangent) {
       else if (i >= made.vibrating.layout().stresses())
         own[i] = -own[i];
     recover_motion(made.vibrating, rows.interior, residual.vertex, found.interior);
+    const KernelView<double* [12]> vertex("vertex", samples.block.first_element + 1);
+    condense_rows(made.vibrating, rows.interior, vertex);
     Difference d;
+    for (int i = 0; i < 12; ++i)
+      d.add(3 + i / 3 % 2, -vertex(samples.element_row(0), i),
+            samples.equations.condensed_residual(samples.element_row(0), i));
     for (int i = 0; i < samples.increments(); ++i)
       d.add(i < samples.block.interior.moment(0)     ? 0
             : i < made.vibrating.layout().stresses() ? 1

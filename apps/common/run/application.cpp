@@ -128,7 +128,9 @@ std::vector<CriticalPoint> stored_critical_points(Simulation& simulation, const 
                         simulation.state(),
                         simulation.model().create_vector(),
                         stored.modes};
-    if (stored.kind == name_of(CriticalKind::bifurcation)) point.kind = CriticalKind::bifurcation;
+    for (const CriticalKind kind : {CriticalKind::bifurcation, CriticalKind::flutter})
+      if (stored.kind == name_of(kind)) point.kind = kind;
+    point.omega = stored.omega;
     point.error = stored.load_factor_error;
     points.push_back(point);
   }

@@ -14,6 +14,9 @@ namespace mixbeam {
 
 namespace {
 
+/// A rate of growth below this share of the largest frequency is rounding: equal frequencies differ by its root.
+constexpr double kRealFrequency = 1e-6;
+
 MonitorTable::Quantities quantity_columns(const QuantitySet* quantities, const Scene& scene) {
   MonitorTable::Quantities columns;
   if (quantities == nullptr) return columns;
@@ -100,12 +103,26 @@ class Application::Recorder {
     if (recording_.record_observer) recording_.record_observer(step);
     if (recording_.observer) recording_.observer(running, report);
   }
+  /// Where eigenvalues of the tangent do not tell whether a state is stable, frequencies do.
+  static void judge_by_modes(StepRecord& step) {
+    if (step.vibration.empty() || step.stability.stable != "unknown") return;
+    double largest = 0.0;
+    bool grows = false, all_found = true;
+    for (const RecordedVibrationMode& mode : step.vibration) largest = std::max(largest, mode.omega);
+    for (const RecordedVibrationMode& mode : step.vibration) {
+      grows = grows || mode.growth > kRealFrequency * largest;
+      all_found = all_found && mode.confirmed;
+    }
+    if (grows || all_found) step.stability.stable = grows ? "false" : "true";
+  }
+
   StepRecord record(const Simulation& running, const StepReport& report, const ErrorEstimate* estimate) const {
     StepRecord step = running.record(report, recording_.points_per_element, points_);
     follow_reactions(points_, step);
     if (const ModesParameters& modes = parameters_.analysis.modes;
         modes.number > 0 && (modes.every_step || running.is_end_of_path(running.load_factor())))
       step.vibration = running.vibration_modes(modes.number, modes.in_plane, recording_.points_per_element);
+    judge_by_modes(step);
     if (recording_.quantities != nullptr) follow_quantities(running, report, step);
     if ((report.step == 0 || running.is_between_stages()) && parameters_.analysis.buckling_modes > 0)
       step.buckling = running.buckling_modes(parameters_.analysis.buckling_modes, recording_.points_per_element);

@@ -88,7 +88,7 @@ long long most_modes(const Scene& scene) {
   return count;
 }
 
-/// Every section has a mass, or bodies at points have all of it; loads have a potential.
+/// Every section has a mass, or bodies at points have all of it.
 void check_modes(const Application& app, const std::string& free_motions) {
   const ParameterSource& source = app.xml.source;
   if (app.solver.analysis.modes.number == 0) return;
@@ -108,12 +108,6 @@ void check_modes(const Application& app, const std::string& free_motions) {
     throw source.error(number, "value " + std::to_string(app.solver.analysis.modes.number) + ", but no more than " +
                                    std::to_string(most) +
                                    " unknowns carry mass; allowed: fewer modes, or more elements");
-  const auto follows = [](const auto& load) { return load.frame == LoadFrame::follower; };
-  if (std::any_of(app.scene.point_loads.begin(), app.scene.point_loads.end(), follows) ||
-      std::any_of(app.scene.distributed_loads.begin(), app.scene.distributed_loads.end(), follows))
-    throw source.error({"Analysis", "Modes"},
-                       "given, but a load follows the structure, so that it has no potential; "
-                       "allowed: dead forces, prescribed motions");
 }
 
 /// Before anything is checked: entries of lists may stand in tables.

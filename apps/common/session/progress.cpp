@@ -52,10 +52,18 @@ void Progress::report(const StepReport& report, double share_done) {
 }
 
 void Progress::report_critical(const CriticalPoint& point) {
-  out_ << label_
-       << formatted(": %s at load factor %s: negative eigenvalues %d before, %d after\n", name_of(point.kind),
-                    in_known_digits(point.load_factor, point.error).c_str(), point.negative_before,
-                    point.negative_after);
+  out_ << label_ << ": "
+       << critical_text(name_of(point.kind), point.load_factor, point.error, point.negative_before,
+                        point.negative_after, point.omega)
+       << "\n";
+}
+
+std::string critical_text(const std::string& kind, double load_factor, double error, int before, int after,
+                          double omega) {
+  const std::string place = kind + " at load factor " + in_known_digits(load_factor, error);
+  if (!std::isnan(omega))
+    return place + formatted(", omega %.10g: %d motions grow before, %d after", omega, before, after);
+  return place + formatted(": negative eigenvalues %d before, %d after", before, after);
 }
 
 std::string jump_text(const RecordedJump& jump) {

@@ -36,6 +36,10 @@ class Progress {
 /// "jump between load factors 0.05 and 0.0625: energy released 0.0123, vertices move by 0.11 of the length, ...".
 std::string jump_text(const RecordedJump& jump);
 
+/// "bifurcation at load factor 1.234: negative eigenvalues 0 before, 1 after". `omega`: of flutter, NaN for others.
+std::string critical_text(const std::string& kind, double load_factor, double error, int before, int after,
+                          double omega);
+
 /// " 0.50000", and with an exponent where five decimals would hide it or its digits would fill the line: "4.5e-06";
 /// "unknown" for what is no number.
 std::string load_factor_text(double load_factor);

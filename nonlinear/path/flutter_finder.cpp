@@ -1,0 +1,177 @@
+#include "nonlinear/path/flutter_finder.hpp"
+
+#include "nonlinear/linear/linear_solver.hpp"
+#include "nonlinear/path/thresholds.hpp"
+#include "nonlinear/stability/vibration.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace mixbeam {
+
+namespace {
+
+/// Frequencies that are looked at, at least: a round column has each of them twice.
+constexpr int kLeastModes = 6;
+/// Imaginary part over the size beyond which omega^2 is complex: values that are equal differ by the root of rounding.
+constexpr double kComplex = 1e-6;
+/// Complex values within this of each other, or of the conjugate, meet together.
+constexpr double kTogether = 1e-4;
+/// Change of the load factor, over it, at which a flutter point is located: beyond, the rounding of the discriminant
+/// decides.
+constexpr double kLocated = 1e-13;
+/// Samples: ten as a rule, by halving alone 45; and on the way to the first complex values.
+constexpr int kMostSamples = 60, kMostHalvings = 20;
+
+bool is_complex(const std::complex<double>& squared) { return std::abs(squared.imag()) > kComplex * std::abs(squared); }
+
+}  // namespace
+
+bool may_lack_potential(const Scene& scene) {
+  const Vector3 none{};
+  const auto has_couple = [](const DistributedLoad& load) {
+    return load.couple != Vector3{} || std::any_of(load.couple_formula.begin(), load.couple_formula.end(),
+                                                   [](const std::string& text) { return !text.empty(); });
+  };
+  return std::any_of(scene.point_loads.begin(), scene.point_loads.end(),
+                     [&](const PointLoad& load) { return load.frame != LoadFrame::dead || load.moment != none; }) ||
+         std::any_of(scene.distributed_loads.begin(), scene.distributed_loads.end(),
+                     [&](const DistributedLoad& load) { return load.frame != LoadFrame::dead || has_couple(load); });
+}
+
+FlutterFinder::FlutterFinder(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters)
+    : problem_(problem),
+      asked_(parameters.analysis.modes),
+      corrector_(problem, parameters, record_, NewtonPurpose::check) {}
+
+int FlutterFinder::Sample::complex_values() const {
+  return static_cast<int>(std::count_if(squared.begin(), squared.end(), is_complex));
+}
+
+std::complex<double> FlutterFinder::Cluster::mean(const Sample& sample) const {
+  const auto begin = sample.squared.begin() + static_cast<std::ptrdiff_t>(first);
+  return std::accumulate(begin, begin + static_cast<std::ptrdiff_t>(count), std::complex<double>{}) /
+         static_cast<double>(count);
+}
+
+int FlutterFinder::Sample::growing() const {
+  return complex_values() / 2 +
+         static_cast<int>(std::count_if(squared.begin(), squared.end(), [](const std::complex<double>& z) {
+           return !is_complex(z) && z.real() < 0.0;
+         }));
+}
+
+/// The variance over the square of the mean: of two values a quarter of the square of their difference, real also
+/// where they are not; smooth where they meet.
+double FlutterFinder::Cluster::discriminant(const Sample& sample) const {
+  const std::complex<double> mean = this->mean(sample);
+  std::complex<double> sum{};
+  for (size_t i = first; i < first + count; ++i) sum += (sample.squared[i] - mean) * (sample.squared[i] - mean);
+  return sum.real() / std::norm(mean);
+}
+
+FlutterFinder::Sample FlutterFinder::look(const State& state, double load_factor) const {
+  Sample sample{state, load_factor};
+  const int count = std::max(kLeastModes, asked_.number);
+  for (VibrationMode& mode : vibration_modes(*problem_, state, load_factor, count, asked_.in_plane)) {
+    sample.squared.emplace_back(mode.pair.eigenvalue, mode.imaginary);
+    sample.modes.push_back(std::move(mode.pair.mode));
+  }
+  return sample;
+}
+
+std::optional<FlutterFinder::Sample> FlutterFinder::between(const Sample& from, double load_factor) {
+  const Correction found =
+      corrector_.at_load(from.state, load_factor, static_cast<int>(path_limit.most_iterations_nearby));
+  record_.clear();
+  if (!found.converged) return std::nullopt;
+  return look(found.state, load_factor);
+}
+
+/// The complex ones with the lowest frequency, and those equal to them.
+FlutterFinder::Cluster FlutterFinder::cluster_of(const Sample& sample) {
+  const auto& all = sample.squared;
+  const size_t first = static_cast<size_t>(std::find_if(all.begin(), all.end(), is_complex) - all.begin());
+  const auto belongs = [&](const std::complex<double>& z) {
+    const double distance = std::min(std::abs(z - all[first]), std::abs(std::conj(z) - all[first]));
+    return is_complex(z) && distance <= kTogether * std::abs(all[first]);
+  };
+  Cluster cluster{first, 0};
+  while (first + cluster.count < all.size() && belongs(all[first + cluster.count])) ++cluster.count;
+  return cluster;
+}
+
+/// Between `low` and a state in which more motions grow a sample with more complex values, and `low` next to it: two
+/// values may have met, parted again below zero, and be real at the end of a step. None where they pass zero alone.
+std::optional<FlutterFinder::Sample> FlutterFinder::first_complex(Sample& low, Sample high) {
+  for (int i = 0; i < kMostHalvings && high.growing() > low.growing(); ++i) {
+    if (high.complex_values() > low.complex_values()) return high;
+    if (high.growing() == low.growing() + 1) return std::nullopt;
+    std::optional<Sample> middle = between(low, 0.5 * (low.load_factor + high.load_factor));
+    if (!middle || middle->squared.size() != low.squared.size()) return std::nullopt;
+    (middle->growing() > low.growing() ? high : low) = std::move(*middle);
+  }
+  return std::nullopt;
+}
+
+/// Secants that keep the bracket (rule of false position, Illinois).
+std::optional<CriticalPoint> FlutterFinder::locate(Sample low, Sample high) {
+  const int at_low = low.complex_values();
+  Cluster cluster = cluster_of(high);
+  double of_low = cluster.discriminant(low), of_high = cluster.discriminant(high);
+  double here = high.load_factor, change = HUGE_VAL;
+  for (int i = 0; i < kMostSamples; ++i) {
+    const bool is_bracket = of_low > 0.0 && of_high < 0.0;
+    const double middle = 0.5 * (low.load_factor + high.load_factor);
+    double next =
+        is_bracket ? high.load_factor - of_high * (high.load_factor - low.load_factor) / (of_high - of_low) : middle;
+    if (!(next > low.load_factor && next < high.load_factor)) next = middle;
+    change = std::abs(next - here);
+    here = next;
+    if (change <= kLocated * std::abs(here) || next == low.load_factor || next == high.load_factor) break;
+    std::optional<Sample> sample = between(low, here);
+    if (!sample || sample->squared.size() < cluster.first + cluster.count) return std::nullopt;
+    if (sample->complex_values() > at_low) {
+      high = std::move(*sample);
+      const Cluster seen = cluster_of(high);
+      if (seen.first != cluster.first || seen.count != cluster.count) {
+        cluster = seen;
+        of_low = cluster.discriminant(low);
+      } else {
+        of_low *= 0.5;
+      }
+      of_high = cluster.discriminant(high);
+    } else {
+      low = std::move(*sample);
+      of_low = cluster.discriminant(low);
+      of_high *= 0.5;
+    }
+  }
+  CriticalPoint point{CriticalKind::flutter,     here,       at_low / 2,
+                      high.complex_values() / 2, high.state, high.modes[cluster.first]};
+  point.modes = static_cast<int>(cluster.count);
+  point.error = change;
+  point.omega = std::sqrt(std::abs(cluster.mean(high)));
+  return point;
+}
+
+std::optional<CriticalPoint> FlutterFinder::passed(const State& state, double load_factor) {
+  try {
+    Sample here = look(state, load_factor);
+    std::optional<CriticalPoint> found;
+    if (before_ && before_->squared.size() == here.squared.size()) {
+      std::optional<Sample> end = here;
+      if (here.growing() <= before_->growing()) end = between(*before_, 0.5 * (before_->load_factor + load_factor));
+      if (end && end->growing() > before_->growing()) end = first_complex(*before_, std::move(*end));
+      if (end && end->complex_values() > before_->complex_values()) found = locate(*before_, std::move(*end));
+    }
+    before_ = std::move(here);
+    return found;
+  } catch (const LinearSolverError&) {  // no masses, or no equations that can be solved: the modes of a state tell
+    before_.reset();
+    return std::nullopt;
+  }
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,59 @@
+/// Finds the load factors at which natural frequencies meet and become complex, under loads without a potential: theory
+/// (74).
+#pragma once
+
+#include "nonlinear/path/corrector.hpp"
+#include "nonlinear/stability/critical_point.hpp"
+
+#include <complex>
+#include <optional>
+#include <vector>
+
+namespace mixbeam {
+
+/// Whether some load turns with the structure, or is a moment: then frequencies may be complex.
+bool may_lack_potential(const Scene& scene);
+
+/// Looks at each state of a path in turn, and half-way between two. Only frequencies among those that the analysis asks
+/// for, and a few more, are seen.
+class FlutterFinder {
+ public:
+  FlutterFinder(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters);
+
+  /// The first point since the state before at which more frequencies became complex. Between them states are those of
+  /// Newton's method from the one before. Without a result where no masses are, or frequencies cannot be computed.
+  /// Collective.
+  std::optional<CriticalPoint> passed(const State& state, double load_factor);
+
+ private:
+  /// Squares of frequencies about a state, in the order of vibration_modes().
+  struct Sample {
+    State state;
+    double load_factor = 0.0;
+    std::vector<std::complex<double>> squared{};
+    std::vector<MixedVector> modes{};
+
+    int complex_values() const;
+    int growing() const;  ///< pairs of complex ones, and those below zero
+  };
+  /// Those that meet: neighbours among the frequencies.
+  struct Cluster {
+    size_t first = 0, count = 0;
+    std::complex<double> mean(const Sample& sample) const;
+    double discriminant(const Sample& sample) const;
+  };
+
+  Sample look(const State& state, double load_factor) const;
+  std::optional<Sample> between(const Sample& from, double load_factor);
+  static Cluster cluster_of(const Sample& sample);
+  std::optional<Sample> first_complex(Sample& low, Sample high);
+  std::optional<CriticalPoint> locate(Sample low, Sample high);
+
+  Teuchos::RCP<BeamProblem> problem_;
+  ModesParameters asked_;
+  SolveRecord record_{};
+  Corrector corrector_;
+  std::optional<Sample> before_{};
+};
+
+}  // namespace mixbeam
