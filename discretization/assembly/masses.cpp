@@ -36,7 +36,56 @@ Masses::Masses(const Model& model, bool in_plane) : model_(&model), in_plane_(in
   of_elements_ = KernelView<double**>("mixbeam::vibration::momenta", local, stride_);
   vertex_rows_ = KernelView<double* [12]>("mixbeam::vibration::rows", local);
   place_bodies();
+  take_damping();
   if (in_plane) keep_in_plane();
+}
+
+/// That of the middle of each element.
+void Masses::take_damping() {
+  const Mesh& mesh = model_->mesh();
+  for (const Section& section : model_->scene().sections)
+    damped_ = damped_ || section.mass_damping > 0.0 || section.stiffness_damping > 0.0;
+  if (!damped_) return;
+  bool by_strain = false;
+  int member = -1;
+  SectionLaw law;
+  for (const MeshElement& element : mesh.elements) {
+    if (element.member != member) law = SectionLaw(model_->scene(), model_->scene().members[element.member]);
+    member = element.member;
+    const Section section = law.section(mesh.arc_length(element, 0.0) / mesh.members[member].curve.length);
+    damping_.push_back({section.mass_damping, section.stiffness_damping});
+    by_strain = by_strain || section.stiffness_damping > 0.0;
+  }
+  if (!by_strain) return;
+  int stride = 0;
+  for (const VibratingBlock& block : blocks_) stride = std::max(stride, block.layout().stresses());
+  strain_stride_ = static_cast<int>(maximum_over_ranks(*model_->map()->getComm(), stride));
+  strain_count_ = strain_stride_ * model_->structure().mesh_elements;
+  strains_ = KernelView<double**>("mixbeam::vibration::strains", model_->structure().local_elements(), strain_stride_);
+}
+
+std::vector<double> Masses::damped_strains_of(const MixedVector& motion) const {
+  if (strain_count_ == 0) return {};
+  const KernelView<const double* [6]> vertex = model_->local_increment(motion);
+  for (const VibratingBlock& block : blocks_) strains_of(block, vertex, motion.interior(), strains_);
+  std::vector<double> mine(strain_count_, 0.0), all(strain_count_);
+  for (const VibratingBlock& block : blocks_)
+    for (int e = 0; e < block.block.count; ++e) {
+      const ElementView element(model_->structure(), block.block, e);
+      if (!element.is_owned()) continue;
+      const double beta = damping_[element.mesh_element()][1];
+      double* out = &mine[static_cast<size_t>(strain_stride_) * element.mesh_element()];
+      for (int i = 0; i < block.layout().stresses(); ++i) out[i] = beta * strains_(element.local(), i);
+    }
+  Teuchos::reduceAll(*model_->map()->getComm(), Teuchos::REDUCE_SUM, strain_count_, mine.data(), all.data());
+  return all;
+}
+
+std::vector<double> Masses::damped_momenta(const double* momenta) const {
+  std::vector<double> damped(count_, 0.0);
+  for (size_t e = 0; e < damping_.size(); ++e)
+    for (size_t i = stride_ * e; i < stride_ * (e + 1); ++i) damped[i] = damping_[e][0] * momenta[i];
+  return damped;
 }
 
 void Masses::fill_mass(VibratingBlock& vibrating) const {
@@ -184,7 +233,8 @@ void Masses::gather_vertices(const KernelView<double*>& rows) const {
                        });
 }
 
-void Masses::condense_momenta(const State& state, const double* momenta, MixedVector& rows) const {
+void Masses::condense_momenta(const State& state, const double* momenta, MixedVector& rows,
+                              const double* strains) const {
   for_each_element(model_->structure(), [&](const ElementView& element) {
     std::copy_n(momenta + static_cast<size_t>(stride_) * element.mesh_element(), stride_,
                 &of_elements_(element.local(), 0));
@@ -192,6 +242,11 @@ void Masses::condense_momenta(const State& state, const double* momenta, MixedVe
   const KernelView<double*> interior = rows.writable_interior(false);
   for (const VibratingBlock& block : blocks_) {
     rows_of_momenta(block, of_elements_, interior, vertex_rows_);
+    for (int e = 0; e < block.block.count && strains != nullptr; ++e) {
+      const ElementView element(model_->structure(), block.block, e);
+      std::copy_n(strains + static_cast<size_t>(strain_stride_) * element.mesh_element(), block.layout().stresses(),
+                  element.increments_in(interior));
+    }
     condense_rows(block, interior, vertex_rows_);
   }
   const KernelView<double*> vertex = rows.vertex();

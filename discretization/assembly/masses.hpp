@@ -4,6 +4,8 @@
 #include "discretization/assembly/tangent.hpp"
 #include "kernels/vibration/vibration.hpp"
 
+#include <array>
+
 namespace mixbeam {
 
 /// A body at an owned local vertex.
@@ -35,7 +37,18 @@ class Masses {
   /// G dx.
   std::vector<double> momenta_of(const State& state, const MixedVector& motion) const;
   /// Rows G^T of momenta: of interiors in `rows`, with those of vertices gathered after the elimination of interiors.
-  void condense_momenta(const State& state, const double* momenta, MixedVector& rows) const;
+  /// `strains`: rows of stresses (damped_strains() numbers); null: zero.
+  void condense_momenta(const State& state, const double* momenta, MixedVector& rows,
+                        const double* strains = nullptr) const;
+
+  /// Damping C = G^T alpha G + beta D^T S^-1 D, beta times the stiffness of the material.
+  bool is_damped() const { return damped_; }
+  /// Numbers of all ranks, none where no section has a beta.
+  int damped_strains() const { return strain_count_; }
+  /// beta D dx.
+  std::vector<double> damped_strains_of(const MixedVector& motion) const;
+  /// alpha times momenta.
+  std::vector<double> damped_momenta(const double* momenta) const;
   /// Rows of vertices from interior rows alone.
   void condense_interior(MixedVector& rows) const;
   /// The interior of `motion` from its vertices and the interior rows.
@@ -51,6 +64,7 @@ class Masses {
 
  private:
   void fill_mass(VibratingBlock& vibrating) const;
+  void take_damping();
   void place_bodies();
   void keep_in_plane();
   void hold_vertices(const Tangent& at, const MatrixRows& rows) const;
@@ -65,6 +79,10 @@ class Masses {
   KernelView<double**> condensed_;        ///< (local element, kFullTangent)
   KernelView<double**> of_elements_;      ///< (local element, stride): momenta
   KernelView<double* [12]> vertex_rows_;  ///< (local element)
+  bool damped_ = false;
+  std::vector<std::array<double, 2>> damping_;  ///< (mesh element): alpha, beta
+  int strain_stride_ = 0, strain_count_ = 0;    ///< as those of momenta
+  KernelView<double**> strains_;                ///< (local element, stride)
 };
 
 }  // namespace mixbeam

@@ -41,6 +41,7 @@ struct SectionDraft {
   std::optional<double> youngs_modulus{}, poisson_ratio{};
   std::vector<double> matrix{};
   std::optional<double> mass{};
+  std::optional<std::array<double, 2>> damping{};  ///< alpha, beta
   std::optional<std::array<double, 3>> rotary_inertia{};
   std::optional<double> inertia_product{};
   std::optional<std::array<double, 2>> mass_offset{};
@@ -109,6 +110,18 @@ BoundList<SectionShape> drawn_as_parameters() {
   drawn.bind(&SectionShape::size2, real("Chord").above(0.0).required(), "Whole width along axis 2 [length].");
   drawn.bind(&SectionShape::size3, real("Thickness").above(0.0).required(), "Whole height along axis 3 [length].");
   return drawn;
+}
+
+BoundList<std::array<double, 2>> damping_parameters() {
+  BoundList<std::array<double, 2>> damping("Damping of vibrations, for Modes; static states are not damped.");
+  damping.bind(
+      [](auto& d) -> auto& { return d[0]; }, real("Alpha").at_least(0.0).by_default(),
+      "Mass proportional: forces of alpha times mass times velocity [1 / time].");
+  damping.bind(
+      [](auto& d) -> auto& { return d[1]; }, real("Beta").at_least(0.0).by_default(),
+      "Proportional to the stiffness of the material (Kelvin, Voigt): stresses of strain + beta times its rate "
+      "[time].");
+  return damping;
 }
 
 void bind_stiffnesses(BoundList<SectionDraft>& section) {
@@ -199,6 +212,7 @@ BoundList<SectionDraft> section_parameters() {
       array("Mass Offset", ParameterType::real_array, 2).at_least(-kLargestCoordinate).at_most(kLargestCoordinate),
       "With Mass: place of the centre of mass along axes 2 and 3, for Modes; zero if absent. Weight acts on "
       "the axis all the same [length].");
+  section.bind_list(&SectionDraft::damping, "Damping", damping_parameters(), Presence::optional);
   section.bind_list(&SectionDraft::stress_points, "Stress Points", stress_points_parameters(), Presence::optional);
   section.bind_list(&SectionDraft::drawn_as, "Drawn As", drawn_as_parameters(), Presence::optional);
   section.bind(&SectionDraft::inextensible, boolean("Inextensible").by_default(),
@@ -228,6 +242,10 @@ class SectionReader {
                                                     : section_from_stiffnesses();
     section.largest_strain = draft_.largest_strain;
     if (draft_.mass) read_mass(section);
+    if (draft_.damping) {
+      section.mass_damping = (*draft_.damping)[0];
+      section.stiffness_damping = (*draft_.damping)[1];
+    }
     if (draft_.stress_points) section.stress_points = checked_stress_points(section);
     section.drawn_as = draft_.drawn_as;
     return section;

@@ -67,6 +67,8 @@ struct Section {
   std::array<double, 3> rotary_inertia{};  ///< per length about axes 1, 2, 3 through the centre of mass
   double inertia_product = 0.0;            ///< per length: integral of density x2 x3
   std::array<double, 2> mass_offset{};     ///< of the centre of mass, along axes 2 and 3
+  /// Rates per mass and per material stiffness: forces alpha times momenta, and stresses of strain + beta times its rate.
+  double mass_damping = 0.0, stiffness_damping = 0.0;
   /// The shape that the numbers above come from, if any; a taper between two sections of one kind interpolates it. That
   /// of an L has a matrix too, since its axes are not the principal ones.
   std::optional<SectionShape> shape{};

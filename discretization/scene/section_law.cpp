@@ -159,6 +159,8 @@ Section interpolated_stiffness(double weight, const Section& start, const Sectio
   section.name = start.name;
   set_diagonal(section, interpolated_diagonal(weight, start, end));
   section.mass = interpolated(weight, start.mass, end.mass);
+  section.mass_damping = interpolated(weight, start.mass_damping, end.mass_damping);
+  section.stiffness_damping = interpolated(weight, start.stiffness_damping, end.stiffness_damping);
   for (int i = 0; i < 3; ++i)
     section.rotary_inertia[i] = interpolated(weight, start.rotary_inertia[i], end.rotary_inertia[i]);
   section.inertia_product = interpolated(weight, start.inertia_product, end.inertia_product);

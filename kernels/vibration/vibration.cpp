@@ -285,16 +285,33 @@ void evaluate_vibration(const VibratingBlock& vibrating, const StructureViews& s
   });
 }
 
-void momenta_of(const VibratingBlock& vibrating, const KernelView<const double* [6]>& vertex,
-                const KernelView<const double*>& interior, const KernelView<double**>& momenta) {
+namespace {
+
+/// Rows of a matrix of each element times its motions.
+void rows_times_motion(const VibratingBlock& vibrating, const KernelView<double**>& matrix, bool are_stresses,
+                       const KernelView<const double* [6]>& vertex, const KernelView<const double*>& interior,
+                       const KernelView<double**>& to) {
   for_each_of("mixbeam::vibration::momenta", vibrating, [=](int e, const VibrationLayout& layout) {
     double motions[kMostMotions];
     std::copy_n(interior.data() + vibrating.block.increments_at()(e) + layout.stresses(), layout.interior(), motions);
     load_ends(vibrating, vertex, e, motions + layout.interior());
-    double* out = &momenta(vibrating.block.first_element + e, 0);
-    std::fill_n(out, layout.velocities(), 0.0);
-    add_product(&vibrating.momentum(e, 0), layout.velocities(), layout.motions(), layout.motions(), 1.0, motions, out);
+    const int rows = are_stresses ? layout.stresses() : layout.velocities();
+    double* out = &to(vibrating.block.first_element + e, 0);
+    std::fill_n(out, rows, 0.0);
+    add_product(&matrix(e, 0), rows, layout.motions(), layout.motions(), 1.0, motions, out);
   });
+}
+
+}  // namespace
+
+void momenta_of(const VibratingBlock& vibrating, const KernelView<const double* [6]>& vertex,
+                const KernelView<const double*>& interior, const KernelView<double**>& momenta) {
+  rows_times_motion(vibrating, vibrating.momentum, false, vertex, interior, momenta);
+}
+
+void strains_of(const VibratingBlock& vibrating, const KernelView<const double* [6]>& vertex,
+                const KernelView<const double*>& interior, const KernelView<double**>& strains) {
+  rows_times_motion(vibrating, vibrating.strain, true, vertex, interior, strains);
 }
 
 void rows_of_momenta(const VibratingBlock& vibrating, const KernelView<double**>& momenta,

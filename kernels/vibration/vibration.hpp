@@ -42,6 +42,9 @@ void evaluate_vibration(const VibratingBlock& vibrating, const StructureViews& s
 /// interiors (increments).
 void momenta_of(const VibratingBlock& vibrating, const KernelView<const double* [6]>& vertex,
                 const KernelView<const double*>& interior, const KernelView<double**>& momenta);
+/// Strains (local element, VibrationLayout::stresses() at least) = D dx.
+void strains_of(const VibratingBlock& vibrating, const KernelView<const double* [6]>& vertex,
+                const KernelView<const double*>& interior, const KernelView<double**>& strains);
 /// Rows G^T times momenta: of interiors, and of both vertices of each local element (element, 12).
 void rows_of_momenta(const VibratingBlock& vibrating, const KernelView<double**>& momenta,
                      const KernelView<double*>& interior, const KernelView<double* [12]>& vertex);

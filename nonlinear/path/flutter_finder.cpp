@@ -16,13 +16,15 @@ namespace {
 constexpr int kLeastModes = 6;
 /// Imaginary part over the size beyond which omega^2 is complex: values that are equal differ by the root of rounding.
 constexpr double kComplex = 1e-6;
+/// Rate of growth over the size of the exponent beyond which a motion grows: as kComplex; of damped ones rounding.
+constexpr double kGrows = 0.5 * kComplex, kDampedGrows = 1e-13;
 /// Complex values within this of each other, or of the conjugate, meet together.
 constexpr double kTogether = 1e-4;
 /// Change of the load factor, over it, at which a flutter point is located: beyond, the rounding of the discriminant
 /// decides.
 constexpr double kLocated = 1e-13;
 /// Samples: ten as a rule, by halving alone 45; and on the way to the first complex values.
-constexpr int kMostSamples = 60, kMostHalvings = 20;
+constexpr int kMostSamples = 90, kMostHalvings = 20;
 
 bool is_complex(const std::complex<double>& squared) { return std::abs(squared.imag()) > kComplex * std::abs(squared); }
 
@@ -43,6 +45,8 @@ bool may_lack_potential(const Scene& scene) {
 FlutterFinder::FlutterFinder(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters)
     : problem_(problem),
       asked_(parameters.analysis.modes),
+      damped_(std::any_of(problem->model.scene().sections.begin(), problem->model.scene().sections.end(),
+                          [](const Section& s) { return s.mass_damping > 0.0 || s.stiffness_damping > 0.0; })),
       corrector_(problem, parameters, record_, NewtonPurpose::check) {}
 
 int FlutterFinder::Sample::complex_values() const {
@@ -56,10 +60,22 @@ std::complex<double> FlutterFinder::Cluster::mean(const Sample& sample) const {
 }
 
 int FlutterFinder::Sample::growing() const {
-  return complex_values() / 2 +
-         static_cast<int>(std::count_if(squared.begin(), squared.end(), [](const std::complex<double>& z) {
-           return !is_complex(z) && z.real() < 0.0;
-         }));
+  return static_cast<int>(std::count_if(rates.begin(), rates.end(), [](const std::complex<double>& rate) {
+    return rate.real() > kGrows * std::abs(rate);
+  }));
+}
+
+double FlutterFinder::Sample::largest_growth() const {
+  double largest = -HUGE_VAL;
+  for (const std::complex<double>& rate : rates) largest = std::max(largest, rate.real() / std::abs(rate));
+  return largest;
+}
+
+const MixedVector& FlutterFinder::Sample::grown() const {
+  size_t most = 0;
+  for (size_t i = 1; i < rates.size(); ++i)
+    if (rates[i].real() / std::abs(rates[i]) > rates[most].real() / std::abs(rates[most])) most = i;
+  return modes[most];
 }
 
 /// The variance over the square of the mean: of two values a quarter of the square of their difference, real also
@@ -75,7 +91,8 @@ FlutterFinder::Sample FlutterFinder::look(const State& state, double load_factor
   Sample sample{state, load_factor};
   const int count = std::max(kLeastModes, asked_.number);
   for (VibrationMode& mode : vibration_modes(*problem_, state, load_factor, count, asked_.in_plane)) {
-    sample.squared.emplace_back(mode.pair.eigenvalue, mode.imaginary);
+    sample.squared.push_back(-mode.rate * mode.rate);
+    sample.rates.push_back(mode.rate);
     sample.modes.push_back(std::move(mode.pair.mode));
   }
   return sample;
@@ -156,11 +173,44 @@ std::optional<CriticalPoint> FlutterFinder::locate(Sample low, Sample high) {
   return point;
 }
 
+/// Of damped motions the largest rate of growth passes zero.
+std::optional<CriticalPoint> FlutterFinder::locate_damped(Sample low, Sample high) {
+  double of_low = low.largest_growth(), of_high = high.largest_growth(), here = high.load_factor, change = HUGE_VAL;
+  double width_before = HUGE_VAL;
+  for (int i = 0; i < kMostSamples; ++i) {
+    double next = high.load_factor - of_high * (high.load_factor - low.load_factor) / (of_high - of_low);
+    const double width = high.load_factor - low.load_factor;
+    const bool halves = i % 2 == 1 && width > 0.5 * width_before;  // mass damping alone: flat, then a root
+    if (i % 2 == 1) width_before = width;
+    if (halves || !(next > low.load_factor && next < high.load_factor))
+      next = 0.5 * (low.load_factor + high.load_factor);
+    change = halves ? width : std::abs(next - here);
+    here = next;
+    if (change <= kLocated * std::abs(here) || next == low.load_factor || next == high.load_factor) break;
+    std::optional<Sample> sample = between(low, here);
+    if (!sample) return std::nullopt;
+    const double growth = sample->largest_growth();
+    const bool grows = growth > 0.0;
+    (grows ? of_high : of_low) = growth;
+    (grows ? of_low : of_high) *= 0.5;  // the end that stays
+    (grows ? high : low) = std::move(*sample);
+  }
+  CriticalPoint point{CriticalKind::flutter, here, 0, 1, high.state, high.grown()};
+  point.error = change;
+  point.omega = 0.0;
+  for (const std::complex<double>& rate : high.rates)
+    if (rate.real() / std::abs(rate) == high.largest_growth()) point.omega = rate.imag();
+  return point;
+}
+
 std::optional<CriticalPoint> FlutterFinder::passed(const State& state, double load_factor) {
   try {
     Sample here = look(state, load_factor);
     std::optional<CriticalPoint> found;
-    if (before_ && before_->squared.size() == here.squared.size()) {
+    if (damped_ && before_) {
+      if (before_->largest_growth() <= kDampedGrows && here.largest_growth() > kDampedGrows)
+        found = locate_damped(*before_, here);
+    } else if (before_ && before_->squared.size() == here.squared.size()) {
       std::optional<Sample> end = here;
       if (here.growing() <= before_->growing()) end = between(*before_, 0.5 * (before_->load_factor + load_factor));
       if (end && end->growing() > before_->growing()) end = first_complex(*before_, std::move(*end));

@@ -26,15 +26,17 @@ class FlutterFinder {
   std::optional<CriticalPoint> passed(const State& state, double load_factor);
 
  private:
-  /// Squares of frequencies about a state, in the order of vibration_modes().
+  /// Squares of frequencies about a state, in the order of vibration_modes(), or exponents of damped motions.
   struct Sample {
     State state;
     double load_factor = 0.0;
-    std::vector<std::complex<double>> squared{};
+    std::vector<std::complex<double>> squared{}, rates{};
     std::vector<MixedVector> modes{};
 
     int complex_values() const;
-    int growing() const;  ///< pairs of complex ones, and those below zero
+    int growing() const;               ///< motions
+    double largest_growth() const;     ///< rate over the size of the exponent
+    const MixedVector& grown() const;  ///< the mode that has it
   };
   /// Those that meet: neighbours among the frequencies.
   struct Cluster {
@@ -48,9 +50,11 @@ class FlutterFinder {
   static Cluster cluster_of(const Sample& sample);
   std::optional<Sample> first_complex(Sample& low, Sample high);
   std::optional<CriticalPoint> locate(Sample low, Sample high);
+  std::optional<CriticalPoint> locate_damped(Sample low, Sample high);
 
   Teuchos::RCP<BeamProblem> problem_;
   ModesParameters asked_;
+  bool damped_;
   SolveRecord record_{};
   Corrector corrector_;
   std::optional<Sample> before_{};

@@ -249,24 +249,13 @@ std::vector<RecordedBucklingMode> Simulation::buckling_modes(int count, int poin
   return recorded;
 }
 
-namespace {
-
-/// omega and the rate of growth: exp(i omega t) of omega^2 below zero or complex grows, or decays with the conjugate.
-std::complex<double> root_of(const VibrationMode& mode) {
-  const std::complex<double> root = std::sqrt(std::complex<double>(mode.pair.eigenvalue, mode.imaginary));
-  return {std::abs(root.real()), root.imag()};
-}
-
-}  // namespace
-
 std::vector<RecordedVibrationMode> Simulation::vibration_modes(int count, bool in_plane, int points_per_element) const {
   std::vector<RecordedVibrationMode> recorded;
   for (const VibrationMode& mode : mixbeam::vibration_modes(*problem_, state_, load_factor_, count, in_plane)) {
     RecordedVibrationMode& record = recorded.emplace_back();
     record.eigenvalue = mode.pair.eigenvalue;
-    const std::complex<double> omega = root_of(mode);
-    record.omega = omega.real();
-    record.growth = omega.imag();
+    record.omega = mode.rate.imag();
+    record.growth = mode.rate.real();
     record.frequency = record.omega / (2.0 * kPi);
     record.modal_mass = mode.modal_mass;
     record.participation_x = mode.participation[0];
@@ -284,7 +273,7 @@ double Simulation::natural_frequency(int mode) const {
   const std::vector<VibrationMode> modes =
       mixbeam::vibration_modes(*problem_, state_, load_factor_, asked.number, asked.in_plane);
   if (mode > static_cast<int>(modes.size())) return std::numeric_limits<double>::quiet_NaN();
-  return root_of(modes[mode - 1]).real() / (2.0 * kPi);
+  return modes[mode - 1].rate.imag() / (2.0 * kPi);
 }
 
 /// Derivative of the positions along the mode, by a central difference.

@@ -39,6 +39,7 @@ class Vibration {
       : operator_(problem, state, load_factor, in_plane) {}
 
   std::vector<VibrationMode> modes(int count) {
+    if (operator_.masses().is_damped()) return damped_modes(count);
     const int wanted = count + kModesBehind;
     double shift = first_shift();
     std::vector<VibrationMode> found;
@@ -76,7 +77,7 @@ class Vibration {
   static double lowest_elastic(const std::vector<VibrationMode>& found, double shift) {
     double lowest = 0.0;
     for (const VibrationMode& mode : found) {
-      const double size = std::hypot(mode.pair.eigenvalue, mode.imaginary);
+      const double size = std::norm(mode.rate);
       if (size > kRigid * shift && (lowest == 0.0 || size < lowest)) lowest = size;
     }
     return lowest;
@@ -109,7 +110,7 @@ class Vibration {
   /// stiffnesses, in whose rounding small eigenvalues would be lost.
   VibrationMode completed(const RitzPair& pair, double shift) {
     VibrationOperator::Response found = operator_.respond(pair.vector.data());
-    VibrationMode mode{{0.0, std::move(found.motion)}, 0.0, 0.0, {}};
+    VibrationMode mode{{0.0, std::move(found.motion)}, {}, 0.0, {}};
     std::vector<double> momenta = operator_.momenta_of(mode.pair.mode);
     const double outside = number_of_root(operator_.unknowns().root(), [&] {
       std::vector<double> force(found.y.size());
@@ -118,21 +119,79 @@ class Vibration {
     });
     mode.pair.eigenvalue =
         (operator_.masses().stiffness_form(mode.pair.mode) + outside) / dot_product(momenta, momenta);
+    mode.rate = rate_of(mode.pair.eigenvalue);
     mode.pair.error = pair.residual;
     if (!operator_.symmetric()) take_value(pair, shift, mode);
+    take_masses(mode);
+    return mode;
+  }
+
+  /// s with -s^2 = omega^2: that of the motion that grows if one does, of a conjugate the one that decays.
+  static std::complex<double> rate_of(const std::complex<double>& squared) {
+    const std::complex<double> omega = std::sqrt(squared);
+    return {omega.imag(), std::abs(omega.real())};
+  }
+
+  void take_masses(VibrationMode& mode) const {
     normalize_mode(operator_.model(), mode.pair.mode);
-    momenta = operator_.momenta_of(mode.pair.mode);
+    const std::vector<double> momenta = operator_.momenta_of(mode.pair.mode);
     mode.modal_mass = dot_product(momenta, momenta);
     for (int axis = 0; axis < 3; ++axis)
       mode.participation[axis] = dot_product(momenta, translation_[axis]) / mode.modal_mass;
-    return mode;
+  }
+
+  /// On (G phi, s G phi / omega_0, beta D phi), which is all that damping and inertia touch.
+  std::vector<VibrationMode> damped_modes(int count) {
+    const double reference = std::sqrt(first_shift());
+    operator_.factorize(0.0, kCapOfVibration, false);
+    const size_t n = operator_.masses().momenta(), strains = operator_.masses().damped_strains();
+    KrylovProblem eigen;
+    eigen.unknowns = static_cast<int>(2 * n + strains);
+    eigen.symmetric = false;
+    eigen.tolerance = kOfUnsymmetric;
+    eigen.width = std::max(kLeastBlock, (2 * count + kBlocksOfModes - 1) / kBlocksOfModes);
+    eigen.apply = [&](double* block, int columns) {
+      for (int j = 0; j < columns; ++j) {
+        double* own = block + static_cast<size_t>(j) * eigen.unknowns;
+        const MixedVector motion = damped_response(own, reference);
+        const std::vector<double> momenta = operator_.momenta_of(motion);
+        const std::vector<double> strained = operator_.masses().damped_strains_of(motion);
+        for (size_t i = 0; i < n; ++i) own[n + i] = own[i] / reference;
+        std::copy(momenta.begin(), momenta.end(), own);
+        std::copy(strained.begin(), strained.end(), own + 2 * n);
+      }
+    };
+    std::vector<VibrationMode> found;
+    for (const RitzPair& pair : largest_eigenpairs(eigen, 2 * count + kModesBehind)) {
+      const std::complex<double> rate = 1.0 / std::complex<double>(pair.value, pair.imaginary);
+      if (rate.imag() < 0.0 || !(pair.residual <= kFound)) continue;  // of motions without mass rounding is found
+      VibrationMode mode{{-(rate * rate).real(), damped_response(pair.vector.data(), reference)}, rate, 0.0, {}};
+      mode.pair.error = pair.residual;
+      take_masses(mode);
+      found.push_back(std::move(mode));
+    }
+    std::stable_sort(found.begin(), found.end(), [](const VibrationMode& a, const VibrationMode& b) {
+      return std::abs(a.rate) < std::abs(b.rate);
+    });
+    if (static_cast<int>(found.size()) > count) found.resize(count, found.front());
+    return found;
+  }
+
+  /// -K^-1 (C phi + s M phi)
+  MixedVector damped_response(const double* own, double reference) {
+    const size_t n = operator_.masses().momenta();
+    std::vector<double> forces = operator_.masses().damped_momenta(own);
+    for (size_t i = 0; i < n; ++i) forces[i] = -(forces[i] + reference * own[n + i]);
+    const bool by_strain = operator_.masses().damped_strains() > 0;
+    return std::move(operator_.respond(forces.data(), by_strain ? own + 2 * n : nullptr).motion);
   }
 
   /// Without symmetry: from the pair itself.
   static void take_value(const RitzPair& pair, double shift, VibrationMode& mode) {
     const double size = pair.value * pair.value + pair.imaginary * pair.imaginary;
     mode.pair.eigenvalue = pair.value / size - shift;
-    mode.imaginary = pair.imaginary == 0.0 ? 0.0 : -pair.imaginary / size;
+    const std::complex<double> squared(mode.pair.eigenvalue, pair.imaginary == 0.0 ? 0.0 : -pair.imaginary / size);
+    mode.rate = rate_of(squared);
     mode.pair.converged = pair.residual <= kFound;
   }
 

@@ -112,9 +112,9 @@ double VibrationOperator::rest(const std::vector<double>& y, std::vector<double>
   return largest == 0.0 ? 0.0 : largest / size;
 }
 
-VibrationOperator::Response VibrationOperator::respond(const double* momenta) {
+VibrationOperator::Response VibrationOperator::respond(const double* momenta, const double* strains) {
   MixedVector rows = model_.create_vector();
-  masses_.condense_momenta(state_, momenta, rows);
+  masses_.condense_momenta(state_, momenta, rows, strains);
   Response found = solve(rows);
   if (!tangent_->cap().cuts_off) return found;
   std::vector<MixedVector> basis;

@@ -45,7 +45,8 @@ class VibrationOperator {
 
   /// (K + shift M)^-1 G^T times momenta (Masses::momenta()) with the last factors: what the cap leaves out is solved
   /// for as in theory (38), g = E x with x = x_0 + S g.
-  Response respond(const double* momenta);
+  /// `strains`: rows of stresses, Masses::damped_strains() of them; null: zero.
+  Response respond(const double* momenta, const double* strains = nullptr);
   std::vector<double> momenta_of(const MixedVector& motion) const { return masses_.momenta_of(state_, motion); }
 
  private:
