@@ -247,12 +247,105 @@ void run_modes_study(Application& app) {
   }
 }
 
+/// A column under loads that follow it, exact load and frequency of flutter, EI = m = L = 1, and errors of the load
+/// with 16 elements of order 2 to 4 of the same program as above (zero: not tabulated).
+struct FollowerColumn {
+  std::string name;
+  double largest = 0.0;  ///< load at the end of its only step
+  std::string along{};   ///< share of the load at each place; empty: at the end alone
+  double body = 0.0;     ///< mass at the end
+  double load = 0.0, omega = 0.0;
+  std::array<double, 3> tabulated{};
+  double alpha = 0.0, beta = 0.0;
+  double digits = 0.0;  ///< of a damped one: those of the reference
+};
+
+/// Beck 1952, Leipholz 1962, Hauger 1966, Pflueger 1955 by their determinants to 15 digits; with damping the zero of
+/// the largest real part (Herrmann, Jong 1965 for the limit).
+std::vector<FollowerColumn> follower_columns() {
+  constexpr double kEight = 1e-9;  // the reference has ten digits
+  return {{"Beck", 30, "", 0, 20.0509536189737, 11.01555764, {2e-5, 9e-9, 6e-12}},
+          {"Leipholz", 60, "1", 0, 40.0537365149395, 11.03021699538, {3e-5, 2e-8, 2e-11}},
+          {"Hauger", 200, "1-x", 0, 150.641595404493, 11.48571361113, {6e-5, 3e-8, 2e-10}},
+          {"Pflueger, mass 0.1", 30, "", 0.1, 17.5952822347322, 9.432781694, {0, 0, 3e-12}},
+          {"Pflueger, mass 10", 30, "", 10, 18.1634355278225, 3.739525488, {0, 0, 1e-12}},
+          {"Beck, beta 1e-2", 30, "", 0, 10.96611166, 5.3997091, {}, 0, 1e-2, kEight},
+          {"Beck, beta 1e-4", 30, "", 0, 10.93885207, 5.3986139, {}, 0, 1e-4, kEight}};
+}
+
+Scene scene_of(const Scene& cantilever, const FollowerColumn& column) {
+  Scene scene = cantilever;
+  scene.sections[0].mass_damping = column.alpha;
+  scene.sections[0].stiffness_damping = column.beta;
+  if (column.body > 0.0) scene.point_masses.push_back({"end", column.body});
+  if (column.along.empty()) {
+    PointLoad load;
+    load.point = "end";
+    load.member = scene.members[0].name;
+    load.force = {-column.largest, 0.0, 0.0};
+    load.frame = LoadFrame::follower;
+    scene.point_loads.push_back(load);
+  } else {
+    DistributedLoad load;
+    load.member = scene.members[0].name;
+    load.force_formula = {formatted("-%.17g*(%s)", column.largest, column.along.c_str()), "0", "0"};
+    load.frame = LoadFrame::follower;
+    scene.distributed_loads.push_back(load);
+  }
+  return scene;
+}
+
+/// The first flutter point of the path, in its only step.
+CriticalPoint flutter_of(Application& app, const Scene& scene) {
+  SolverParameters parameters = app.solver;
+  parameters.threads = 1;
+  std::vector<CriticalPoint> found;
+  app.try_to_solve(scene, parameters, [&](const Simulation&, const StepReport& report) {
+    found.insert(found.end(), report.critical_points.begin(), report.critical_points.end());
+  });
+  if (found.empty() || found[0].kind != CriticalKind::flutter) throw ConvergenceError("no flutter was found");
+  return found[0];
+}
+
+void run_flutter(Application& app) {
+  constexpr int kElements = 16, kLeastOrder = 2;
+  /// Frequencies carry the rounding of the tangent and of loads at Gauss points, loads of flutter a few times that.
+  constexpr double kRoundedLoad = 1e-10, kFrequencyDigits = 1e-8;
+  StudyTable csv(app, "flutter.csv", words("case,order,load,reference,error,omega,reference omega"));
+  app.out() << "flutter: relative error of the load\n";
+  for (const FollowerColumn& column : follower_columns())
+    for (const int order : study_list<int>(app, "Flutter Orders")) {
+      if (column.digits > 0.0 && order < kTabulated) continue;
+      const CriticalPoint point = flutter_of(app, with_mesh(scene_of(app.scene, column), order, kElements));
+      const double load = point.load_factor * column.largest, error = std::abs(load / column.load - 1.0);
+      const std::string label = formatted("%s, k=%d, %d elements", column.name.c_str(), order, kElements);
+      app.out() << formatted("  %-20s k=%d %.1e  omega %.9g\n", column.name.c_str(), order, error, point.omega);
+      csv.add_row({column.name, order, load, column.load, error, point.omega, column.omega});
+      const double tabulated = order < kLeastOrder ? 0.0 : column.tabulated[order - kLeastOrder];
+      if (tabulated > 0.0)
+        app.summary.check_upper_bound(label + ": load of flutter", error, 2.0 * tabulated + kRoundedLoad,
+                                      "twice the error of a prototype with dense eigenvalues");
+      if (order < kTabulated) continue;
+      if (column.digits > 0.0)
+        app.summary.check_upper_bound(label + ": load of flutter", error, column.digits,
+                                      "zero of the largest real part, of a prototype with dense eigenvalues");
+      app.summary.check_upper_bound(label + ": frequency", std::abs(point.omega / column.omega - 1.0), kFrequencyDigits,
+                                    "exact value");
+    }
+}
+
+void run_studies_of_modes(Application& app) {
+  run_modes_study(app);
+  run_flutter(app);
+}
+
 ListSpec modes_study_spec() {
   ListSpec spec(
       "Straight rods of the scene's section: clamped, hinged, free, with a body, in bending, tension, torsion and "
-      "shear.");
+      "shear; columns that flutter.");
   spec.add(counts("Orders", {1, 2, 3, 4}, kTabulated, "Element orders."));
   spec.add(counts("Elements", {4, 8, 16}, 1000, "Meshes."));
+  spec.add(counts("Flutter Orders", {2, 3, 4}, kTabulated, "Element orders of columns under follower loads.", 2));
   return spec;
 }
 
@@ -261,6 +354,7 @@ ListSpec modes_study_spec() {
 }  // namespace mixbeam
 
 int main(int argc, char** argv) {
-  return mixbeam::run_study(argc, argv, "modes", "natural frequencies of straight rods against closed forms.",
-                            mixbeam::modes_study_spec(), mixbeam::run_modes_study);
+  return mixbeam::run_study(argc, argv, "modes",
+                            "natural frequencies and flutter of straight rods against closed forms.",
+                            mixbeam::modes_study_spec(), mixbeam::run_studies_of_modes);
 }

@@ -13,7 +13,7 @@ namespace mixbeam {
 namespace {
 
 /// Frequencies that are looked at, at least: a round column has each of them twice.
-constexpr int kLeastModes = 6;
+constexpr int kLeastModes = 6, kLeastDamped = 4;
 /// Imaginary part over the size beyond which omega^2 is complex: values that are equal differ by the root of rounding.
 constexpr double kComplex = 1e-6;
 /// Rate of growth over the size of the exponent beyond which a motion grows: as kComplex; of damped ones rounding.
@@ -89,7 +89,7 @@ double FlutterFinder::Cluster::discriminant(const Sample& sample) const {
 
 FlutterFinder::Sample FlutterFinder::look(const State& state, double load_factor) const {
   Sample sample{state, load_factor};
-  const int count = std::max(kLeastModes, asked_.number);
+  const int count = std::max(damped_ ? kLeastDamped : kLeastModes, asked_.number);
   for (VibrationMode& mode : vibration_modes(*problem_, state, load_factor, count, asked_.in_plane)) {
     sample.squared.push_back(-mode.rate * mode.rate);
     sample.rates.push_back(mode.rate);

@@ -77,12 +77,22 @@ TEST_F(Modes, RefusesWhatHasNoMeaning) {
       scene(kMass, kClamp + "  Point Masses: {body: {Point: tip, Mass: 1, Inertia: [1, 1, 3]}}\n", "Number: 1"),
       {"\"Scene / Point Masses / body / Inertia\"", "larger than the sum of the others"});
   expect_refused(scene(kMass, kClamp, "Number: 900"), {"\"Analysis / Modes / Number\"", "unknowns carry mass"});
-  expect_refused(
-      scene(kMass, kClamp + "  Point Loads: {p: {Point: tip, Member: beam, Frame: follower, Force: [1, 0, 0]}}\n",
-            "Number: 1"),
-      {"\"Analysis / Modes\"", "no potential"});
+  expect_refused(scene(kMass + ", Damping: {Beta: -1}", kClamp, "Number: 1"),
+                 {"\"Scene / Sections / rod / Damping / Beta\"", "-1"});
   expect_refused(scene(kMass, kClamp, "Number: 1", "Quantities: {f: {Quantity: natural frequency, Mode: 2}}\n"),
                  {"\"Quantities / f / Mode\"", "allowed: up to"});
+}
+
+const std::string kThrust = "  Point Loads: {p: {Point: tip, Member: beam, Frame: follower, Force: [-30, 0, 0]}}\n";
+
+/// Beck's column at 20.0509536 EI/L^2, of a section that is not quite rigid.
+TEST_F(Modes, ColumnsFlutterUnderLoadsThatFollow) {
+  Ended ended = run(scene(kMass, kClamp + kThrust, "Number: 2, In Plane: true"));
+  EXPECT_EQ(ended.exit_code, 0) << ended.out << ended.err;
+  expect_in(ended.out, {"flutter at load factor 0.66836", "omega 11.0155", "grows as exp(7.10", "stable: false"});
+  ended = run(scene(kMass, kClamp + changed(kThrust, "-30", "-20"), "Number: 2, In Plane: true"));
+  EXPECT_EQ(ended.out.find("flutter"), std::string::npos) << ended.out;
+  expect_in(ended.out, {"stable: true"});
 }
 
 /// A point mass is heavy where Gravity acts, and bodies may carry all of the mass.

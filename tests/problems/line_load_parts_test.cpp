@@ -7,7 +7,7 @@ namespace mixbeam::test {
 namespace {
 
 constexpr double kCoarseQuadrature = 1e-6, kQuadrature = 1e-9;  // of a curved load by 4 and 16 elements of order 4
-constexpr double kFirstOrder = 1e-6;  // share of a moment that belongs to the deflection of a load this small
+constexpr double kOfPart = 1e-6;  // share of a moment that belongs to the deflection of a load this small
 constexpr double kSum = 1e-10;        // of the largest force: loads and reactions balance to that
 
 Vector3 sum_of_reactions(const Simulation& simulation) {
@@ -57,8 +57,8 @@ TEST(PartsOfLineLoads,
   scene.distributed_loads = {load};
   const Simulation half = solved(scene);
   EXPECT_NEAR(sum_of_reactions(half)[1], -q * 0.5 * length, kSum);
-  EXPECT_NEAR(half.reactions()[0].moment[2], -q * 0.5 * length * 0.75 * length, kFirstOrder * q);
-  EXPECT_NEAR(half.sample("beam", 0.6).force[1], q * 0.4 * length, kFirstOrder * q);
+  EXPECT_NEAR(half.reactions()[0].moment[2], -q * 0.5 * length * 0.75 * length, kOfPart * q);
+  EXPECT_NEAR(half.sample("beam", 0.6).force[1], q * 0.4 * length, kOfPart * q);
 }
 
 TEST(PartsOfLineLoads, WeightOfATaperIsThatOfItsVolume) {  // a truncated cone: V = pi L (R^2 + R r + r^2) / 3

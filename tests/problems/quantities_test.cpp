@@ -64,7 +64,7 @@ Scene beam_under_triangle(double load, int order, const std::vector<double>& sta
 }
 
 /// A cubic in each element is the moment itself; what remains is second order in the deflection.
-constexpr double kFirstOrder = 1e-6;
+constexpr double kSmallDeflection = 1e-6;
 
 TEST(Quantities, LargestMomentLiesBetweenSamples) {
   const double q = 1e-2, length = 4.0;
@@ -73,7 +73,7 @@ TEST(Quantities, LargestMomentLiesBetweenSamples) {
   for (const bool has_samples : {true, false}) {
     Numbers at = numbers_of({moment}, beam, has_samples);
     const double exact = q * length * length / (9.0 * std::sqrt(3.0));
-    EXPECT_NEAR(at["M"], exact, kFirstOrder * exact);
+    EXPECT_NEAR(at["M"], exact, kSmallDeflection * exact);
     EXPECT_NEAR(at["M.arc_length"], length / std::sqrt(3.0), 1e-3);
     EXPECT_EQ(at["M.side"], 0.0);
     EXPECT_EQ(at["M.member"], 0.0);

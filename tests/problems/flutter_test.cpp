@@ -1,0 +1,81 @@
+// Columns under loads that follow them: loads and frequencies at which two frequencies meet, exact ones.
+#include "nonlinear/run/simulation.hpp"
+#include "tests/support/scenes.hpp"
+
+#include <gtest/gtest.h>
+
+namespace mixbeam::test::flutter_test {
+namespace {
+
+/// Twice the errors of order 3 on 8 elements that a prototype with dense eigenvalues has.
+constexpr double kBeck = 1.2e-6, kPflueger = 8e-7;
+/// With damping the same error of frequencies, whose real parts nearly cancel.
+constexpr double kDamped = 1e-5;
+constexpr double kBeckLoad = 20.0509536189737, kBeckOmega = 11.01555764;
+
+Scene column(double thrust, LoadFrame frame = LoadFrame::follower) {
+  constexpr double kRigid = std::numeric_limits<double>::infinity();
+  Section rod = section(kRigid, kRigid, 1.0, 1.0);
+  rod.mass = 1.0;
+  Scene scene = cantilever(rod, 1.0, 3, 8);
+  PointLoad load = follower_load("tip", scene.members[0].name, {-thrust, 0.0, 0.0});
+  load.frame = frame;
+  if (frame == LoadFrame::dead) load.member.clear();
+  scene.point_loads = {load};
+  return scene;
+}
+
+std::vector<CriticalPoint> critical_points(const Scene& scene, bool in_plane = true) {
+  SolverParameters parameters;
+  parameters.threads = 1;
+  parameters.analysis.modes.number = 2;
+  parameters.analysis.modes.in_plane = in_plane;
+  Simulation simulation(scene, parameters, this_rank());
+  std::vector<CriticalPoint> found;
+  simulation.run([&](const StepReport& report, const State&) {
+    found.insert(found.end(), report.critical_points.begin(), report.critical_points.end());
+  });
+  return found;
+}
+
+void expect_flutter(const Scene& scene, double thrust, double load, double omega, double tolerance) {
+  const std::vector<CriticalPoint> found = critical_points(scene);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].kind, CriticalKind::flutter);
+  EXPECT_NEAR(found[0].load_factor * thrust, load, tolerance * load);
+  EXPECT_NEAR(found[0].omega, omega, tolerance * omega);
+}
+
+TEST(Flutter, BeckInOneStepOfAnySize) {
+  for (const double thrust : {20.1, 24.0, 30.0}) expect_flutter(column(thrust), thrust, kBeckLoad, kBeckOmega, kBeck);
+  EXPECT_TRUE(critical_points(column(20.0)).empty());  // the twin: below the load nothing meets
+}
+
+TEST(Flutter, RoundColumnsHaveAllFrequenciesTwice) {
+  const std::vector<CriticalPoint> found = critical_points(column(30.0), false);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].modes, 4);
+  EXPECT_NEAR(found[0].load_factor * 30.0, kBeckLoad, kBeck * kBeckLoad);
+}
+
+/// At the end of the step both frequencies are imaginary: they have met and parted again below zero.
+TEST(Flutter, IsFoundWhereFrequenciesHavePartedAgain) {
+  Scene scene = column(30.0);
+  scene.point_masses.push_back({"tip", 10.0});
+  expect_flutter(scene, 30.0, 18.1634355278225, 3.739525488, kPflueger);
+}
+
+TEST(Flutter, DampingOfTheMaterialHalvesTheLoad) {
+  Scene scene = column(30.0);
+  scene.sections[0].stiffness_damping = 1e-2;
+  expect_flutter(scene, 30.0, 10.96611166, 5.3997091, kDamped);
+}
+
+TEST(Flutter, DeadLoadsBuckleInPlaceOfIt) {
+  const std::vector<CriticalPoint> found = critical_points(column(3.0, LoadFrame::dead));
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].kind, CriticalKind::bifurcation);  // at pi^2 / 4
+}
+
+}  // namespace
+}  // namespace mixbeam::test::flutter_test
