@@ -32,11 +32,12 @@ bool has_unsymmetric_elements(const Model& model) {
 }
 
 /// Vertices that must not be eliminated for another reason than that members meet there.
-std::vector<unsigned char> kept_vertices(const Model& model) {
+std::vector<unsigned char> kept_vertices(const Model& model, const std::vector<int>& more) {
   const Structure& structure = model.structure();
   std::vector<unsigned char> kept(structure.local_vertices(), 0);
   const int owned = structure.owned_vertices;
   for (size_t v = owned; v < kept.size(); ++v) kept[v] = 1;
+  for (const int vertex : more) kept[vertex] = 1;
   for (const auto& energy : model.external())
     for (const int vertex : energy->vertices()) kept[vertex] = 1;
   for (const VertexSupport& support : model.conditions().supports) kept[support.vertex] = 1;
@@ -93,10 +94,10 @@ KOKKOS_INLINE_FUNCTION void subtract_symmetric(const double* tangent, int end, c
 
 }  // namespace
 
-CondensedSystem::CondensedSystem(const Model& model)
+CondensedSystem::CondensedSystem(const Model& model, const std::vector<int>& kept)
     : model_(model),
       is_unsymmetric_(has_unsymmetric_elements(model)),
-      structure_(ends_of(model.structure()), kept_vertices(model)),
+      structure_(ends_of(model.structure()), kept_vertices(model, kept)),
       chains_(structure_.levels(), is_unsymmetric_) {
   if (model.plane()) planar_chains_ = std::make_unique<PlanarChains>(model, structure_);
   const Structure& structure = model.structure();
@@ -121,6 +122,7 @@ CondensedSystem::CondensedSystem(const Model& model)
 
 bool CondensedSystem::condense(const Tangent& tangent, bool symmetric_part) {
   tangent_ = &tangent;
+  elements_ = {};
   const auto& tangents = tangent.elements().condensed_tangent;
   planar_ = tangent.is_planar() ? planar_chains_.get() : nullptr;
   double smallest = 0.0;
@@ -142,8 +144,26 @@ bool CondensedSystem::condense(const Tangent& tangent, bool symmetric_part) {
   return smallest >= kSmallestPivot;
 }
 
+bool CondensedSystem::condense(const Tangent& tangent, const KernelView<const double**>& elements,
+                               const std::function<void(const MatrixRows&)>& add_more) {
+  tangent_ = &tangent;
+  elements_ = elements;
+  planar_ = nullptr;
+  const auto pivots = chains_.factorize(elements, is_unsymmetric_ ? ChainKind::general : ChainKind::symmetric);
+  negative_pivots_ = pivots.negative;
+  tangent.gather(*remaining_, link_matrices(), add_more);
+  return pivots.smallest >= kSmallestPivot;
+}
+
+void CondensedSystem::gather_outside(const Tangent& tangent, const KernelView<const double**>& zeros) const {
+  const KernelView<double* [kFullTangent]> of_runs("mixbeam::chains::zeros", chains_.arrived().extent(0));
+  tangent.gather(*remaining_, LinkMatrices<kSpatialDofs>{zeros, of_runs});
+}
+
 LinkMatrices<kSpatialDofs> CondensedSystem::link_matrices() const {
-  return planar_ != nullptr ? planar_->remaining() : chains_.matrices(tangent_->elements().condensed_tangent);
+  if (planar_ != nullptr) return planar_->remaining();
+  if (elements_.extent(0) > 0) return chains_.matrices(elements_);
+  return chains_.matrices(tangent_->elements().condensed_tangent);
 }
 
 void CondensedSystem::condense_rows(const DofVector& b, DofVector& remaining_b, DofVector& x) {

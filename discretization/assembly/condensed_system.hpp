@@ -10,8 +10,9 @@ namespace mixbeam {
 
 class CondensedSystem {
  public:
-  /// Collective. The model must outlive the system.
-  explicit CondensedSystem(const Model& model);
+  /// Collective. The model must outlive the system. `kept`: owned local vertices that are not to be eliminated, beside
+  /// those where something acts.
+  explicit CondensedSystem(const Model& model, const std::vector<int>& kept = {});
 
   const Model& model() const { return model_; }
   /// Vertices eliminated in chains, on this rank.
@@ -28,6 +29,12 @@ class CondensedSystem {
   /// Eliminates the chains of a tangent, to which all that follows refers: it must not be gone by then. False where a
   /// pivot is so small that nothing can be relied on. `symmetric_part`: of (K + K^T) / 2 in chains without symmetry.
   bool condense(const Tangent& tangent, bool symmetric_part = false);
+  /// Takes full matrices (local element, kFullTangent) in place of those of the tangent, in space; `add_more` as
+  /// in Tangent::gather.
+  bool condense(const Tangent& tangent, const KernelView<const double**>& elements,
+                const std::function<void(const MatrixRows&)>& add_more);
+  /// Gathers what is no element: springs, loads, constraints. `zeros`: (local element, kFullTangent).
+  void gather_outside(const Tangent& tangent, const KernelView<const double**>& zeros) const;
   /// Chain pivots below zero; without symmetry they tell the sign of the determinant alone.
   long negative_pivots() const { return negative_pivots_; }
   bool is_eliminated(int local_vertex) const { return eliminated_(local_vertex) != 0; }
@@ -58,7 +65,8 @@ class CondensedSystem {
   }
 
   const Model& model_;
-  const Tangent* tangent_ = nullptr;  ///< whose chains are eliminated
+  const Tangent* tangent_ = nullptr;       ///< whose chains are eliminated
+  KernelView<const double**> elements_{};  ///< matrices in place of its own; empty: none
   bool is_unsymmetric_;
   ChainStructure structure_;
   ChainCondensation<kSpatialDofs> chains_;

@@ -143,14 +143,16 @@ void Masses::keep_in_plane() {
 }
 
 /// By springs whose size does not matter: nothing that they hold has a mass.
-void Masses::hold_vertices(const Tangent& at, const MatrixRows& rows) const {
-  const Structure& structure = at.model().structure();
+void Masses::hold_vertices() const {
+  const Structure& structure = model_->structure();
   const double length = structure.shortest_element, turning = structure.bending_reference / length;
   const Mat along = outer(model_->plane()->n, model_->plane()->n);
-  for (int v = 0; v < structure.owned_vertices; ++v) {
-    rows.add(v, kForcePart, v, kForcePart, (turning / (length * length)) * along);
-    rows.add(v, kMomentPart, v, kMomentPart, turning * (identity_matrix<double>() - along));
-  }
+  const Mat force = (turning / (length * length)) * along, moment = turning * (identity_matrix<double>() - along);
+  for (int e = 0; e < structure.local_elements(); ++e)
+    for (int part = 0; part < 12; part += 3)
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+          condensed_(e, 12 * (part + i) + part + j) += part % kVertexDofs == 0 ? force(i, j) : moment(i, j);
 }
 
 void Masses::condense(const Tangent& at, double shift, bool counts) {
@@ -158,6 +160,7 @@ void Masses::condense(const Tangent& at, double shift, bool counts) {
   structure.field_value = at.point().line_fields;
   for (const VibratingBlock& block : blocks_)
     evaluate_vibration(block, structure, at.point().state.views, shift, counts, condensed_);
+  if (in_plane_) hold_vertices();
 }
 
 /// Axes of a body as they are turned with its vertex, as rows.
@@ -165,22 +168,25 @@ Mat Masses::turned_axes(const State& state, const VertexBody& body) const {
   return times_transpose(body.axes, rotation_matrix(load_quaternion(&state.views.vertex_rotation(body.vertex, 0))));
 }
 
-void Masses::gather(const Tangent& at, double shift, const VertexMatrix& matrix) const {
-  at.gather(matrix, LinkMatrices<kSpatialDofs>{condensed_, {}}, [&](const MatrixRows& rows) {
-    for (const VertexBody& body : bodies_) {
-      const Mat axes = turned_axes(at.point().state, body);
-      Mat mass{}, inertia{};
-      for (int i = 0; i < 3; ++i)
-        for (int r = 0; r < 3; ++r)
-          for (int c = 0; c < 3; ++c) {
-            mass(r, c) += shift * body.mass[i] * body.axes(i, r) * body.axes(i, c);
-            inertia(r, c) += shift * body.inertia[i] * axes(i, r) * axes(i, c);
-          }
-      rows.add(body.vertex, kForcePart, body.vertex, kForcePart, mass);
-      rows.add(body.vertex, kMomentPart, body.vertex, kMomentPart, inertia);
-    }
-    if (in_plane_) hold_vertices(at, rows);
-  });
+void Masses::add_bodies(const Tangent& at, double shift, const MatrixRows& rows) const {
+  for (const VertexBody& body : bodies_) {
+    const Mat axes = turned_axes(at.point().state, body);
+    Mat mass{}, inertia{};
+    for (int i = 0; i < 3; ++i)
+      for (int r = 0; r < 3; ++r)
+        for (int c = 0; c < 3; ++c) {
+          mass(r, c) += shift * body.mass[i] * body.axes(i, r) * body.axes(i, c);
+          inertia(r, c) += shift * body.inertia[i] * axes(i, r) * axes(i, c);
+        }
+    rows.add(body.vertex, kForcePart, body.vertex, kForcePart, mass);
+    rows.add(body.vertex, kMomentPart, body.vertex, kMomentPart, inertia);
+  }
+}
+
+std::vector<int> Masses::body_vertices() const {
+  std::vector<int> vertices;
+  for (const VertexBody& body : bodies_) vertices.push_back(body.vertex);
+  return vertices;
 }
 
 Tangent::InteriorCount Masses::interior_count() const {
@@ -293,11 +299,6 @@ double Masses::stiffness_form(const MixedVector& motion) const {
   for (const int local : model_->structure().elements_in_order)
     if (ElementView(model_->structure(), State{}, local).is_owned()) sum += forms(local);
   return sum_over_ranks(*model_->map()->getComm(), sum);
-}
-
-void Masses::gather_outside(const Tangent& at, const VertexMatrix& matrix) const {
-  const KernelView<double**> none("mixbeam::vibration::none", condensed_.extent(0), kFullTangent);
-  at.gather(matrix, LinkMatrices<kSpatialDofs>{none, {}});
 }
 
 std::vector<double> Masses::translation(const State& state, int axis) const {

@@ -29,8 +29,12 @@ class Masses {
 
   /// Condenses K + shift M of the elements, with the sections of a cap. `counts`: as TangentKind::counts_interior.
   void condense(const Tangent& at, double shift, bool counts);
-  /// The elements and bodies in a matrix over all vertices.
-  void gather(const Tangent& at, double shift, const VertexMatrix& matrix) const;
+  /// Matrices of the condensed elements: (local element, kFullTangent).
+  const KernelView<double**>& condensed() const { return condensed_; }
+  /// Adds shift times the inertia of the bodies.
+  void add_bodies(const Tangent& at, double shift, const MatrixRows& rows) const;
+  /// Owned local vertices with a body.
+  std::vector<int> body_vertices() const;
   /// Sums over all ranks, see Tangent::interior_count().
   Tangent::InteriorCount interior_count() const;
 
@@ -57,8 +61,6 @@ class Masses {
   void excess_rows(const MixedVector& motion, MixedVector& rows) const;
   /// phi . K phi of the elements, with the stresses of phi and the true compliance. Collective.
   double stiffness_form(const MixedVector& motion) const;
-  /// The matrix without elements and bodies.
-  void gather_outside(const Tangent& at, const VertexMatrix& matrix) const;
   /// Velocity one along an axis of space, everywhere.
   std::vector<double> translation(const State& state, int axis) const;
 
@@ -67,7 +69,7 @@ class Masses {
   void take_damping();
   void place_bodies();
   void keep_in_plane();
-  void hold_vertices(const Tangent& at, const MatrixRows& rows) const;
+  void hold_vertices() const;
   void gather_vertices(const KernelView<double*>& rows) const;
   Mat turned_axes(const State& state, const VertexBody& body) const;
 

@@ -7,6 +7,8 @@
 #include "nonlinear/stability/eigen_mode.hpp"
 #include "nonlinear/stability/thresholds.hpp"
 
+#include <Teuchos_CommHelpers.hpp>
+
 #include <algorithm>
 #include <cmath>
 
@@ -28,8 +30,10 @@ VibrationOperator::VibrationOperator(BeamProblem& problem, const State& state, d
       in_plane_(in_plane && problem.model.plane().has_value()),
       residual_(model_.create_vector()),
       point_(mixed_residual(model_, state, load_factor, residual_)),
-      unknowns_(model_),
-      masses_(model_, in_plane_) {}
+      masses_(model_, in_plane_),
+      system_(model_, masses_.body_vertices()),
+      unknowns_(model_, system_.remaining()),
+      remaining_(system_.matrix()->getRowMap()) {}
 
 void VibrationOperator::Response::add(double factor, const Response& other) {
   motion.update(factor, other.motion, 1.0);
@@ -44,12 +48,19 @@ void VibrationOperator::linearize(double shift, double raise, bool counts) {
 
 long VibrationOperator::factorize(double shift, double raise, bool counts) {
   linearize(shift, raise, counts);
-  unknowns_.reduce(*tangent_, [&](const VertexMatrix& matrix) { masses_.gather(*tangent_, shift, matrix); });
+  const bool reliable = system_.condense(*tangent_, masses_.condensed(),
+                                         [&](const MatrixRows& rows) { masses_.add_bodies(*tangent_, shift, rows); });
+  const Teuchos::Comm<int>& comm = *model_.map()->getComm();
+  if (maximum_over_ranks(comm, reliable ? 0.0 : 1.0) != 0.0) {
+    if (counts) return -1;
+    throw LinearSolverError("the equations of vibration have a chain without stiffness");
+  }
+  unknowns_.reduce(*tangent_);
   constexpr double kNotSymmetric = -1.0;
   const double negative = number_of_root(unknowns_.root(), [&] {
     const SparseMatrix& matrix = unknowns_.matrix();
-    if (matrix.rows() == 0) return 0.0;
-    const bool symmetric = asymmetry(matrix) <= stability_limit.symmetric;
+    if (matrix.rows() == 0) return system_.is_unsymmetric() ? kNotSymmetric : 0.0;
+    const bool symmetric = !system_.is_unsymmetric() && asymmetry(matrix) <= stability_limit.symmetric;
     std::unique_ptr<InertiaSolver>& solver = symmetric ? of_symmetric_ : of_general_;
     const auto kind = symmetric ? InertiaSolver::Kind::symmetric : InertiaSolver::Kind::general;
     if (solver == nullptr) solver = std::make_unique<InertiaSolver>(kind, matrix);
@@ -58,23 +69,31 @@ long VibrationOperator::factorize(double shift, double raise, bool counts) {
   });
   symmetric_ = negative != kNotSymmetric;
   if (!symmetric_) return -1;
-  if (!counts) return static_cast<long>(negative);
+  const long of_chains = system_.negative_pivots();
+  long below = 0;
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, 1, &of_chains, &below);
+  below += static_cast<long>(negative);
+  if (!counts) return below;
   const Tangent::InteriorCount interior = masses_.interior_count();
-  return interior.uncertain ? -1 : static_cast<long>(negative) + interior.negative;
+  return interior.uncertain ? -1 : below + interior.negative;
 }
 
 SparseMatrix VibrationOperator::outside() {
-  return unknowns_.reduce(*tangent_, [&](const VertexMatrix& matrix) { masses_.gather_outside(*tangent_, matrix); });
+  Kokkos::deep_copy(masses_.condensed(), 0.0);
+  system_.gather_outside(*tangent_, masses_.condensed());
+  return unknowns_.reduce(*tangent_);
 }
 
 /// Under rows that condense_momenta() or condense_interior() gathered, of the capped stiffness.
 VibrationOperator::Response VibrationOperator::solve(const MixedVector& rows) {
-  const MixedVector& projected = rows;
-  tangent_->project_on_free_motions(projected.vertex());
-  std::vector<double> y = unknowns_.reduced_rows(projected.vertex_dofs());
-  on_root(unknowns_.root(), [&] { solve_reduced(y); });
-  Response response{model_.create_vector(), std::move(y)};
-  unknowns_.expand(response.y.data(), response.motion.vertex_dofs());
+  tangent_->project_on_free_motions(rows.vertex());
+  Response response{model_.create_vector()};
+  DofVector& motion = response.motion.vertex_dofs();
+  system_.condense_rows(rows.vertex_dofs(), remaining_, motion);
+  response.y = unknowns_.reduced_remaining_rows(remaining_);
+  on_root(unknowns_.root(), [&] { solve_reduced(response.y); });
+  unknowns_.expand(response.y.data(), remaining_);
+  system_.expand(remaining_, motion);
   masses_.recover(rows, response.motion);
   return response;
 }

@@ -1,6 +1,7 @@
 /// Solutions with stiffness and inertia about a state, of which no mass is condensed: theory (72).
 #pragma once
 
+#include "discretization/assembly/condensed_system.hpp"
 #include "discretization/assembly/masses.hpp"
 #include "nonlinear/newton/beam_problem.hpp"
 #include "nonlinear/stability/independent_unknowns.hpp"
@@ -14,7 +15,7 @@ namespace mixbeam {
 /// LinearSolverError where equations cannot be solved.
 class VibrationOperator {
  public:
-  /// A motion, and its independent unknowns (rank 0).
+  /// A motion, and its independent unknowns where no chain is eliminated (rank 0).
   struct Response {
     MixedVector motion;
     std::vector<double> y{};
@@ -40,7 +41,8 @@ class VibrationOperator {
   /// Whether the loads have a potential in the last factors.
   bool symmetric() const { return symmetric_; }
 
-  /// What springs, loads and constraints add to K (rank 0).
+  /// What springs, loads and constraints add to K, in place of the elements that linearize() condensed, in the unknowns
+  /// of a Response (rank 0).
   SparseMatrix outside();
 
   /// (K + shift M)^-1 G^T times momenta (Masses::momenta()) with the last factors: what the cap leaves out is solved
@@ -59,8 +61,10 @@ class VibrationOperator {
   bool in_plane_;
   MixedVector residual_;
   EvaluationPoint point_;
-  IndependentUnknowns unknowns_;
   Masses masses_;
+  CondensedSystem system_;
+  IndependentUnknowns unknowns_;  ///< of the vertices that chains leave
+  DofVector remaining_;
   std::optional<Tangent> tangent_;
   std::unique_ptr<InertiaSolver> of_symmetric_, of_general_;  ///< rank 0
   bool symmetric_ = true;
