@@ -21,154 +21,236 @@ constexpr int kGuardVectors = 2;  ///< beyond those asked for: the last one want
 
 using Vector = std::vector<double>;
 
+/// Share of a vector that is left after what an orthogonalisation took away, from which on it took no digits with it.
+constexpr double kKept = 0.5;
+
 /// Rotations of Jacobi's method: sweeps, of which five are enough.
 constexpr int kSweeps = 20;
 
+/// C = alpha op(A) B + beta C of column-major matrices without gaps; op is the transpose where asked.
+void multiply(bool transposed, int m, int n, int k, double alpha, const double* a, const double* b, double beta,
+              double* c) {
+  if (m == 0 || n == 0 || k == 0) return;
+  Teuchos::BLAS<int, double>().GEMM(transposed ? Teuchos::TRANS : Teuchos::NO_TRANS, Teuchos::NO_TRANS, m, n, k, alpha,
+                                    a, transposed ? k : m, b, k, beta, c, m);
+}
+
+/// V of orthonormal columns and T with A V = V T + Q R, where Q is the next block and R acts on the newest one: theory
+/// of Arnoldi, whose residuals are known without vectors.
 class KrylovSpace {
  public:
-  KrylovSpace(const KrylovProblem& problem, int wanted) : problem_(problem), wanted_(wanted) {}
+  KrylovSpace(const KrylovProblem& problem, int wanted, Vector start)
+      : problem_(problem), wanted_(wanted), next_(std::move(start)) {
+    columns_next_ = static_cast<int>(next_.size() / problem.unknowns);
+    split_next();
+  }
 
-  /// Adds the operator times the newest block; false when nothing new came.
-  bool grow(const std::vector<Vector>& block) {
-    const size_t first = basis_.size();
-    for (const Vector& v : block) append(v);
-    const int added = static_cast<int>(basis_.size() - first), n = problem_.unknowns;
-    if (added == 0) return false;
-    Vector columns;
-    columns.reserve(static_cast<size_t>(added) * n);
-    for (size_t j = first; j < basis_.size(); ++j) columns.insert(columns.end(), basis_[j].begin(), basis_[j].end());
-    problem_.apply(columns.data(), added);
+  /// Takes the next block; false where there is none.
+  bool grow() {
+    if (columns_next_ == 0) return false;
+    const int added = columns_next_;
+    for (size_t j = t_.size() - last_; j < t_.size(); ++j)
+      t_[j].insert(t_[j].end(), &split_.r[(j + last_ - t_.size()) * added],
+                   &split_.r[(j + last_ - t_.size()) * added] + added);
+    Block& block = blocks_.emplace_back(Block{std::move(next_), {}, added});
+    if (problem_.inner) block.dual = duals(block.v, added);
+    size_ += added;
+    last_ = added;
+    next_ = block.v;
+    problem_.apply(next_.data(), added);
+    split_next();
     for (int j = 0; j < added; ++j)
-      image_.emplace_back(columns.begin() + static_cast<size_t>(j) * n,
-                          columns.begin() + static_cast<size_t>(j + 1) * n);
-    project(first);
+      t_.emplace_back(&split_.h[static_cast<size_t>(j) * size_], &split_.h[static_cast<size_t>(j) * size_] + size_);
     return true;
   }
-  std::vector<Vector> newest_images(size_t first) const { return {image_.begin() + first, image_.end()}; }
-  int size() const { return static_cast<int>(basis_.size()); }
+  bool is_complete() const { return columns_next_ == 0 || size_ == problem_.unknowns; }
 
-  std::vector<RitzPair> ritz_pairs() const {
-    Vector projected = projected_;
-    return problem_.symmetric ? symmetric_pairs(projected) : general_pairs(projected);
+  /// Pairs of largest magnitude, without their vectors.
+  struct Pairs {
+    std::vector<RitzPair> values;
+    Vector weights;  ///< a column for each
+  };
+  Pairs ritz_pairs() const { return problem_.symmetric ? symmetric_pairs() : general_pairs(); }
+  /// Column-major.
+  Vector vectors(const Pairs& pairs) const {
+    const int n = problem_.unknowns, count = static_cast<int>(pairs.values.size());
+    Vector all(static_cast<size_t>(n) * count, 0.0), part;
+    int first = 0;
+    for (const Block& block : blocks_) {
+      part.resize(static_cast<size_t>(block.columns) * count);
+      for (int k = 0; k < count; ++k)
+        std::copy_n(&pairs.weights[first + static_cast<size_t>(k) * size_], block.columns, &part[k * block.columns]);
+      multiply(false, n, count, block.columns, 1.0, block.v.data(), part.data(), 1.0, all.data());
+      first += block.columns;
+    }
+    return all;
   }
 
  private:
-  Vector times_inner(const Vector& x) const {
-    if (!problem_.inner) return x;
+  struct Block {
+    Vector v, dual;  ///< orthonormal columns, and B times them unless B = 1
+    int columns;
+    const double* left() const { return (dual.empty() ? v : dual).data(); }
+  };
+  /// x = V h + Q r; `left`: norm of what Q leaves out of a column.
+  struct Split {
+    Vector h, r, left;
+  };
+
+  Vector duals(const Vector& x, int columns) const {
     Vector y(x.size());
-    problem_.inner(x.data(), y.data());
+    for (int j = 0; j < columns; ++j)
+      problem_.inner(&x[static_cast<size_t>(j) * problem_.unknowns], &y[static_cast<size_t>(j) * problem_.unknowns]);
     return y;
   }
-
-  /// Extends V^T B A V (column-major) by what the vectors from `first` on add.
-  void project(size_t first) {
-    const size_t m = basis_.size();
-    Vector larger(m * m);
-    for (size_t i = 0; i < m; ++i)
-      for (size_t j = 0; j < m; ++j)
-        larger[i + j * m] = i < first && j < first ? projected_[i + j * first] : dot_product(dual_[i], image_[j]);
-    projected_ = std::move(larger);
+  double norm(const double* x) const {
+    const int n = problem_.unknowns;
+    const Vector dual = problem_.inner ? duals(Vector(x, x + n), 1) : Vector();
+    return std::sqrt(Teuchos::BLAS<int, double>().DOT(n, x, 1, dual.empty() ? x : dual.data(), 1));
   }
 
-  /// Gram-Schmidt, twice: the second time removes the rounding of the first.
-  void append(Vector v) {
-    Vector dual = times_inner(v);
-    const double before = std::sqrt(dot_product(v, dual));
-    if (!(before > 0.0)) return;
-    for (double& x : v) x /= before;
-    for (int pass = 0; pass < 2; ++pass)
-      for (size_t j = 0; j < basis_.size(); ++j) add_multiple(-dot_product(dual_[j], v), basis_[j], v);
-    dual = times_inner(v);
-    const double after = std::sqrt(dot_product(v, dual));
-    if (!(after > stability_limit.nothing_new)) return;
-    for (double& x : v) x /= after;
-    for (double& x : dual) x /= after;
-    basis_.push_back(std::move(v));
-    dual_.push_back(std::move(dual));
+  /// Splits the candidates of the next block, twice: the second time removes the rounding of the first.
+  void split_next() {
+    const int columns = columns_next_;
+    Vector before(columns);
+    for (int j = 0; j < columns; ++j) before[j] = norm(&next_[static_cast<size_t>(j) * problem_.unknowns]);
+    split_.h = project(columns);
+    split_.r = orthonormalize(before, split_.left);
+    const int kept = columns_next_;
+    const Vector h = project(kept);
+    Vector left;
+    const Vector r = orthonormalize(Vector(kept, 1.0), left);
+    multiply(false, size_, columns, kept, 1.0, h.data(), split_.r.data(), 1.0, split_.h.data());
+    const Vector first = std::move(split_.r);
+    split_.r.assign(static_cast<size_t>(columns_next_) * columns, 0.0);
+    multiply(false, columns_next_, columns, kept, 1.0, r.data(), first.data(), 0.0, split_.r.data());
+  }
+  /// Subtracts V h from the next block; returns h.
+  Vector project(int columns) {
+    const int n = problem_.unknowns;
+    Vector h(static_cast<size_t>(size_) * columns), part;
+    int first = 0;
+    for (const Block& block : blocks_) {
+      part.assign(static_cast<size_t>(block.columns) * columns, 0.0);
+      multiply(true, block.columns, columns, n, 1.0, block.left(), next_.data(), 0.0, part.data());
+      multiply(false, n, columns, block.columns, -1.0, block.v.data(), part.data(), 1.0, next_.data());
+      for (int j = 0; j < columns; ++j)
+        std::copy_n(&part[j * block.columns], block.columns, &h[first + static_cast<size_t>(j) * size_]);
+      first += block.columns;
+    }
+    return h;
+  }
+  /// Gram-Schmidt within the next block, of which columns that are nothing new, compared with what they were before,
+  /// are dropped. Returns the factor of the columns kept.
+  Vector orthonormalize(const Vector& before, Vector& left) {
+    const int n = problem_.unknowns, columns = columns_next_;
+    Vector factor(static_cast<size_t>(columns) * columns, 0.0), dual;
+    left.assign(columns, 0.0);
+    int kept = 0;
+    for (int j = 0; j < columns; ++j) {
+      double *x = &next_[static_cast<size_t>(j) * n], *own = &next_[static_cast<size_t>(kept) * n];
+      double* r = &factor[static_cast<size_t>(j) * columns];
+      double size = norm(x);
+      for (double last = HUGE_VAL; kept > 0 && size < kKept * last && size > stability_limit.nothing_new * before[j];) {
+        Vector part(kept);
+        multiply(true, kept, 1, n, 1.0, problem_.inner ? dual.data() : next_.data(), x, 0.0, part.data());
+        multiply(false, n, 1, kept, -1.0, next_.data(), part.data(), 1.0, x);
+        for (int i = 0; i < kept; ++i) r[i] += part[i];
+        last = size;
+        size = norm(x);
+      }
+      if (!(size > stability_limit.nothing_new * before[j])) {
+        left[j] = size;
+        continue;
+      }
+      for (int i = 0; i < n; ++i) own[i] = x[i] / size;
+      r[kept++] = size;
+      if (problem_.inner) {
+        const Vector newest = duals(Vector(own, own + n), 1);
+        dual.insert(dual.end(), newest.begin(), newest.end());
+      }
+    }
+    next_.resize(static_cast<size_t>(kept) * n);
+    columns_next_ = kept;
+    Vector r(static_cast<size_t>(kept) * columns);
+    for (int j = 0; j < columns; ++j) std::copy_n(&factor[static_cast<size_t>(j) * columns], kept, &r[j * kept]);
+    return r;
   }
 
-  std::vector<RitzPair> symmetric_pairs(Vector& t) const {
-    const int m = size();
+  Vector projected() const {
+    Vector t(static_cast<size_t>(size_) * size_, 0.0);
+    for (int j = 0; j < size_; ++j) std::copy(t_[j].begin(), t_[j].end(), &t[static_cast<size_t>(j) * size_]);
+    return t;
+  }
+  /// Norm of A V w - V T w.
+  double residual(const double* weights) const {
+    const double* newest = weights + size_ - last_;
+    Vector rest(columns_next_, 0.0);
+    multiply(false, columns_next_, 1, last_, 1.0, split_.r.data(), newest, 0.0, rest.data());
+    double left = 0.0;
+    for (int j = 0; j < last_; ++j) left += std::abs(split_.left[j] * newest[j]);
+    return std::hypot(std::sqrt(dot_product(rest, rest)), left);
+  }
+
+  Pairs symmetric_pairs() const {
+    const int m = size_;
+    Vector t = projected(), values(m), work(4 * m);
     for (int i = 0; i < m; ++i)
       for (int j = 0; j < i; ++j)
         t[i + static_cast<size_t>(j) * m] = t[j + static_cast<size_t>(i) * m] =
             0.5 * (t[i + static_cast<size_t>(j) * m] + t[j + static_cast<size_t>(i) * m]);
-    Vector values(m), work(4 * m);
     int info = 0;
     Teuchos::LAPACK<int, double>().SYEV('V', 'L', m, t.data(), m, values.data(), work.data(), 4 * m, &info);
     if (info != 0) throw LinearSolverError("the small eigenvalue problem failed: dsyev " + std::to_string(info));
-    std::vector<int> order(m);
-    std::iota(order.begin(), order.end(), 0);
-    std::stable_sort(order.begin(), order.end(),
-                     [&](int a, int b) { return std::abs(values[a]) > std::abs(values[b]); });
-    std::vector<RitzPair> pairs;
-    for (int k = 0; k < std::min(m, wanted_); ++k)
-      pairs.push_back(pair_of(values[order[k]], 0.0, &t[static_cast<size_t>(order[k]) * m]));
+    Pairs pairs;
+    for (const int i : largest([&](int k) { return std::abs(values[k]); })) {
+      const double* weights = &t[static_cast<size_t>(i) * m];
+      pairs.values.push_back({values[i], 0.0, {}, residual(weights) / std::abs(values[i])});
+      pairs.weights.insert(pairs.weights.end(), weights, weights + m);
+    }
     return pairs;
   }
 
-  std::vector<RitzPair> general_pairs(Vector& t) const {
-    const int m = size(), length = 8 * m;
-    Vector re(m), im(m), vectors(static_cast<size_t>(m) * m), work(length), unused(2 * m);
+  Pairs general_pairs() const {
+    const int m = size_, length = 8 * m;
+    Vector t = projected(), re(m), im(m), vectors(static_cast<size_t>(m) * m), work(length), unused(2 * m);
     int info = 0;
     double none = 0.0;
     Teuchos::LAPACK<int, double>().GEEV('N', 'V', m, t.data(), m, re.data(), im.data(), &none, 1, vectors.data(), m,
                                         work.data(), length, unused.data(), &info);
     if (info != 0) throw LinearSolverError("the small eigenvalue problem failed: dgeev " + std::to_string(info));
-    std::vector<int> order(m);
-    std::iota(order.begin(), order.end(), 0);
-    std::stable_sort(order.begin(), order.end(),
-                     [&](int a, int b) { return std::hypot(re[a], im[a]) > std::hypot(re[b], im[b]); });
-    std::vector<RitzPair> pairs;
-    for (int k = 0; k < std::min(m, wanted_); ++k) {
-      const int i = order[k];
-      pairs.push_back(
-          pair_of(re[i], im[i], &vectors[static_cast<size_t>(i) * m]));  // LAPACK: real part, imaginary part
-      const int first = im[i] < 0.0 ? i - 1 : i;
-      if (im[i] != 0.0) pairs.back().residual = complex_residual(re[i], std::abs(im[i]), &vectors[first * size_t(m)]);
+    Pairs pairs;
+    for (const int i : largest([&](int k) { return std::hypot(re[k], im[k]); })) {
+      const double* weights = &vectors[static_cast<size_t>(i) * m];  // LAPACK: real part, then the imaginary one
+      const double other = im[i] == 0.0 ? 0.0 : residual(im[i] < 0.0 ? weights - m : weights + m);
+      pairs.values.push_back({re[i], im[i], {}, std::hypot(residual(weights), other) / std::hypot(re[i], im[i])});
+      pairs.weights.insert(pairs.weights.end(), weights, weights + m);
     }
     return pairs;
   }
-
-  Vector combine(const std::vector<Vector>& columns, const double* weights) const {
-    Vector sum(problem_.unknowns, 0.0);
-    for (size_t j = 0; j < columns.size(); ++j) add_multiple(weights[j], columns[j], sum);
-    return sum;
-  }
-  double norm(const Vector& x) const { return std::sqrt(dot_product(x, times_inner(x))); }
-
-  RitzPair pair_of(double value, double imaginary, const double* weights) const {
-    RitzPair pair{value, imaginary, combine(basis_, weights), 0.0};
-    Vector error = combine(image_, weights);
-    add_multiple(-value, pair.vector, error);
-    pair.residual = norm(error) / std::abs(value);
-    return pair;
-  }
-
-  /// A (x + i y) = (a + i b)(x + i y); the columns of x and y stand beside each other.
-  double complex_residual(double a, double b, const double* weights) const {
-    const double* second = weights + size();
-    const Vector x = combine(basis_, weights), y = combine(basis_, second);
-    Vector real = combine(image_, weights), imaginary = combine(image_, second);
-    add_multiple(-a, x, real);
-    add_multiple(b, y, real);
-    add_multiple(-b, x, imaginary);
-    add_multiple(-a, y, imaginary);
-    return std::hypot(norm(real), norm(imaginary)) / std::hypot(a, b);
+  template <class Size>
+  std::vector<int> largest(const Size& size) const {
+    std::vector<int> order(size_);
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return size(a) > size(b); });
+    order.resize(std::min(size_, wanted_));
+    return order;
   }
 
   const KrylovProblem& problem_;
-  int wanted_;
-  std::vector<Vector> basis_, dual_, image_;  ///< orthonormal v_j, B v_j, A v_j
-  Vector projected_;
+  int wanted_, size_ = 0, last_ = 0;  ///< columns of V, and of its newest block
+  std::vector<Block> blocks_;
+  std::vector<Vector> t_;  ///< columns of T down to their last entry
+  Vector next_;            ///< Q
+  int columns_next_ = 0;
+  Split split_;
 };
 
 /// The same numbers on every machine: bits of the generator, not a distribution of the library.
-std::vector<Vector> start_block(int unknowns, int columns) {
+Vector start_block(int unknowns, int columns) {
   std::mt19937_64 generator(20240229);
-  std::vector<Vector> block(columns, Vector(unknowns));
-  for (Vector& v : block)
-    for (double& x : v) x = 0x1p-52 * static_cast<double>(generator() >> 11) - 1.0;
+  Vector block(static_cast<size_t>(unknowns) * columns);
+  for (double& x : block) x = 0x1p-52 * static_cast<double>(generator() >> 11) - 1.0;
   return block;
 }
 
@@ -260,24 +342,23 @@ std::vector<RitzPair> largest_eigenpairs(const KrylovProblem& problem, int count
   if (problem.unknowns == 0) return {};  // all vertices are fixed
   const int wanted = std::min(count, problem.unknowns);
   const int width = std::min(problem.unknowns, problem.width > 0 ? problem.width : wanted + kGuardVectors);
-  std::vector<Vector> start = start_block(problem.unknowns, width);
-  std::vector<RitzPair> pairs;
+  Vector start = start_block(problem.unknowns, width);
+  KrylovSpace::Pairs pairs;
   for (int blocks = 0; blocks < kMostBlocks;) {
-    KrylovSpace krylov(problem, std::max(width, wanted));
-    std::vector<Vector> block = start;
+    KrylovSpace krylov(problem, std::max(width, wanted), std::move(start));
     Progress progress(problem.tolerance);
-    for (int step = 0; step < stability_limit.longest_space && blocks < kMostBlocks; ++step, ++blocks) {
-      const size_t first = krylov.size();
-      const bool grown = krylov.grow(block);
+    bool ends = false;
+    for (int step = 0; !ends && step < stability_limit.longest_space && blocks < kMostBlocks; ++step, ++blocks) {
+      if (!krylov.grow()) break;
       pairs = krylov.ritz_pairs();
-      if (!grown || krylov.size() == problem.unknowns || progress.is_enough(largest_residual(pairs, wanted)))
-        return finished(std::move(pairs), wanted, problem.symmetric);
-      block = krylov.newest_images(first);
+      ends = krylov.is_complete() || progress.is_enough(largest_residual(pairs.values, wanted));
     }
-    start.clear();
-    for (const RitzPair& pair : pairs) start.push_back(pair.vector);
+    start = krylov.vectors(pairs);
+    if (ends) break;
   }
-  return finished(std::move(pairs), wanted, problem.symmetric);
+  for (size_t k = 0; k < pairs.values.size(); ++k)
+    pairs.values[k].vector.assign(&start[k * problem.unknowns], &start[k * problem.unknowns] + problem.unknowns);
+  return finished(std::move(pairs.values), wanted, problem.symmetric);
 }
 
 }  // namespace mixbeam
