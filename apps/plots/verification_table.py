@@ -18,9 +18,18 @@ WHEN_NAMED = ("trade",)  # run.sh computes it only when it is named
 SCENE_GROUPS = ("verification", "gallery")  # folders of scenes, run by mixbeam
 BEGIN, END = "<!-- verification:begin -->", "<!-- verification:end -->"
 NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e[+-]?\d+)?")
-HEADINGS = ("benchmark", "quantity", "values", "worst", "allowed", "pass", "source")
+HEADINGS = ("level", "benchmark", "quantity", "values", "worst", "allowed", "pass", "source")
 TEXT_HEADINGS = HEADINGS[:-1]  # sources are too long for a terminal
 LONGEST_QUANTITY = 84  # in a terminal
+# What a value is compared with: (name, words of a source, how exact that is itself); the first whose words a source has.
+LEVELS = (
+    ("closed form", r"closed form|elastica|elliptic|Bessel|^pure bending|Frenet|Eq\.|pi\^2|K\(|sqrt\(EI/m\)|Fletcher|polygon|"
+     "twice the error", "that of the printed digits"),
+    ("shooting", r"shooting|Runge-Kutta", "1e-10, by steps of half the length, or as the source says"),
+    ("other program", r"^other program:|prototype", "as the source says"),
+    ("paper", r"^Humer, Steinbrecher, Pechstein", "half a unit of the last digit; the same element"),
+    ("experiment", r"^experiment:", "unknown; how far other programs are from it stands in the source"),
+    ("relation", "", "none: equilibrium, symmetry, independence of the path, rates, statics by hand, goals"))
 
 
 class InputError(Exception):
@@ -74,10 +83,22 @@ def read_summary(file):
 
 
 def all_rows(summaries):
+    """By level; in each level in the order of the summaries."""
     rows = [row for summary in summaries if "group" not in summary for row in rows_of(summary)]
     for group in SCENE_GROUPS:
         rows += rows_of_scenes(group, [summary for summary in summaries if summary.get("group") == group])
-    return rows
+    return [(name, *row) for name, _, _ in LEVELS for row in rows if level_of(row[-1]) == name]
+
+
+def level_of(source):
+    return next(name for name, words, _ in LEVELS if re.search(words, source))
+
+
+def level_rows(summaries):
+    """Values of each level, those that agree, and how exact the references are."""
+    checks = [(level_of(check["source"]), check["pass"]) for summary in summaries for check in summary["checks"]]
+    counts = [(name, [passed for level, passed in checks if level == name], error) for name, _, error in LEVELS]
+    return [(name, str(len(found)), str(sum(found)), error) for name, found, error in counts if found]
 
 
 def rows_of_scenes(group, summaries):
@@ -224,9 +245,13 @@ def closing_line(summaries):
 
 
 def markdown(summaries, rows):
-    lines = [HEADINGS, ["---"] * len(HEADINGS)] + rows
-    cells = ["| " + " | ".join(cell.replace("|", r"\|") for cell in line) + " |" for line in lines]
-    return "\n".join(cells + ["", closing_line(summaries)])
+    levels = table(("level", "values", "agree", "error of the reference"), level_rows(summaries))
+    return "\n".join([*levels, "", *table(HEADINGS, rows), "", closing_line(summaries)])
+
+
+def table(headings, rows):
+    lines = headings, ["---"] * len(headings), *rows
+    return ["| " + " | ".join(cell.replace("|", r"\|") for cell in line) + " |" for line in lines]
 
 
 def plain_text(summaries, rows):

@@ -93,6 +93,17 @@ class VerificationTable(unittest.TestCase):
                     "u1 and 2 | 2 | not a number | 1 in the last digit | **NO** |", "4 of 6 values agree")
         self.expect("NO", "not a number", "4 of 6 values agree", options=())
 
+    def test_sorts_by_level(self):
+        sources = {"experiment: a wing": "experiment", "equilibrium": "relation", "shooting on the rod equations": "shooting",
+                   "pi^2 EI/L^2, closed form": "closed form", "other program: of solids": "other program"}
+        self.write("rollup", [check(source, 1.0, "1", "relative", 1e-3, source=source) for source in sources])
+        lines = self.table("--markdown")[0].splitlines()
+        rows = [line.split(" | ") for line in lines if "| rollup |" in line]
+        order = ["closed form", "shooting", "other program", "experiment", "relation"]
+        self.assertEqual([row[0].strip("| ") for row in rows], order)
+        self.assertEqual([sources[row[-1].strip(" |")] for row in rows], order)
+        self.assertEqual([line.split(" | ")[:3] for line in lines[2:7]], [[f"| {level}", "1", "1"] for level in order])
+
     def test_has_scenes_of_the_program(self):
         self.write_scene("verification/arch")
         self.write_scene("verification/column", 2.0 + 2e-7, False)
@@ -131,7 +142,7 @@ class VerificationTable(unittest.TestCase):
         for _ in range(2):  # a second time changes nothing
             self.assertEqual(self.table("--update", str(page))[1], "")
             updated = page.read_text()
-            self.assertTrue(updated.startswith(f"{before}\n| benchmark | quantity |"), updated)
+            self.assertTrue(updated.startswith(f"{before}\n| level | values | agree |"), updated)
             self.assertTrue(updated.endswith(f"\n{after}"))
             self.assertIn("35 of 35 values agree", updated)
             self.assertNotIn("old", updated)
