@@ -7,27 +7,30 @@ cd "$(dirname "${BASH_SOURCE[0]}")"
 source .ci/setup.sh
 
 readonly default_benchmarks=(rollup superimposed_rotation arc_segment helix helical_rod slope_discontinuity fork modes extremes)
-readonly when_named=(trade economies) # a quarter of an hour
+readonly when_named=(trade economies peers) # a quarter of an hour each
 readonly all_benchmarks=("${default_benchmarks[@]}" "${when_named[@]}")
 readonly all_scene_groups=(verification gallery)
 readonly default_names=("${default_benchmarks[@]}" "${all_scene_groups[@]}")
 readonly all_names=("${all_benchmarks[@]}" "${all_scene_groups[@]}")
+readonly peer_packages=(python3-dolfinx calculix-ccx)
 readonly results=results
 # Debian's Python has the packages installed above; another one earlier in PATH need not.
 readonly python=(/usr/bin/python3 -E -s) # what lies in PYTHONPATH or ~/.local does not count
 
 usage() {
   cat <<END
-usage: ./run.sh [--no-install] [name]...
+usage: ./run.sh [--no-install] [--with-peers] [name]...
 
 Installs missing Debian packages, configures and builds the preset "release", and runs the benchmarks
   ${default_benchmarks[*]}
 and the scenes of
   ${all_scene_groups[*]}
-(two to four minutes), or those that are named. Studies of cost run only where they are named (a quarter of an hour):
+(two to four minutes), or those that are named. Studies of cost run only where they are named (a quarter of an hour each):
   ${when_named[*]}
+The last one compares mixbeam with those of ${peer_packages[*]} that are installed.
 Tables, result files and pictures go to $results/<name>.
 
+  --with-peers   install ${peer_packages[*]} too, which nothing but the study peers uses
   --no-install   stop with the list of missing packages instead of installing them
   --help         print this text
 
@@ -74,10 +77,12 @@ draw_each() { # draw_each <group> <picture> <results>...
 }
 
 install=yes
+further=()
 names=()
 while [[ $# -gt 0 ]]; do
   case $1 in
     --no-install) install=no ;;
+    --with-peers) further=("${peer_packages[@]}") ;;
     --help | -h) usage && exit 0 ;;
     -*) fail 2 "run.sh: unknown option $1; see ./run.sh --help" ;;
     *)
@@ -91,7 +96,7 @@ done
 [[ ${#names[@]} -gt 0 ]] || names=("${default_names[@]}")
 readonly program_mixbeam=$build_directory/bin/mixbeam
 
-prepare "$install"
+prepare "$install" "${further[@]}"
 
 # Threads that wait for work spin by default: beside anything else that runs on the machine, small scenes then take many
 # times as long.

@@ -9,7 +9,7 @@ from pathlib import Path
 
 BENCHMARKS = ("rollup", "superimposed_rotation", "arc_segment", "helix", "helical_rod", "slope_discontinuity", "fork",
               "modes", "extremes", "trade", "thread_scaling")
-NAMES = (*BENCHMARKS, "economies")  # which compares nothing with others
+NAMES = (*BENCHMARKS, "economies", "peers")  # which have no reference values of the paper
 
 
 def main():

@@ -242,6 +242,13 @@ class Pages(WithProgram):
             for number in numbers:
                 self.assertRegex((APPS / f"docs/{page}.md").read_text(), rf"\b{re.escape(number)}\b")
 
+    def test_the_ratios_of_the_readme_stand_on_the_page_of_peers(self):
+        text = chapter(ROOT / "README.md", "How accurate, how fast").partition("peers.png")[2]
+        ratios = re.findall(r"\d[\d.]* to \d+(?:\.\d+)?", text)
+        self.assertGreaterEqual(len(ratios), 8)  # of two rows, for four errors
+        for ratio in ratios:
+            self.assertIn(f"| {ratio} ", (APPS / "docs/peers.md").read_text())
+
     def test_the_readme_is_short(self):
         self.assertLessEqual((ROOT / "README.md").read_text().count("\n"), MOST_LINES_OF_README)
         self.assertLessEqual((APPS / "docs/readme_scenes.png").stat().st_size, LARGEST_PICTURE_OF_README)

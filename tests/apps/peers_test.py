@@ -1,0 +1,85 @@
+#!/usr/bin/python3
+"""The study of peers with mixbeam alone: its errors, what is left out, its page and figure.
+
+usage: peers_test.py MIXBEAM PACKAGES     the program, and the folder in which the package mixbeam lies
+"""
+
+import csv
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+PROGRAM, PACKAGES = (Path(sys.argv.pop(1)).resolve() for _ in range(2))
+ROOT = Path(__file__).resolve().parents[2]
+FAILED = 1  # exit code of a check that failed
+TOO_SOFT = 1e-3  # one element of order 2 is farther from the elastica than this
+
+STUDY = {"Programs": ("string", "{mixbeam, EXUDYN}"), "Problems": ("string", "{arc_100, elastica}"), "Orders": ("int", "{2, 8}"),
+         "Elements": ("int", "{1, 8}"), "Chain": ("int", "{100}")}
+
+
+class Peers(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name) / "peers"
+        self.folder.mkdir()
+
+    def study(self, program=PROGRAM.parent / "peers", **changes):
+        """The program on a scene with a small study."""
+        entries = [f'<Parameter name="{name}" type="Array({kind})" value="{value}"/>'
+                   for name, (kind, value) in {**STUDY, **changes}.items()]
+        scene = (ROOT / "apps/peers/peers.xml").read_text().rstrip().removesuffix("</ParameterList>")
+        (self.folder / "peers.xml").write_text(f'{scene}<ParameterList name="Study"><Parameter name="Rounds" type="int" value="1"/>'
+                                               f'{"".join(entries)}</ParameterList></ParameterList>')
+        return subprocess.run([program, self.folder / "peers.xml", "--output", self.folder, "--summary",
+                               self.folder / "summary.json"], text=True, capture_output=True, check=False, cwd=self.folder)
+
+    def rows(self, name):
+        with open(self.folder / f"{name}.csv", newline="", encoding="utf-8") as file:
+            return list(csv.DictReader(file))
+
+    def test_measures_mixbeam_and_leaves_out_what_is_not_there(self):
+        ended = self.study()
+        self.assertEqual(ended.returncode, 0, ended.stdout + ended.stderr)
+        self.assertIn("EXUDYN is left out", ended.stdout)
+        self.assertEqual([row["version"] == "not importable" for row in self.rows("programs")], [False, True])
+        rows = {(row["setting"], row["problem"], row["order"], row["elements"]): row for row in self.rows("peers")}
+        self.assertLess(float(rows["mixbeam", "arc_100", "8", "8"]["error"]), 1e-12)
+        self.assertGreater(float(rows["mixbeam", "elastica", "2", "1"]["error"]), TOO_SOFT)
+        self.assertEqual({row["elements"] for row in self.rows("growth")}, {"100"})
+        subprocess.run([sys.executable, ROOT / "apps/plots/plot_all.py", self.folder.parent, "--only", "peers"], check=True,
+                       capture_output=True, env={**os.environ, "MPLBACKEND": "Agg"})
+        self.assertTrue((self.folder / "peers.png").exists())
+        page = (self.folder / "peers.md").read_text()
+        for part in ("# Beside other programs", "| EXUDYN | not importable | not in Debian | - |", "| elastica | mixbeam | ", "(2 x 8, 1, 6)"):
+            self.assertIn(part, page)
+
+    def test_a_wrong_truth_is_noticed(self):
+        """Twin: a copy of the program that believes another tip of the arc, by a millionth."""
+        copy = self.folder / "bin"
+        copy.mkdir()
+        shutil.copy(PROGRAM.parent / "peers", copy)
+        shutil.copytree(PROGRAM.parent / "studies", copy / "studies")
+        (self.folder / "python").symlink_to(PACKAGES)
+        problems = copy / "studies/peer_problems.py"
+        text = problems.read_text()
+        self.assertIn("53.4748587", text)
+        problems.write_text(text.replace("53.4748587", "53.4749187"))
+        ended = self.study(copy / "peers", Programs=("string", "{mixbeam}"))
+        self.assertEqual(ended.returncode, FAILED, ended.stdout + ended.stderr)
+        self.assertIn("FAIL  Accuracy 1e-06, arc_100", ended.stdout)
+        self.assertNotIn("FAIL  Accuracy 1e-06, elastica", ended.stdout)
+
+    def test_unknown_problems_are_refused(self):
+        ended = self.study(Problems=("string", "{roll_up}"))
+        self.assertEqual(ended.returncode, 2)
+        self.assertIn("roll_up_100", ended.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
