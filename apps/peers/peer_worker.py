@@ -37,8 +37,8 @@ def main():
     job = json.load(sys.stdin)
     try:
         program = importlib.import_module(job["file"])
-        is_known = hasattr(program, "solve")
-        say({"version": program.version()} if is_known else {"absent": "importable, but no program is written for it"})
+        without = {"version": "importable", "absent": "it is importable, but these problems are not written for it"}
+        say({"version": program.version()} if hasattr(program, "solve") else without)
     except (ImportError, OSError) as error:
         return say({"absent": str(error)})
     for call in job["calls"]:

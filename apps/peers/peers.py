@@ -154,7 +154,7 @@ def run(app):
     for name in app.words("Programs"):
         file, package = PROGRAMS[name]
         facts = ask(name, {}, [])[0]
-        if "version" in facts:
+        if "absent" not in facts:
             here.add(name)
         else:
             print(f"{name} is left out: {facts['absent']}; package: {package}", flush=True)
