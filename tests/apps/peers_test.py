@@ -56,8 +56,10 @@ class Peers(unittest.TestCase):
                        capture_output=True, env={**os.environ, "MPLBACKEND": "Agg"})
         self.assertTrue((self.folder / "peers.png").exists())
         page = (self.folder / "peers.md").read_text()
-        for part in ("# Beside other programs", "| EXUDYN | not importable | not in Debian | - |", "| elastica | mixbeam | ", "(2 x 8, 1, 6)"):
+        for part in ("# Beside other programs", "| EXUDYN | not importable | not in Debian | - |"):
             self.assertIn(part, page)
+        for problem in "arc_100", "elastica":  # which mesh is the cheapest is a matter of time
+            self.assertRegex(page, rf"\| {problem} \| mixbeam( \| [\d.]+ ms \(\d x \d, 1, \d+\)){{4}} \|")
 
     def test_a_wrong_truth_is_noticed(self):
         """Twin: a copy of the program that believes another tip of the arc, by a millionth."""
