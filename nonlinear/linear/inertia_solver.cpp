@@ -20,6 +20,8 @@
 extern "C" {
 void dsytrf_(const char*, const int*, double*, const int*, int*, double*, const int*, int*);
 void dsytrs_(const char*, const int*, const int*, const double*, const int*, const int*, double*, const int*, int*);
+void dgetrf_(const int*, const int*, double*, const int*, int*, int*);
+void dgetrs_(const char*, const int*, const int*, const double*, const int*, const int*, double*, const int*, int*);
 }
 
 namespace mixbeam {
@@ -99,14 +101,14 @@ struct InertiaSolver::Factors {
   virtual double solves_for_factors() const { return 0.0; }
 };
 
-/// Symmetric matrices of a few rows by LAPACK's dsytrf: MUMPS takes a fifth of the time of a small run to begin and
-/// end.
+/// Matrices of a few rows by LAPACK's dsytrf or dgetrf: MUMPS takes a fifth of the time of a small run to begin and
+/// end, and for each solve ten times what such a matrix does.
 struct InertiaSolver::Dense final : Factors {
   std::vector<double> factors, work;
   std::vector<int> pivots;
 
-  Dense(const SparseMatrix& structure, SharedRows s)
-      : Factors(Kind::symmetric, structure, std::move(s)), factors(rows * rows), work(rows), pivots(rows) {}
+  Dense(Kind k, const SparseMatrix& structure, SharedRows s)
+      : Factors(k, structure, std::move(s)), factors(rows * rows), work(rows), pivots(rows) {}
   double& at(int i, int j) { return factors[static_cast<size_t>(j) * rows + i]; }
 
   Signs factorize() override {
@@ -117,10 +119,29 @@ struct InertiaSolver::Dense final : Factors {
       here += value[k];
       largest = std::max(largest, std::abs(here));
     }
+    return kind == Kind::symmetric ? factorize_symmetric(kNullPivot * largest)
+                                   : factorize_general(kNullPivot * largest);
+  }
+  Signs factorize_general(double zero) {
+    int info = 0;
+    dgetrf_(&rows, &rows, factors.data(), &rows, pivots.data(), &info);
+    if (info < 0) throw LinearSolverError("LAPACK's dgetrf stopped with code " + std::to_string(info));
+    Signs found;
+    found.determinant_sign = 1;
+    for (int i = 0; i < rows; ++i) {
+      if (pivots[i] != i + 1) found.determinant_sign = -found.determinant_sign;
+      if (at(i, i) < 0.0) found.determinant_sign = -found.determinant_sign;
+      if (std::abs(at(i, i)) > zero) continue;
+      ++found.null;
+      at(i, i) = kHeld;
+    }
+    if (found.null > 0) found.determinant_sign = 0;
+    return found;
+  }
+  Signs factorize_symmetric(double zero) {
     int info = 0;
     dsytrf_("L", &rows, factors.data(), &rows, pivots.data(), work.data(), &rows, &info);
     if (info < 0) throw LinearSolverError("LAPACK's dsytrf stopped with code " + std::to_string(info));
-    const double zero = kNullPivot * largest;
     Signs found;
     for (int i = 0; i < rows; ++i) {
       if (pivots[i] < 0) {  // a block of two, which has one eigenvalue of either sign
@@ -142,8 +163,12 @@ struct InertiaSolver::Dense final : Factors {
     found.determinant_sign = found.null > 0 ? 0 : found.negative % 2 == 0 ? 1 : -1;
     return found;
   }
-  void solve(double* block, int columns, bool /*transposed*/) override {
+  void solve(double* block, int columns, bool transposed) override {
     int info = 0;
+    if (kind == Kind::general) {
+      dgetrs_(transposed ? "T" : "N", &rows, &columns, factors.data(), &rows, pivots.data(), block, &rows, &info);
+      return;
+    }
     dsytrs_("L", &rows, &columns, factors.data(), &rows, pivots.data(), block, &rows, &info);
   }
 };
@@ -279,8 +304,8 @@ InertiaSolver::InertiaSolver(Kind kind, const SparseMatrix& structure)
     : InertiaSolver(kind, structure, of_one_rank(structure)) {}
 
 InertiaSolver::InertiaSolver(Kind kind, const SparseMatrix& structure, SharedRows share) {
-  if (kind == Kind::symmetric && !share.has_several_ranks() && structure.rows() <= kMostDenseRows)
-    factors_ = std::make_unique<Dense>(structure, std::move(share));
+  if (!share.has_several_ranks() && structure.rows() <= kMostDenseRows)
+    factors_ = std::make_unique<Dense>(kind, structure, std::move(share));
   else
     factors_ = std::make_unique<Mumps>(kind, structure, std::move(share));
 }
