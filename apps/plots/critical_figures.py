@@ -23,7 +23,8 @@ def modes_figure(view, points):
         _draw_mode(axes, view, point)
         together = f", {point.modes} modes" if point.modes > 1 else ""
         axes.set_title(f"{number}: {point.kind}{together}, load factor {point.load_factor:.6g}\n"
-                       f"negative eigenvalues {point.negative_before} before, {point.negative_after} after")
+                       + (f"omega {point.omega:.6g}" if point.kind == "flutter" else
+                          f"negative eigenvalues {point.negative_before} before, {point.negative_after} after"))
     left_out = f"; the first {MOST_POINTS} of {len(points)}" if len(points) > MOST_POINTS else ""
     canvas.suptitle(f"{view.scene_words}: critical modes (red), amplitude arbitrary{left_out}", fontsize=13)
     return canvas

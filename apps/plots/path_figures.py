@@ -12,10 +12,11 @@ MOST_TRACKED = 200  # steps at which the farthest point is looked up when nothin
 MOST_HISTORIES = 60
 MOST_NAMED = 6      # critical points with their load factor beside them
 JUMP = {"color": style.RED, "linestyle": (0, (1, 1.5)), "linewidth": 1.2, "marker": "*", "markersize": 9, "markevery": [1], "zorder": 6}
-MARKERS = {"limit point": ("o", style.ORANGE), "bifurcation": ("D", style.PURPLE)}
+MARKERS = {"limit point": ("o", style.ORANGE), "bifurcation": ("D", style.PURPLE), "flutter": ("X", style.RED)}
 NOT_STABLE = {"false": (0, (4, 2)), "neutral": (0, (4, 1.5, 1, 1.5)), "unknown": (0, (1, 1.2)), "jump": "none"}  # dashes
 OF_JUMPS = ("jump.energy_released", "jump.motion", "jump.largest_displacement")  # zero between: no curves
 OF_SYMBOLS = {"u": "displacement", r"\theta": "rotation", "R": "reaction force", "M": "reaction moment"}
+LIKE = 0.5          # cosine of two mode shapes below which they are different motions
 STILL = 1e-9        # what changed less than this share of its scale (size, largest force) stood still
 
 
@@ -96,6 +97,51 @@ def readable(name):
 def _jumps(view):
     """Numbers of the steps that a jump leads to, among those of the run."""
     return [at for at, step in enumerate(view.run.steps) if step.jump and at > 0]
+
+
+def frequencies_figure(view, steps):
+    """Frequencies of natural modes and their rates of growth over the load factor; crosses: flutter."""
+    factor = np.array([step.load_factor for step in steps])
+    curves = followed_modes([step.natural_modes() for step in steps])
+    canvas, (upper, lower) = style.figure(7.0, 6.4, 2, 1, sharex=True)
+    for number, (at, modes) in enumerate(curves):
+        color = list(style.ORDER_COLORS.values())[number % len(style.ORDER_COLORS)]
+        upper.plot(factor[at], [mode["omega"] for mode in modes], ".-", color=color, markersize=4, gid="frequency")
+        lower.plot(factor[at], [mode["growth"] for mode in modes], ".-", color=color, markersize=4, gid="growth")
+    for point in view.run.critical_points():
+        if point.kind == "flutter":
+            marker, color = MARKERS["flutter"]
+            upper.plot(point.load_factor, point.omega, marker, color=color, markersize=8, zorder=5, label=f"flutter at {point.load_factor:.6g}")
+    if upper.get_legend_handles_labels()[1]:
+        upper.legend(loc="best")
+    upper.set(ylabel=r"frequency $\omega$", ylim=(0.0, None))
+    lower.set(xlabel="load factor", ylabel="rate of growth")
+    lower.axhline(0.0, color=style.GREY, linewidth=0.7, zorder=1)
+    canvas.suptitle(f"{view.scene_words}: natural modes over the path", fontsize=13)
+    return canvas
+
+
+def followed_modes(steps):
+    """[(numbers of steps, modes there)] of curves over the path: a mode continues that of the step before to which it is most like
+    by the cosine of their displacements; what is like none begins a curve."""
+    curves, last = [], []
+    for at, modes in enumerate(steps):
+        shapes = [mode["mode"].ravel() / (np.linalg.norm(mode["mode"]) or 1.0) for mode in modes]
+        likeness = sorted(((abs(shape @ before), i, j) for i, shape in enumerate(shapes) for j, (before, _) in enumerate(last)), reverse=True)
+        curve_of, taken = {}, set()
+        for cosine, i, j in likeness:
+            if cosine >= LIKE and i not in curve_of and j not in taken:
+                curve_of[i] = last[j][1]
+                taken.add(j)
+        last = []
+        for i, mode in enumerate(modes):
+            if i not in curve_of:
+                curves.append(([], []))
+                curve_of[i] = len(curves) - 1
+            curves[curve_of[i]][0].append(at)
+            curves[curve_of[i]][1].append(mode)
+            last.append((shapes[i], curve_of[i]))
+    return curves
 
 
 def _mark_jump(axes, x, y):

@@ -15,7 +15,8 @@ KINDS = {"shape": "members with their sections, deformed and undeformed, coloure
          "curve": "with --curve: one followed number over another",
          "envelope": "of SCENE.h5 beside those of its load cases: quantities over all of them; with --along their diagrams",
          "load_path": "monitored quantities over the load factor; with critical points: load factor over them",
-         "critical_modes": "structure and mode at limit points and bifurcations",
+         "critical_modes": "structure and mode at limit points, bifurcations and flutter points",
+         "frequencies": "of natural modes in every step, over the load factor",
          "iterations": "Newton iterations and residuals",
          "steps": "several steps side by side"}
 BY_DEFAULT = ("shape", "diagrams", "load_path")
@@ -155,7 +156,7 @@ def figures(run, options):
 def _why_nothing(kind, run, options):
     if kind == "steps" and len(run.steps) > 1:
         return f" of {options.field or 'it'} in every step; for stresses: \"Stresses\" = \"every step\" in \"Analysis\" of the scene"
-    return {"critical_modes": ", no critical point was met", "load_path": " of a single step",
+    return {"critical_modes": ", no critical point was met", "frequencies": "; \"Modes\" with \"At\" = \"every step\" gives them", "load_path": " of a single step",
             "steps": " of a single step"}.get(kind, "")
 
 
@@ -182,6 +183,10 @@ def _figures(kind, run, view, chosen, options):
         points = run.critical_points()
         if points:
             yield kind, critical_figures.modes_figure(view, points)
+    elif kind == "frequencies":
+        vibrating = [step for step in run.steps if step.natural_modes()]
+        if len(vibrating) > 1:
+            yield kind, path_figures.frequencies_figure(view, vibrating)
     elif kind == "curve" and options.curve:
         yield kind, path_figures.curve_figure(view, *options.curve)
     elif kind == "iterations":

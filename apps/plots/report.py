@@ -225,7 +225,7 @@ def _write_answers(page, run):
             page.table((f"linear buckling mode about the end of stage {step.load_factor:.4g}", "factor of the loads of the next stage"),
                        list(enumerate(factors, 1)))
     for step in run.steps:
-        roots = [np.sqrt(max(value, 0.0)) for value, _ in step.natural_modes()]
+        roots = [mode["omega"] for mode in step.natural_modes()]
         if roots:
             page.table((f"natural mode about load factor {step.load_factor:.4g}", "omega", "omega / (2 pi)"),
                        [(number, root, root / (2 * np.pi)) for number, root in enumerate(roots, 1)])

@@ -236,7 +236,7 @@ class Selection:
 
 
 class CriticalPoint:
-    """A limit point or bifurcation between two steps; fields as those of a step, and the critical mode."""
+    """A limit point, bifurcation or flutter point between two steps; fields as those of a step, and the critical mode."""
 
     def __init__(self, group, selection):
         self.kind = group.attribute("kind", str)
@@ -245,6 +245,7 @@ class CriticalPoint:
         self.negative_before = group.attribute("negative_before", int)
         self.negative_after = group.attribute("negative_after", int)
         self.modes = group.attribute("modes", int)
+        self.omega = group.attribute("omega", default=np.nan)  # of flutter
         self._group, self._selection = group, selection
 
     def field(self, name):
@@ -278,8 +279,10 @@ class Step:
         return [(mode.attribute("load_factor"), self._selection.of(mode, "mode")) for mode in self._group.numbered("buckling")]
 
     def natural_modes(self):
-        """[(omega^2, displacements (n, 3))] of the vibrations about this state, where a run was asked for them."""
-        return [(mode.attribute("eigenvalue"), self._selection.of(mode, "mode")) for mode in self._group.numbered("vibration")]
+        """[{"eigenvalue": omega^2, "omega", "growth", "mode": displacements (n, 3)}] of the vibrations about this state, where a
+        run was asked for them."""
+        return [{"mode": self._selection.of(mode, "mode"), "growth": mode.attribute("growth", default=0.0),
+                 **{name: mode.attribute(name) for name in ("eigenvalue", "omega")}} for mode in self._group.numbered("vibration")]
 
     @property
     def jump(self):

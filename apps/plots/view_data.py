@@ -212,11 +212,10 @@ class ViewData:
                 described.append({"kind": "buckling mode", "factor": factor, "step": step_number})
                 self._add_mode(f"mode-{at}", mode)
         for step_number, step in enumerate(self._run.steps):
-            for eigenvalue, mode in step.natural_modes():
+            for mode in step.natural_modes():
                 at = len(described)
-                described.append({"kind": "natural mode", "factor": step.load_factor, "step": step_number,
-                                  "omega": float(np.sqrt(max(eigenvalue, 0.0)))})
-                self._add_mode(f"mode-{at}", mode)
+                described.append({"kind": "natural mode", "factor": step.load_factor, "step": step_number, "omega": float(mode["omega"])})
+                self._add_mode(f"mode-{at}", mode["mode"])
         self.description["modes"] = described
 
     def _add_mode(self, name, mode):

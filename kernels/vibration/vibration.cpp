@@ -72,7 +72,7 @@ void solve_factors(const double* a, int n, const int* pivots, double* x) {
   }
 }
 
-/// The same with the transpose.
+/// Solves with the transpose.
 void solve_transposed_factors(const double* a, int n, const int* pivots, double* x) {
   for (int k = 0; k < n; ++k) {
     for (int i = 0; i < k; ++i) x[k] -= a[i * n + k] * x[i];

@@ -108,6 +108,20 @@ def batch(scene, table, case=None, *, output="followed", threads=None, progress=
     return result
 
 
+def _order_by_shape(before, modes):
+    """Which of the modes continues each of those before: the most like by the cosine of displacements first."""
+    unit = lambda mode: np.ravel(mode.mode) / (np.linalg.norm(mode.mode) or 1.0)
+    cosine = np.abs(np.array([unit(mode) for mode in before]) @ np.array([unit(mode) for mode in modes]).T)
+    order = [None] * len(modes)
+    for _ in range(min(cosine.shape)):
+        old, new = np.unravel_index(np.argmax(cosine), cosine.shape)
+        if old < len(order):
+            order[old] = int(new)
+        cosine[old, :] = cosine[:, new] = -1.0
+    left = iter(sorted(set(range(len(modes))) - set(order)))
+    return [next(left) if i is None else i for i in order]
+
+
 def _shared_batch(client, scene, columns, case, output, threads):
     """Solves the rows in pieces, a few for each worker: one that is done early takes another."""
     pieces_of_worker = 4
@@ -340,10 +354,16 @@ class Run:
             raise InputError(f"natural modes: {count}; allowed: 1, 2, ...")
         return [SimpleNamespace(**one) for one in self._core.natural_modes(count, self._number(step), in_plane)]
 
-    def frequencies(self, count=10, in_plane=False):
-        """Natural frequencies over the path: (load factors, omega (steps, count)), NaN where there are fewer."""
-        table = [[mode.omega for mode in self.modes(count, step, in_plane)] for step in range(len(self))]
-        return self.load_factors, np.array([row + [np.nan] * (count - len(row)) for row in table])
+    def frequencies(self, count=10, in_plane=False, follow=False):
+        """Natural frequencies over the path: (load factors, omega (steps, count)), NaN where there are fewer. `follow`: a column
+        for each motion, which modes continue by their shape where frequencies cross."""
+        table, before = np.full((len(self), count), np.nan), None
+        for step in range(len(self)):
+            modes = self.modes(count, step, in_plane)
+            order = _order_by_shape(before, modes) if follow and before else range(len(modes))
+            before = [modes[i] for i in order]
+            table[step, :len(modes)] = [mode.omega for mode in before]
+        return self.load_factors, table
 
     def error_estimate(self, step=-1):
         """Estimated discretization errors: {name: (error, size of the quantity)}; a text: why there are none."""
