@@ -13,16 +13,20 @@ namespace {
 using Range = Kokkos::RangePolicy<ExecutionSpace>;
 
 /// y += factor * A x, A of `rows` x `columns`, its rows `stride` apart.
-void add_product(const double* a, int rows, int columns, int stride, double factor, const double* x, double* y) {
+KOKKOS_FORCEINLINE_FUNCTION void add_product(const double* a, int rows, int columns, int stride, double factor,
+                                             const double* x, double* y) {
   for (int i = 0; i < rows; ++i) {
     double sum = 0.0;
+#pragma omp simd reduction(+ : sum)
     for (int j = 0; j < columns; ++j) sum += a[i * stride + j] * x[j];
     y[i] += factor * sum;
   }
 }
 /// y += A^T x
-void add_transposed_product(const double* a, int rows, int columns, int stride, const double* x, double* y) {
+KOKKOS_FORCEINLINE_FUNCTION void add_transposed_product(const double* a, int rows, int columns, int stride,
+                                                        const double* x, double* y) {
   for (int i = 0; i < rows; ++i)
+#pragma omp simd
     for (int j = 0; j < columns; ++j) y[j] += a[i * stride + j] * x[i];
 }
 
@@ -61,7 +65,7 @@ void factorize(double* a, int n, int* pivots) {
     }
   }
 }
-void solve_factors(const double* a, int n, const int* pivots, double* x) {
+KOKKOS_FORCEINLINE_FUNCTION void solve_factors(const double* a, int n, const int* pivots, double* x) {
   for (int k = 0; k < n; ++k)
     std::swap(x[k], x[pivots[k]]);  // all before any: rows of L were exchanged with the others
   for (int k = 0; k < n; ++k)
@@ -223,11 +227,15 @@ struct VibrationLoop {
   }
 };
 
-/// Calls action(element, its layout) for each element of a block.
+/// Calls action(element, its layout) for each element of a block, with sizes that are known to the compiler.
 template <class Action>
 void for_each_of(const char* label, const VibratingBlock& vibrating, const Action& action) {
-  const VibrationLayout layout = vibrating.layout();
-  Kokkos::parallel_for(label, Range(0, vibrating.block.count), [=](int e) { action(e, layout); });
+  const int points = vibrating.block.interior.force_points;
+  for_order(vibrating.block.order, [&](auto order) {
+    Kokkos::parallel_for(label, Range(0, vibrating.block.count), [=](int e) {
+      action(e, VibrationLayout{decltype(order)::value, points});
+    });
+  });
 }
 
 /// Motions of both vertices of an element.
@@ -237,15 +245,19 @@ void load_ends(const VibratingBlock& vibrating, const KernelView<const double* [
 }
 
 /// Rows of all motions with the stresses eliminated: dN = S^-1 (D dx + r) leaves f - D^T S^-1 r.
-void eliminate_stresses(const VibratingBlock& vibrating, int e, const VibrationLayout& layout, const double* rows,
-                        double* motions) {
+KOKKOS_FORCEINLINE_FUNCTION void eliminate_stresses(const VibratingBlock& vibrating, int e,
+                                                    const VibrationLayout& layout, const double* rows,
+                                                    double* motions) {
   const double* end = rows + layout.stresses();
   if (std::all_of(rows, end, [](double x) { return x == 0.0; })) return;
   double stress[kMostStresses];
   of_element(vibrating, vibrating.compliance, e).multiply(rows, stress);
   const double* strain = &vibrating.strain(e, 0);
-  for (int s = 0; s < layout.stresses(); ++s)
-    for (int i = 0; i < layout.motions(); ++i) motions[i] -= strain[s * layout.motions() + i] * stress[s];
+  for (int s = 0; s < layout.stresses(); ++s) {
+    const double factor = stress[s];
+#pragma omp simd
+    for (int i = 0; i < layout.motions(); ++i) motions[i] -= strain[s * layout.motions() + i] * factor;
+  }
 }
 
 }  // namespace
@@ -291,7 +303,7 @@ namespace {
 void rows_times_motion(const VibratingBlock& vibrating, const KernelView<double**>& matrix, bool are_stresses,
                        const KernelView<const double* [6]>& vertex, const KernelView<const double*>& interior,
                        const KernelView<double**>& to) {
-  for_each_of("mixbeam::vibration::momenta", vibrating, [=](int e, const VibrationLayout& layout) {
+  for_each_of("mixbeam::vibration::momenta", vibrating, [=](int e, const VibrationLayout layout) {
     double motions[kMostMotions];
     std::copy_n(interior.data() + vibrating.block.increments_at()(e) + layout.stresses(), layout.interior(), motions);
     load_ends(vibrating, vertex, e, motions + layout.interior());
@@ -316,7 +328,7 @@ void strains_of(const VibratingBlock& vibrating, const KernelView<const double* 
 
 void rows_of_momenta(const VibratingBlock& vibrating, const KernelView<double**>& momenta,
                      const KernelView<double*>& interior, const KernelView<double* [12]>& vertex) {
-  for_each_of("mixbeam::vibration::rows", vibrating, [=](int e, const VibrationLayout& layout) {
+  for_each_of("mixbeam::vibration::rows", vibrating, [=](int e, const VibrationLayout layout) {
     double motions[kMostMotions] = {};
     add_transposed_product(&vibrating.momentum(e, 0), layout.velocities(), layout.motions(), layout.motions(),
                            &momenta(vibrating.block.first_element + e, 0), motions);
@@ -329,7 +341,7 @@ void rows_of_momenta(const VibratingBlock& vibrating, const KernelView<double**>
 
 void condense_rows(const VibratingBlock& vibrating, const KernelView<const double*>& interior,
                    const KernelView<double* [12]>& vertex) {
-  for_each_of("mixbeam::vibration::condense_rows", vibrating, [=](int e, const VibrationLayout& layout) {
+  for_each_of("mixbeam::vibration::condense_rows", vibrating, [=](int e, const VibrationLayout layout) {
     const double* rows = interior.data() + vibrating.block.increments_at()(e);
     double motions[kMostMotions] = {};
     std::copy_n(rows + layout.stresses(), layout.interior(), motions);
@@ -343,7 +355,7 @@ void condense_rows(const VibratingBlock& vibrating, const KernelView<const doubl
 
 void recover_motion(const VibratingBlock& vibrating, const KernelView<const double*>& interior_rows,
                     const KernelView<const double* [6]>& vertex, const KernelView<double*>& increment) {
-  for_each_of("mixbeam::vibration::recover", vibrating, [=](int e, const VibrationLayout& layout) {
+  for_each_of("mixbeam::vibration::recover", vibrating, [=](int e, const VibrationLayout layout) {
     const double* rows = interior_rows.data() + vibrating.block.increments_at()(e);
     double motions[kMostMotions] = {}, stress[kMostStresses];
     std::copy_n(rows + layout.stresses(), layout.interior(), motions);
@@ -362,7 +374,7 @@ void recover_motion(const VibratingBlock& vibrating, const KernelView<const doub
 
 void stiffness_forms(const VibratingBlock& vibrating, const KernelView<const double* [6]>& vertex,
                      const KernelView<const double*>& increment, const KernelView<double*>& forms) {
-  for_each_of("mixbeam::vibration::forms", vibrating, [=](int e, const VibrationLayout& layout) {
+  for_each_of("mixbeam::vibration::forms", vibrating, [=](int e, const VibrationLayout layout) {
     const int n = layout.motions();
     const double* stress = increment.data() + vibrating.block.increments_at()(e);
     double motions[kMostMotions], strain[kMostStresses] = {}, by_stress[kMostStresses], sum = 0.0;
@@ -380,7 +392,7 @@ void stiffness_forms(const VibratingBlock& vibrating, const KernelView<const dou
 
 void excess_rows(const VibratingBlock& vibrating, const KernelView<const double*>& increment,
                  const KernelView<double*>& rows) {
-  for_each_of("mixbeam::vibration::excess", vibrating, [=](int e, const VibrationLayout& layout) {
+  for_each_of("mixbeam::vibration::excess", vibrating, [=](int e, const VibrationLayout layout) {
     double* out = rows.data() + vibrating.block.increments_at()(e);
     of_element(vibrating, vibrating.excess, e).multiply(increment.data() + vibrating.block.increments_at()(e), out);
     std::fill_n(out + layout.stresses(), layout.interior(), 0.0);
