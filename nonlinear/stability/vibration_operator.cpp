@@ -16,8 +16,9 @@ namespace mixbeam {
 
 namespace {
 
-/// What is left of the cap in a solution, and solves that may take: two as a rule.
-constexpr double kCapLeft = 1e-14;
+/// Share of the cap that may be left in a solution, and solves that may take: three as a rule, each takes four digits.
+/// What is left enters omega^2 by its square, times the ratio of the largest one to the lowest.
+constexpr double kCapLeft = 1e-12;
 constexpr int kMostCapSolves = 12;
 /// Rounding of a solve beyond which it is refined, and refused: share of the sum of the terms of a row.
 constexpr double kRefined = 1e-14, kRefused = 1e-9;
