@@ -351,7 +351,8 @@ std::vector<RitzPair> largest_eigenpairs(const KrylovProblem& problem, int count
     for (int step = 0; !ends && step < stability_limit.longest_space && blocks < kMostBlocks; ++step, ++blocks) {
       if (!krylov.grow()) break;
       pairs = krylov.ritz_pairs();
-      ends = krylov.is_complete() || progress.is_enough(largest_residual(pairs.values, wanted));
+      ends = krylov.is_complete() || progress.is_enough(largest_residual(pairs.values, wanted)) ||
+             (problem.goes_on && !problem.goes_on(pairs.values));
     }
     start = krylov.vectors(pairs);
     if (ends) break;

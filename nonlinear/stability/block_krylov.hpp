@@ -11,6 +11,8 @@ namespace mixbeam {
 /// Replaces each of `columns` columns (column-major) by the operator times it.
 using BlockOperator = std::function<void(double* block, int columns)>;
 
+struct RitzPair;
+
 struct KrylovProblem {
   int unknowns = 0;
   BlockOperator apply;
@@ -21,6 +23,9 @@ struct KrylovProblem {
   /// Largest residual of the pairs asked for. The inverse of a stiff tangent is known to about 1e-16 times its
   /// condition; eigenvalues of symmetric operators have the square of this.
   double tolerance = 1e-9;
+  /// Asked after each block, with pairs that have no vectors yet; false ends the search with what there is. None: goes
+  /// on.
+  std::function<bool(const std::vector<RitzPair>& pairs)> goes_on{};
   int width = 0;  ///< columns of a block, the largest multiplicity that is surely found; 0: count + 2
 };
 

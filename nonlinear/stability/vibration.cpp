@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 
 namespace mixbeam {
 
@@ -20,6 +21,9 @@ constexpr int kLeastBlock = 6, kBlocksOfModes = 4;
 /// (rigid omega^2 at 1e-18 of the first elastic one).
 constexpr double kLeastShift = 1e-3, kMostShift = 1.0, kShift = 0.03;
 constexpr int kMostShifts = 4;
+/// A search ends early where its shift is this many times outside of those bounds; what a pair with such a residual
+/// tells of omega^2, more than that share of the shift, has one digit then.
+constexpr double kFarOutside = 10.0, kRough = 1e-2, kRoughlyRigid = 1e-2;
 /// omega^2 over the shift below which a motion is rigid: rounding leaves 1e-20.
 constexpr double kRigid = 1e-12;
 /// Eigenvalues 1 / (omega^2 + shift) below this share of the largest one are those of motions without mass.
@@ -46,7 +50,16 @@ class Vibration {
     for (int i = 0; i < kMostShifts; ++i) {
       operator_.factorize(shift, kCapOfVibration, false);
       found.clear();
-      for (const RitzPair& pair : ritz_pairs(wanted)) found.push_back(completed(pair, shift));
+      double rough = 0.0;
+      std::vector<RitzPair> pairs = ritz_pairs(wanted, i + 1 < kMostShifts ? shift : 0.0, rough);
+      if (rough != 0.0) {
+        shift = kShift * rough;
+        continue;
+      }
+      for (RitzPair& pair : pairs) {
+        found.push_back(completed(pair, shift));
+        std::vector<double>().swap(pair.vector);
+      }
       const double lowest = lowest_elastic(found, shift);
       if (lowest == 0.0 || (shift >= kLeastShift * lowest && shift <= kMostShift * lowest)) break;
       shift = kShift * lowest;
@@ -83,11 +96,28 @@ class Vibration {
     return lowest;
   }
 
-  std::vector<RitzPair> ritz_pairs(int wanted) {
+  /// `rough`: the lowest omega^2, as far as it is known, where the shift is far from it; 0: it is not, or the shift is
+  /// not asked for.
+  static double far_from(double shift, const std::vector<RitzPair>& pairs) {
+    double lowest = 0.0;
+    for (const RitzPair& pair : pairs) {
+      const double squared = std::abs(1.0 / std::complex<double>(pair.value, pair.imaginary) - shift);
+      if (pair.residual > kRough) break;
+      if (squared > kRoughlyRigid * shift && (lowest == 0.0 || squared < lowest)) lowest = squared;
+    }
+    const bool far = shift * kFarOutside < kLeastShift * lowest || shift > kFarOutside * kMostShift * lowest;
+    return far ? lowest : 0.0;
+  }
+
+  std::vector<RitzPair> ritz_pairs(int wanted, double shift, double& rough) {
     KrylovProblem eigen;
     eigen.unknowns = operator_.masses().momenta();
     eigen.symmetric = operator_.symmetric();
     if (!eigen.symmetric) eigen.tolerance = kOfUnsymmetric;
+    eigen.goes_on = [&](const std::vector<RitzPair>& pairs) {
+      rough = shift == 0.0 ? 0.0 : far_from(shift, pairs);
+      return rough == 0.0;
+    };
     eigen.width = std::max(kLeastBlock, (wanted + kBlocksOfModes - 1) / kBlocksOfModes);
     eigen.apply = [&](double* block, int columns) {
       for (int j = 0; j < columns; ++j) {
