@@ -30,9 +30,10 @@ std::vector<double> squares(const std::vector<VibrationMode>& modes) {
 }
 
 /// About the equilibrium at a load factor.
-std::vector<double> squares_at(const Scene& scene, double load_factor, int count, bool in_plane = true) {
+std::vector<double> squares_at(const Scene& scene, double load_factor, int count, bool in_plane = true,
+                               const Communicator& communicator = this_rank()) {
   constexpr int kSteps = 20;
-  StabilityFixture at(scene);
+  StabilityFixture at(scene, communicator);
   for (int i = 1; i < kSteps; ++i) at.equilibrium(load_factor * i / kSteps);
   return squares(vibration_modes(at.problem(), at.equilibrium(load_factor), load_factor, count, in_plane));
 }
@@ -225,6 +226,13 @@ TEST(Vibration, RayleighDampingOfAStraightColumn) {
 TEST(Vibration, RefusesWhatHasNoMass) {
   BeamProblem massless(column(2, 2), this_rank(), {});
   EXPECT_THROW(vibration_modes(massless, massless.model.reference_state(), 0.0, 1), LinearSolverError);
+}
+
+/// A bent cantilever in space with a body at its tip.
+TEST(MpiVibration, TheSameOnAnyNumberOfRanks) {
+  Scene scene = with_mass(elastica(10.0, 3, 7));
+  scene.point_masses = {{"tip", 0.2, {0.01, 0.02, 0.025}}};
+  expect_squares(squares_at(scene, 1.0, 6, false, all_ranks()), squares_at(scene, 1.0, 6, false), kSame);
 }
 
 }  // namespace
