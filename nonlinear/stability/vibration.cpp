@@ -36,6 +36,9 @@ constexpr double kFound = 1e-7;
 /// 20,000 elements is that of a cap of a hundredth to 1e-14. Counts keep the cap: it lowers omega^2 by 3e-5 there.
 constexpr double kCapOfVibration = 1.0, kGap = 2e-4;
 
+/// Residual of pairs: its square is the error of omega^2, and one more solution follows.
+constexpr double kResidual = 1e-8;
+
 class Vibration {
  public:
   Vibration(BeamProblem& problem, const State& state, double load_factor, bool in_plane)
@@ -81,9 +84,25 @@ class Vibration {
       mass = std::max(mass, dot_product(translation_[axis], translation_[axis]));
     }
     outside_ = operator_.outside();
+    find_moving();
     if (!(mass > 0.0)) throw LinearSolverError("modes need a mass: no section and no point has any");
     const Structure& structure = operator_.model().structure();
     return structure.bending_reference / (mass * structure.length * structure.length * structure.length);
+  }
+
+  /// Momenta that some motion has: those of one without any regularity.
+  void find_moving() {
+    MixedVector motion = operator_.model().create_vector();
+    for (const KernelView<double*>& part : {motion.vertex(), motion.writable_interior(false)})
+      for (size_t i = 0; i < part.extent(0); ++i) part(i) = std::sin(1.0 + static_cast<double>(i));
+    const std::vector<double> momenta = operator_.momenta_of(motion);
+    for (size_t i = 0; i < momenta.size(); ++i)
+      if (momenta[i] != 0.0) moving_.push_back(static_cast<int>(i));
+  }
+  std::vector<double> all_momenta(const double* moving) const {
+    std::vector<double> all(operator_.masses().momenta(), 0.0);
+    for (const int i : moving_) all[i] = *moving++;
+    return all;
   }
 
   static double lowest_elastic(const std::vector<VibrationMode>& found, double shift) {
@@ -110,9 +129,9 @@ class Vibration {
 
   std::vector<RitzPair> ritz_pairs(int wanted, double shift, double& rough) {
     KrylovProblem eigen;
-    eigen.unknowns = operator_.masses().momenta();
+    eigen.unknowns = static_cast<int>(moving_.size());
     eigen.symmetric = operator_.symmetric();
-    if (!eigen.symmetric) eigen.tolerance = kOfUnsymmetric;
+    eigen.tolerance = eigen.symmetric ? kResidual : kOfUnsymmetric;
     eigen.goes_on = [&](const std::vector<RitzPair>& pairs) {
       rough = shift == 0.0 ? 0.0 : far_from(shift, pairs);
       return rough == 0.0;
@@ -120,9 +139,9 @@ class Vibration {
     eigen.width = std::max(kLeastBlock, (wanted + kBlocksOfModes - 1) / kBlocksOfModes);
     eigen.apply = [&](double* block, int columns) {
       for (int j = 0; j < columns; ++j) {
-        double* own = block + static_cast<size_t>(j) * operator_.masses().momenta();
-        const std::vector<double> image = operator_.momenta_of(operator_.respond(own).motion);
-        std::copy(image.begin(), image.end(), own);
+        double* own = block + static_cast<size_t>(j) * eigen.unknowns;
+        const std::vector<double> image = operator_.momenta_of(operator_.respond(all_momenta(own).data()).motion);
+        for (const int i : moving_) *own++ = image[i];
       }
     };
     std::vector<RitzPair> pairs = largest_eigenpairs(eigen, wanted);
@@ -138,7 +157,7 @@ class Vibration {
   /// One more solution makes the mode, and its Rayleigh quotient the eigenvalue: with compliances in place of
   /// stiffnesses, in whose rounding small eigenvalues would be lost.
   VibrationMode completed(const RitzPair& pair, double shift) {
-    VibrationOperator::Response found = operator_.respond(pair.vector.data());
+    VibrationOperator::Response found = operator_.respond(all_momenta(pair.vector.data()).data());
     VibrationMode mode{{0.0, std::move(found.motion)}, {}, 0.0, {}};
     std::vector<double> momenta = operator_.momenta_of(mode.pair.mode);
     const double outside = number_of_root(operator_.unknowns().root(), [&] {
@@ -243,6 +262,7 @@ class Vibration {
   }
 
   VibrationOperator operator_;
+  std::vector<int> moving_{};
   std::array<std::vector<double>, 3> translation_{};  ///< momenta of velocity one along each axis
   SparseMatrix outside_{};                            ///< what springs, loads and constraints add to K; rank 0
 };

@@ -53,6 +53,8 @@ class VibrationOperator {
 
  private:
   Response solve(const MixedVector& rows);
+  Response solve_interior(const MixedVector& rows);
+  void correct_by_gmres(MixedVector excess, double norm, double reduction, Response& found);
   void solve_reduced(std::vector<double>& y);
   double rest(const std::vector<double>& y, std::vector<double>& given) const;
 
@@ -68,6 +70,7 @@ class VibrationOperator {
   std::optional<Tangent> tangent_;
   std::unique_ptr<InertiaSolver> of_symmetric_, of_general_;  ///< rank 0
   bool symmetric_ = true;
+  bool corrects_slowly_ = false;                              ///< the cap, in the last factors
 };
 
 }  // namespace mixbeam
