@@ -35,6 +35,8 @@ constexpr double kFound = 1e-7;
 /// The cap is taken out of each solution; the usual one takes two corrections and costs no digit: omega^2 of chains of
 /// 20,000 elements is that of a cap of a hundredth to 1e-14. Counts keep the cap: it lowers omega^2 by 3e-5 there.
 constexpr double kCapOfVibration = 1.0, kGap = 2e-4;
+/// A low cap leaves less of rounding, of which eigenvalues without symmetry carry the first power.
+constexpr double kCapWithoutSymmetry = 1e-2;
 
 /// Residual of pairs: its square is the error of omega^2, and one more solution follows.
 constexpr double kResidual = 1e-8;
@@ -49,8 +51,11 @@ class Vibration {
     const int wanted = count + kModesBehind;
     double shift = first_shift();
     std::vector<VibrationMode> found;
+    double cap = kCapOfVibration;
     for (int i = 0; i < kMostShifts; ++i) {
-      operator_.factorize(shift, kCapOfVibration, false);
+      operator_.factorize(shift, cap, false);
+      if (!operator_.symmetric() && cap != kCapWithoutSymmetry)
+        operator_.factorize(shift, cap = kCapWithoutSymmetry, false);
       found.clear();
       double rough = 0.0;
       std::vector<RitzPair> pairs = ritz_pairs(wanted, i + 1 < kMostShifts ? shift : 0.0, rough);
@@ -191,7 +196,7 @@ class Vibration {
   /// On (G phi, s G phi / omega_0, beta D phi), which is all that damping and inertia touch.
   std::vector<VibrationMode> damped_modes(int count) {
     const double reference = std::sqrt(first_shift());
-    operator_.factorize(0.0, kCapOfVibration, false);
+    operator_.factorize(0.0, kCapWithoutSymmetry, false);
     const size_t n = operator_.masses().momenta(), strains = operator_.masses().damped_strains();
     KrylovProblem eigen;
     eigen.unknowns = static_cast<int>(2 * n + strains);
