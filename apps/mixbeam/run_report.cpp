@@ -56,6 +56,15 @@ std::vector<NamedError> named(const RecordedErrorEstimate& estimate, double leng
 /// Loads that strain a beam by less lose their digits: such a quantity is zero.
 constexpr double kRoundingOfSize = 1e-12;
 
+/// Zero where it is that of strains of rounding, whose squares it adds up. `scale`: EI / L.
+double without_rounding(double energy, double scale) {
+  constexpr double kRounding = std::numeric_limits<double>::epsilon();
+  return std::abs(energy) > kRounding * kRounding * scale ? energy : 0.0;
+}
+
+/// Rounding of a mode whose largest motion is one, in its participation.
+constexpr double kRoundingOfMode = 1e-10;
+
 /// At most one; NaN of a quantity whose size is rounding, which has no digit to lose.
 double relative(const RecordedError& error, double scale) {
   const double size = std::max(error.size, std::abs(error.error));
@@ -245,7 +254,7 @@ void RunReport::print_modes(std::ostream& out) const {
   for (const RecordedVibrationMode& mode : last_.vibration) largest = std::max(largest, mode.omega);
   for (std::size_t i = 0; i < last_.vibration.size(); ++i) {
     const RecordedVibrationMode& mode = last_.vibration[i];
-    const auto part = [](double value) { return std::abs(value) < 1e-10 ? 0.0 : value; };
+    const auto part = [](double value) { return std::abs(value) < kRoundingOfMode ? 0.0 : value; };
     out << formatted("  %6zu %18.10g %16.10g %12.5g %12.5g %12.5g %12.5g", i + 1, mode.omega, mode.frequency,
                      mode.modal_mass, part(mode.participation_x), part(mode.participation_y),
                      part(mode.participation_z))
@@ -481,7 +490,7 @@ void RunReport::print_short(std::ostream& out, const std::string& run) const {
     const NamedError largest = named(*last_.error_estimate, length_, bending_).front();
     add(formatted("estimated error %.1e of it", relative(largest.error, largest.scale)));
   }
-  add(formatted("strain energy %.6g", last_.strain_energy));
+  add(formatted("strain energy %.6g", without_rounding(last_.strain_energy, bending_ / length_)));
   out << "\n";
   if (last_.stresses && !last_.stresses->members.empty()) {
     const StressedMember& most = last_.stresses->members.front();
@@ -507,8 +516,10 @@ void RunReport::print(std::ostream& out) const {
   print_left_out(out, points);
   print_reactions(out);
   print_modes(out);
-  out << formatted("  strain energy %.10g (forces %.10g, moments %.10g)\n", last_.strain_energy, last_.force_energy,
-                   last_.moment_energy);
+  const double scale = bending_ / length_;
+  out << formatted("  strain energy %.10g (forces %.10g, moments %.10g)\n",
+                   without_rounding(last_.strain_energy, scale), without_rounding(last_.force_energy, scale),
+                   without_rounding(last_.moment_energy, scale));
   print_quantities(out);
   if (last_.stresses) print_stresses(out, *last_.stresses);
   print_errors(out);
