@@ -26,9 +26,9 @@ constexpr double kGroupTolerance = 1.0 / (kLikeness * kLikeness);
 /// Leaves the path of a group as soon as one step of it fails.
 struct StepFailed {};
 
-/// Whether a path can only be followed for one structure alone.
+/// Whether what is asked of a path can only be found for one structure alone.
 bool has_path_of_its_own(const AnalysisParameters& analysis) {
-  return analysis.control || analysis.trace || analysis.branch != Branch::primary || analysis.snap == Snap::jump;
+  return analysis.modes.number > 0 || analysis.control || analysis.trace || analysis.branch != Branch::primary || analysis.snap == Snap::jump;
 }
 
 double elements_of(const Scene& scene) {

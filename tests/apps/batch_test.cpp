@@ -201,6 +201,26 @@ std::string rolled_up() {
   return changed(scene, "\"Force\"", "\"Moment\"");
 }
 
+/// The first frequency of a cantilever falls with the root of its mass.
+TEST_F(Batch, FrequenciesOfEachCase) {
+  write_text(folder_ / "mass.yaml", R"(Scene:
+  Sections: {rod: {Inextensible: true, Shear Rigid: true, GIt: 1, EI2: 1, EI3: 1, Mass: 1}}
+  Points: {wall: [0, 0, 0], tip: [1, 0, 0]}
+  Members: {beam: {Start: wall, End: tip, Section: rod, Order: 4, Elements: 8}}
+  Supports: {clamp: {Point: wall}}
+Analysis: {Modes: {Number: 1, In Plane: true}}
+Quantities: {f: {Quantity: natural frequency, Mode: 1}}
+Batch: {Output: quantities, Vary: {mass: {Parameter: Sections/rod/Mass, First: 1, Last: 4, Count: 2}}}
+)");
+  const Ended ended = run_process(program("mixbeam"), {"batch", "mass.yaml", "--output", "results"}, folder_);
+  ASSERT_EQ(ended.exit_code, kOk) << ended.err;
+  const std::vector<Row> found = rows_of(folder_ / "results" / "mass-batch.csv");
+  ASSERT_EQ(found.size(), 2u);
+  constexpr double kFirst = 0.55959, kDigits = 1e-5;  // 3.51602 / (2 pi)
+  EXPECT_NEAR(std::stod(found[0].at("f")), kFirst, kDigits);
+  EXPECT_NEAR(std::stod(found[1].at("f")), 0.5 * kFirst, kDigits);
+}
+
 TEST_F(Batch, RanksShareTheCasesBitForBit) {
   ASSERT_EQ(solve(sweep(), sweep_table(), {"--quiet"}).exit_code, kOk);
   const std::string alone = text_of(folder_ / "results" / "scene-batch.csv");
