@@ -74,6 +74,11 @@ def shape(scene, _rod, section, _load):
                             "Material": {"E": values["EA"] / side**2, "G": values["GA2"] / side**2}})
 
 
+def heavy(_scene, _rod, section, _load):
+    """With a mass, which statics does not ask for."""
+    section["Mass"] = 1.0
+
+
 def inner_points(**load):
     def change(scene, rod, *_):
         for i in range(1, INNER_POINTS + 1):
@@ -158,6 +163,7 @@ def unused_features(given):
         ("point_moments", ("1000 inner points without loads", changed(rod, inner_points())),
          ("moments of 1e-100 there: none of these vertices is eliminated in a chain",
           changed(rod, inner_points(Moment=(0, 0, 1e-100))))),
+        ("masses", ("no masses", rod), ("mass of the section known, no modes asked for", changed(rod, heavy))),
         ("rotation_support", ("free end", plane_in_space),
          ("rotation about the axis fixed there: one row that depends on the rotation",
           changed(plane_in_space, held_twist))),
