@@ -205,7 +205,7 @@ BoundList<SectionDraft> section_parameters() {
                "zero if absent (those of one given by Shape follow from Density) [mass * length].");
   section.bind(
       &SectionDraft::inertia_product, real("Inertia Product"),
-      "With Rotary Inertia: integral of density times x2 x3 over the section, from the centre of mass; zero if "
+      "Integral of density times x2 x3, with Rotary Inertia, over the section, from the centre of mass; zero if "
       "absent [mass * length].");
   section.bind(
       &SectionDraft::mass_offset,

@@ -52,7 +52,7 @@ IN_YAML = (
     ("E: 210e9", "E: 210 GPa", 7, 21, "numbers stand without units"),
     ("[2, 0, 3]", "[2,0, 0, 3,0]", 12, 10, "5 entries; allowed.* 3 values.*a comma separates entries"),
     ("Wall: 0.004", "Radius: 0.03", 6, 7, 'allowed: "Profile", "Shape", "Diameter", "Wall", "Shear Correction", "Inextensible", "Shear '
-     'Rigid", "Largest Strain", "Material"; did you mean "Diameter", twice the radius'),
+     'Rigid", "Largest Strain", "Material", "Damping"; did you mean "Diameter", twice the radius'),
     ("Analysis:\n  Stability: true\n", "  Analysis:\n    Stability: true\n", 22, 3, 'belongs beside "Scene", not inside it'),
     ("Shape: tube\n", "Shape: tube\n      E: 210e9\n", 5, 7, 'belongs in the list "Material"'),
     ("End: tip", "End: Tip", 15, 29, 'not a point of the scene; allowed: "foot", "knee", "tip"; did you mean "tip"'),
