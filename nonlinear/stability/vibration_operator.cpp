@@ -16,9 +16,10 @@ namespace mixbeam {
 
 namespace {
 
-/// Share of the cap that may be left in a solution, and solves that may take: two as a rule.
-/// What is left enters omega^2 by its square, times the ratio of the largest one to the lowest.
-constexpr double kCapLeft = 1e-12;
+/// Share of the cap that may be left in a solution, and solves that may take: one or two as a rule.
+/// What is left enters omega^2 by its square, times the ratio of the largest one to the lowest; without symmetry by
+/// itself.
+constexpr double kCapLeft = 1e-6, kCapLeftWithoutSymmetry = 1e-12;
 constexpr int kMostCapSolves = 12;
 /// Part of the cap that a correction leaves, 1e-6 as a rule, beyond which GMRES is quicker.
 constexpr double kFastCorrection = 1e-3;
@@ -144,8 +145,9 @@ VibrationOperator::Response VibrationOperator::respond(const double* momenta, co
   masses_.excess_rows(found.motion, excess);
   const double first = norm_of(excess);
   if (!(first > 0.0) || !std::isfinite(first)) return found;
+  const double allowed = (symmetric_ && !masses_.is_damped() ? kCapLeft : kCapLeftWithoutSymmetry) * first;
   double left = first;
-  while (!corrects_slowly_ && left > kCapLeft * first) {
+  while (!corrects_slowly_ && left > allowed) {
     Response more = solve_interior(excess);
     MixedVector next = excess.clone(false);
     masses_.excess_rows(more.motion, next);
@@ -156,7 +158,7 @@ VibrationOperator::Response VibrationOperator::respond(const double* momenta, co
     excess = std::move(next);
     left = now;
   }
-  if (corrects_slowly_) correct_by_gmres(std::move(excess), left, kCapLeft * first / left, found);
+  if (corrects_slowly_) correct_by_gmres(std::move(excess), left, allowed / left, found);
   return found;
 }
 
