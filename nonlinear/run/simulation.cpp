@@ -249,9 +249,11 @@ std::vector<RecordedBucklingMode> Simulation::buckling_modes(int count, int poin
   return recorded;
 }
 
-std::vector<RecordedVibrationMode> Simulation::vibration_modes(int count, bool in_plane, int points_per_element) const {
+std::vector<RecordedVibrationMode> Simulation::vibration_modes(int count, bool in_plane, int points_per_element,
+                                                               const ModeSearchObserver& observer) const {
   std::vector<RecordedVibrationMode> recorded;
-  for (const VibrationMode& mode : mixbeam::vibration_modes(*problem_, state_, load_factor_, count, in_plane)) {
+  for (const VibrationMode& mode :
+       mixbeam::vibration_modes(*problem_, state_, load_factor_, count, in_plane, observer)) {
     RecordedVibrationMode& record = recorded.emplace_back();
     record.eigenvalue = mode.pair.eigenvalue;
     record.omega = mode.rate.imag();

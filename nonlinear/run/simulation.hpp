@@ -9,6 +9,7 @@
 #include "nonlinear/diagnosis/force_sharing.hpp"
 #include "nonlinear/path/load_path.hpp"
 #include "nonlinear/path/path_goal.hpp"
+#include "nonlinear/stability/vibration.hpp"
 
 namespace mixbeam {
 
@@ -108,7 +109,8 @@ class Simulation {
   /// omega / (2 pi) of a natural mode about state(), one of those that the parameters ask for; NaN where it has fewer.
   double natural_frequency(int mode) const;
   /// The first `count` of vibration_modes() about state(). Of this rank's samples.
-  std::vector<RecordedVibrationMode> vibration_modes(int count, bool in_plane, int points_per_element) const;
+  std::vector<RecordedVibrationMode> vibration_modes(int count, bool in_plane, int points_per_element,
+                                                     const ModeSearchObserver& observer = {}) const;
 
  private:
   std::array<double, 6> motion(const std::string& point) const;

@@ -43,8 +43,9 @@ constexpr double kResidual = 1e-8;
 
 class Vibration {
  public:
-  Vibration(BeamProblem& problem, const State& state, double load_factor, bool in_plane)
-      : operator_(problem, state, load_factor, in_plane) {}
+  Vibration(BeamProblem& problem, const State& state, double load_factor, bool in_plane,
+            const ModeSearchObserver& observer)
+      : operator_(problem, state, load_factor, in_plane), load_factor_(load_factor), observer_(observer) {}
 
   std::vector<VibrationMode> modes(int count) {
     if (operator_.masses().is_damped()) return damped_modes(count);
@@ -80,6 +81,13 @@ class Vibration {
   }
 
  private:
+  void tell(const std::vector<RitzPair>& pairs, double tolerance, int wanted) const {
+    if (!observer_) return;
+    const auto found =
+        std::count_if(pairs.begin(), pairs.end(), [&](const RitzPair& pair) { return pair.residual <= tolerance; });
+    observer_({std::min(static_cast<int>(found), wanted), wanted, load_factor_});
+  }
+
   /// EI/(m L^4) of the largest stiffness and the mean mass.
   double first_shift() {
     operator_.linearize(0.0, kCapOfVibration, false);
@@ -138,6 +146,7 @@ class Vibration {
     eigen.symmetric = operator_.symmetric();
     eigen.tolerance = eigen.symmetric ? kResidual : kOfUnsymmetric;
     eigen.goes_on = [&](const std::vector<RitzPair>& pairs) {
+      tell(pairs, eigen.tolerance, wanted);
       rough = shift == 0.0 ? 0.0 : far_from(shift, pairs);
       return rough == 0.0;
     };
@@ -214,6 +223,10 @@ class Vibration {
         std::copy(strained.begin(), strained.end(), own + 2 * n);
       }
     };
+    eigen.goes_on = [&](const std::vector<RitzPair>& pairs) {
+      tell(pairs, eigen.tolerance, 2 * count + kModesBehind);
+      return true;
+    };
     std::vector<VibrationMode> found;
     for (const RitzPair& pair : largest_eigenpairs(eigen, 2 * count + kModesBehind)) {
       const std::complex<double> rate = 1.0 / std::complex<double>(pair.value, pair.imaginary);
@@ -267,6 +280,8 @@ class Vibration {
   }
 
   VibrationOperator operator_;
+  double load_factor_;
+  const ModeSearchObserver& observer_;
   std::vector<int> moving_{};
   std::array<std::vector<double>, 3> translation_{};  ///< momenta of velocity one along each axis
   SparseMatrix outside_{};                            ///< what springs, loads and constraints add to K; rank 0
@@ -275,8 +290,8 @@ class Vibration {
 }  // namespace
 
 std::vector<VibrationMode> vibration_modes(BeamProblem& problem, const State& state, double load_factor, int count,
-                                           bool in_plane) {
-  return Vibration(problem, state, load_factor, in_plane).modes(count);
+                                           bool in_plane, const ModeSearchObserver& observer) {
+  return Vibration(problem, state, load_factor, in_plane, observer).modes(count);
 }
 
 }  // namespace mixbeam

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <complex>
+#include <functional>
 #include <vector>
 
 namespace mixbeam {
@@ -21,6 +22,13 @@ struct VibrationMode {
   std::array<double, 3> participation{};  ///< phi . M e / modal_mass, e a unit translation along x, y, z
 };
 
+/// Where a search for modes is.
+struct ModeSearch {
+  int found = 0, wanted = 0;  ///< modes whose residual is small enough; two more than asked for are wanted
+  double load_factor = 0.0;
+};
+using ModeSearchObserver = std::function<void(const ModeSearch&)>;
+
 /// The `count` lowest modes about a state, or fewer where not as many unknowns carry mass: largest eigenvalues 1 /
 /// (omega^2 + shift) of (K + shift M)^-1 M, of which no mass is condensed, theory (72). The stiffness is the true one,
 /// rigid sections included, theory (38). Modes that share a frequency are orthogonal in M. EigenMode::converged: the
@@ -29,9 +37,10 @@ struct VibrationMode {
 /// eigenvalues 1 / s of largest size of T = ((-K^-1 C, -K^-1 M), (1, 0)), theory (73), about a state that supports
 /// hold.
 ///
-/// `in_plane`: of a scene in a plane, without motions that leave it. Collective. Throws LinearSolverError where nothing
+/// `in_plane`: of a scene in a plane, without motions that leave it. `observer`: called on every rank after each block
+/// of solutions. Collective. Throws LinearSolverError where nothing
 /// has a mass.
 std::vector<VibrationMode> vibration_modes(BeamProblem& problem, const State& state, double load_factor, int count,
-                                           bool in_plane = false);
+                                           bool in_plane = false, const ModeSearchObserver& observer = {});
 
 }  // namespace mixbeam

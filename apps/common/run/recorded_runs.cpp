@@ -70,6 +70,8 @@ class Application::Recorder {
  public:
   Recorder(const Application& app, const Scene& scene, const SolverParameters& parameters, const Recording& recording)
       : communicator_(app.communicator),
+        searches_(app.progress_out(recording.file.stem().string()), app.name + " " + recording.file.stem().string(),
+                  scene.stages),
         parameters_(parameters),
         recording_(recording),
         points_(followed_points(scene)) {
@@ -116,12 +118,13 @@ class Application::Recorder {
     if (grows || all_found) step.stability.stable = grows ? "false" : "true";
   }
 
-  StepRecord record(const Simulation& running, const StepReport& report, const ErrorEstimate* estimate) const {
+  StepRecord record(const Simulation& running, const StepReport& report, const ErrorEstimate* estimate) {
     StepRecord step = running.record(report, recording_.points_per_element, points_);
     follow_reactions(points_, step);
     if (const ModesParameters& modes = parameters_.analysis.modes;
         modes.number > 0 && (modes.every_step || running.is_end_of_path(running.load_factor())))
-      step.vibration = running.vibration_modes(modes.number, modes.in_plane, recording_.points_per_element);
+      step.vibration = running.vibration_modes(modes.number, modes.in_plane, recording_.points_per_element,
+                                               [&](const ModeSearch& search) { searches_.report(search); });
     judge_by_modes(step);
     if (recording_.quantities != nullptr) follow_quantities(running, report, step);
     if ((report.step == 0 || running.is_between_stages()) && parameters_.analysis.buckling_modes > 0)
@@ -163,6 +166,7 @@ class Application::Recorder {
   }
 
   Communicator communicator_;
+  Progress searches_;
   const SolverParameters& parameters_;
   const Recording& recording_;
   std::vector<std::string> points_;

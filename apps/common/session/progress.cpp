@@ -31,7 +31,7 @@ Progress::Progress(std::ostream& out, std::string label, int stages, double from
       stages_(stages),
       from_(from),
       start_(std::chrono::steady_clock::now()),
-      last_descent_(start_) {}
+      last_search_(start_) {}
 
 std::string Progress::time_to_go(double elapsed, double share_done) const {
   const double covered = share_done - from_, seconds = elapsed * (1.0 - share_done) / covered;
@@ -73,10 +73,22 @@ std::string jump_text(const RecordedJump& jump) {
       jump.from, jump.to, jump.released, jump.motion, jump.largest, jump.place.c_str());
 }
 
-void Progress::report(const DescentProgress& descent) {
+bool Progress::is_due() {
   const auto now = std::chrono::steady_clock::now();
-  if (now - last_descent_ < kBetweenLines) return;
-  last_descent_ = now;
+  if (now - last_search_ < kBetweenLines) return false;
+  last_search_ = now;
+  return true;
+}
+
+void Progress::report(const ModeSearch& search) {
+  if (!is_due()) return;
+  out_ << label_ << ": search for modes at load factor " << load_factor_text(search.load_factor)
+       << formatted(": %d of %d found", search.found, search.wanted) << "\n"
+       << std::flush;
+}
+
+void Progress::report(const DescentProgress& descent) {
+  if (!is_due()) return;
   out_ << label_ << ": search for a stable state at load factor " << load_factor_text(descent.load_factor)
        << formatted(": potential %.6g, %d factorisations", descent.potential, descent.factorizations) << "\n"
        << std::flush;

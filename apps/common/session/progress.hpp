@@ -3,6 +3,7 @@
 #pragma once
 
 #include "nonlinear/path/load_path.hpp"
+#include "nonlinear/stability/vibration.hpp"
 
 #include <chrono>
 #include <iosfwd>
@@ -21,16 +22,19 @@ class Progress {
   void report(const StepFailure& failure);
   /// A search for a stable state, at most one line each second.
   void report(const DescentProgress& descent);
+  /// A search for modes, at most one line each second.
+  void report(const ModeSearch& search);
 
  private:
   void report_critical(const CriticalPoint& point);
   std::string time_to_go(double elapsed, double share_done) const;
+  bool is_due();
 
   std::ostream& out_;
   std::string label_;
   int stages_;
   double from_;
-  std::chrono::steady_clock::time_point start_, last_descent_;
+  std::chrono::steady_clock::time_point start_, last_search_;
 };
 
 /// "jump between load factors 0.05 and 0.0625: energy released 0.0123, vertices move by 0.11 of the length, ...".
