@@ -13,6 +13,7 @@
 #include "apps/mixbeam/mesh_report.hpp"
 #include "apps/mixbeam/run_report.hpp"
 #include "apps/mixbeam/scene_run.hpp"
+#include "apps/mixbeam/structures_batch.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/text_file.hpp"
@@ -25,22 +26,6 @@
 namespace mixbeam {
 
 namespace {
-
-/// Adds the time between its beginning and its end to an entry of the summary.
-class Stopwatch {
- public:
-  Stopwatch(Application& app, std::string name)
-      : app_(app), name_(std::move(name)), start_(std::chrono::steady_clock::now()) {}
-  ~Stopwatch() { app_.summary.seconds[name_] += seconds(); }
-  Stopwatch(const Stopwatch&) = delete;
-  Stopwatch& operator=(const Stopwatch&) = delete;
-  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
-
- private:
-  Application& app_;
-  std::string name_;
-  std::chrono::steady_clock::time_point start_;
-};
 
 std::string chosen_case(const Scene& scene, const std::optional<std::string>& wanted) {
   const std::vector<std::string> cases = chosen_cases(scene, wanted);
@@ -86,13 +71,9 @@ class BatchRun {
   void check_expected();
   /// Holds quantities of each case against their limits.
   void check_limits();
-  std::size_t failed() const;
-  std::size_t cases() const { return batch_.size(); }
-  bool interrupted() const { return interrupted_; }
-  void print_failures() const;
-  /// Counts how the cases end, and warns of those that do not stay there.
-  void count_ends();
-  void print_ends() const;
+  SolvedBatch solved() const {
+    return {solver_.results(), [this](std::size_t i) { return batch_.name_of_case(i); }, interrupted_};
+  }
 
  private:
   void read_scenes();
@@ -183,100 +164,14 @@ void BatchRun::check_limits() {
   }
 }
 
-std::size_t BatchRun::failed() const {
-  const auto& results = solver_.results();
-  return std::count_if(results.begin(), results.end(), [](const CaseResult& r) { return r.solved && !r.converged; });
-}
-
-void BatchRun::print_failures() const {
-  constexpr std::size_t kMostFailures = 12;  // the table has them all
-  std::size_t printed = 0;
-  for (std::size_t i = 0; i < batch_.size(); ++i) {
-    const CaseResult& result = solver_.results()[i];
-    if (!result.solved || result.converged || ++printed > kMostFailures) continue;
-    app_.out() << batch_.name_of_case(i) << " FAILED: " << result.cause << "\n";
-  }
-  if (printed > kMostFailures) app_.out() << "... and " << printed - kMostFailures << " more in the files\n";
-}
-
-void BatchRun::count_ends() {
-  for (const CaseResult& result : solver_.results())
-    if (result.solved) ++app_.summary.stable_cases[result.stable];
-  const int unstable = app_.summary.stable_cases["false"];
-  if (unstable > 0)
-    app_.summary.warnings.push_back(formatted("%d of %zu cases end unstable: ", unstable, batch_.size()) +
-                                    kDoesNotStay);
-}
-
-/// The last lines.
-void BatchRun::print_ends() const {
-  constexpr std::size_t kMostUnstable = 12;  // the table has them all
-  std::size_t printed = 0;
-  for (std::size_t i = 0; i < batch_.size(); ++i)
-    if (solver_.results()[i].stable == "false" && ++printed <= kMostUnstable)
-      app_.out() << batch_.name_of_case(i) << ": stable: false: " << kDoesNotStay << "\n";
-  if (printed > kMostUnstable) app_.out() << "... and " << printed - kMostUnstable << " more in the files\n";
-  app_.out() << "cases by stable:";
-  const char* separator = " ";
-  for (const char* word : {"true", "false", "neutral", "unknown"}) {
-    app_.out() << separator << word << " " << app_.summary.stable_cases[word];
-    separator = ", ";
-  }
-  app_.out() << "\n";
-}
-
 /// The cases, or those rows of them that the command line names.
 Batch chosen_batch(const Application& app, const CommandLine& line) {
   Batch batch = read_batch(app.xml.list->sublist("Batch"), app.xml.source);
   if (!line.rows) return batch;
   const auto [first, last] = *line.rows;
-  if (static_cast<std::size_t>(first) > batch.size())
-    throw InputError("option --rows: row " + std::to_string(first) + " of " + std::to_string(batch.size()) +
-                     "; allowed: 1 to " + std::to_string(batch.size()));
+  require_row(first, batch.size());
   batch.keep(first - 1, std::min<std::size_t>(last, batch.size()) - (first - 1));
   return batch;
-}
-
-/// Of `scene.yaml`: "scene-batch"; with --rows "scene-batch-3-7".
-std::string name_of_batch(const CommandLine& line) {
-  const std::string name = std::filesystem::path(*line.scene_file).stem().string() + "-batch";
-  return line.rows ? name + "-" + std::to_string((*line.rows)[0]) + "-" + std::to_string((*line.rows)[1]) : name;
-}
-
-/// Each rank solves by itself from here on; the first one speaks.
-void part_ranks(Application& app) {
-  static std::ostream silence(nullptr);
-  const int rank = app.communicator->getRank();
-  if (app.communicator->getSize() == 1) return;
-  app.communicator = app.communicator->split(rank, 0);
-  if (rank == 0) return;
-  app.terminal = &silence;
-  const int threads = app.summary.threads;
-  app.summary = {};
-  app.summary.threads = threads;
-}
-
-/// Exit code of a batch that has been solved and written.
-int conclude(Application& app, const CommandLine& line, BatchRun& run) {
-  const std::size_t failed = run.failed();
-  run.count_ends();
-  if (!app.expected.empty())
-    app.summary.unchecked =
-        "the expected values of the scene belong to the scene as it stands; those of cases are columns "
-        "\"Expected/<name>/Value\" of the table, with \"Output\" = \"expected\"";
-  if (failed > 0)
-    app.summary.failure = std::to_string(failed) + " of " + std::to_string(run.cases()) + " cases did not converge";
-  if (line.summary) app.summary.write_json(*line.summary);
-  run.print_failures();
-  app.summary.print_checks(app.out(), false);
-  const auto seconds = [&app](const char* name) { return app.summary.seconds[name]; };
-  app.out() << formatted("mixbeam: %zu cases, %zu failed; set-up %.3f s, solve %.3f s, output %.3f s, results in ",
-                         run.cases(), failed, seconds("batch set-up"), seconds("batch solve"), seconds("batch output"))
-            << app.output.string() << "\n";
-  run.print_ends();
-  if (run.interrupted()) return kInterruptedExitCode;
-  if (failed > 0) throw ConvergenceError(app.summary.failure);
-  return app.summary.all_passed() ? 0 : kFailedExitCode;
 }
 
 }  // namespace
@@ -286,12 +181,13 @@ int batch_command(const Arguments& arguments) {
       arguments.count(), arguments.values.data(),
       {"--output", "--case", "--rows", "--threads", "--summary", "--quiet", "--force", "--help"}, "scene file");
   if (!line.scene_file) throw InputError("a scene file is missing: mixbeam batch SCENE.xml");
+  if (std::filesystem::is_directory(*line.scene_file)) return structures_batch(line);
   const MpiSession session;
   return guarded_run(session.communicator(), "mixbeam", [&] {
     Application app;
     app.communicator = session.communicator();
     set_up_batch(app, line);
-    const std::string name = name_of_batch(line);
+    const std::string name = std::filesystem::path(*line.scene_file).stem().string() + "-batch" + rows_text(line);
     const SharedResultLock lock = lock_or_warn(app, app.output / (name + ".h5"));
     watch_for_interrupts();
     part_ranks(app);
@@ -310,7 +206,11 @@ int batch_command(const Arguments& arguments) {
     run.write(app.output / name);
     run.check_expected();
     run.check_limits();
-    return conclude(app, line, run);
+    if (!app.expected.empty())
+      app.summary.unchecked =
+          "the expected values of the scene belong to the scene as it stands; those of cases are columns "
+          "\"Expected/<name>/Value\" of the table, with \"Output\" = \"expected\"";
+    return conclude_batch(app, line, run.solved());
   });
 }
 

@@ -36,9 +36,10 @@ struct Batch {
   std::vector<Formula> formulas{};        ///< cells that CaseScenes gives values to, in the order of the table
   std::vector<std::string> case_names{};  ///< where each case stands: "sweep.csv:3"; of a grid: empty
   BatchOutput output = BatchOutput::followed;
-  std::size_t before = 0;  ///< cases of the table or grid before these
+  std::size_t before = 0;    ///< cases of the table or grid before these
+  std::size_t unvaried = 0;  ///< cases of the scene as it stands, where there are no columns
 
-  std::size_t size() const { return columns.empty() ? 0 : values.size() / columns.size(); }
+  std::size_t size() const { return columns.empty() ? unvaried : values.size() / columns.size(); }
   double value(std::size_t index, std::size_t column) const { return values[index * columns.size() + column]; }
   /// Leaves out all cases but `count` from `first` on, which keep their numbers.
   void keep(std::size_t first, std::size_t count);

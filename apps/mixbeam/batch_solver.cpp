@@ -28,7 +28,8 @@ struct StepFailed {};
 
 /// Whether what is asked of a path can only be found for one structure alone.
 bool has_path_of_its_own(const AnalysisParameters& analysis) {
-  return analysis.modes.number > 0 || analysis.control || analysis.trace || analysis.branch != Branch::primary || analysis.snap == Snap::jump;
+  return analysis.modes.number > 0 || analysis.control || analysis.trace || analysis.branch != Branch::primary ||
+         analysis.snap == Snap::jump;
 }
 
 double elements_of(const Scene& scene) {
@@ -167,18 +168,19 @@ std::vector<std::string> texts_of(const Teuchos::Comm<int>& ranks, const std::st
 
 }  // namespace
 
-bool BatchSolver::gather(const Teuchos::Comm<int>& ranks, bool all_solved) {
-  Json mine = {{"all", all_solved}, {"summary", app_.summary.packed()}, {"results", Json::object()}};
-  for (std::size_t i = 0; i < results_.size(); ++i)
-    if (results_[i].solved) mine["results"][std::to_string(i)] = json_of(results_[i]);
+bool gather_results(const Teuchos::Comm<int>& ranks, Summary& summary, std::vector<CaseResult>& results,
+                    bool all_solved) {
+  Json mine = {{"all", all_solved}, {"summary", summary.packed()}, {"results", Json::object()}};
+  for (std::size_t i = 0; i < results.size(); ++i)
+    if (results[i].solved) mine["results"][std::to_string(i)] = json_of(results[i]);
   std::string bytes;
   Json::to_cbor(mine, bytes);
   const std::vector<std::string> all = texts_of(ranks, bytes);
   for (int rank = 1; ranks.getRank() == 0 && rank < ranks.getSize(); ++rank) {
     const Json other = Json::from_cbor(all[rank]);
     all_solved = all_solved && other["all"].get<bool>();
-    app_.summary.append(other["summary"]);
-    for (const auto& [index, result] : other["results"].items()) results_[std::stoul(index)] = result_from(result);
+    summary.append(other["summary"]);
+    for (const auto& [index, result] : other["results"].items()) results[std::stoul(index)] = result_from(result);
   }
   return all_solved;
 }

@@ -66,6 +66,7 @@ const std::map<std::string, const char*>& texts() {
        "  --case NAME          the load case, where the scene has some\n"
        "  --rows A:B           only cases A to B, into NAME-batch-A-B.csv: for arrays of jobs\n"
        "  --threads N, --summary FILE.json, --quiet, --force    as for mixbeam run\n\n"
+       "With a folder in place of SCENE.xml: all scenes in it, a row for each scene and load case.\n"
        "Under mpirun the ranks share the cases; the table is the same, bit for bit.\n"
        "With cases that did not converge the exit code is 3; the others are in the table.\n"},
       {"check",

@@ -1,4 +1,4 @@
-"""A picture of the table of `mixbeam batch`: curves over one parameter, maps over two."""
+"""A picture of the table of `mixbeam batch`: curves over one parameter, maps over two, bars of structures."""
 
 import csv
 
@@ -10,7 +10,10 @@ from command import inputs
 from results import InputError
 
 MOST_PANELS = 9
+STRUCTURES = "structures"  # across a panel: a bar for each
 ENDING = "-batch"
+OF_STRUCTURES = {"structure", "load case"}  # columns of texts, of a batch over the scenes of a folder
+PLACES = (".member", ".arc_length", ".side")  # of extremes
 OF_SOLVER = "iterations"  # the first column that says how a case was solved
 
 
@@ -19,7 +22,8 @@ def is_batch(path):
 
 
 class Batch:
-    """`parameters` and `followed`: columns {name: (cases,)} with nan where a case has no number; followed ones that change."""
+    """`parameters` and `followed`: columns {name: (cases,)} with nan where a case has no number; followed ones that change.
+    `structures`: names of the cases of a folder; empty: cases of one scene."""
 
     def __init__(self, path):
         table = path.with_suffix(".csv")
@@ -33,16 +37,25 @@ class Batch:
         if len(rows) < 2 or names[0] != "case" or OF_SOLVER not in names or any(len(row) != len(names) for row in rows):
             raise InputError(f"{table}: not the table of a batch; allowed: what mixbeam batch has written")
         self.name, self.columns = table.stem.removesuffix(ENDING), {}
+        self.structures = []
+        if OF_STRUCTURES <= set(names):
+            texts = [dict(zip(names, row)) for row in rows[1:]]
+            self.structures = [", ".join(filter(None, (text[name] for name in sorted(OF_STRUCTURES, reverse=True)))) for text in texts]
         for number, name in enumerate(names[1:names.index(OF_SOLVER)], 1):
-            self.columns[name] = np.array([_number(row[number]) for row in rows[1:]])
+            if name not in OF_STRUCTURES:
+                self.columns[name] = np.array([_number(row[number]) for row in rows[1:]])
         varied = {name: values for name, values in self.columns.items() if len(set(values[np.isfinite(values)])) > 1}
         self.parameters = {name: values for name, values in varied.items() if "/" in name and not name.startswith("Expected/")}
         self.followed = {name: values for name, values in varied.items() if "/" not in name}
 
     def column(self, name):
         if name not in self.columns:
-            raise InputError(f"--curve {name}: no column of the batch; allowed are {', '.join(self.columns)}")
+            raise InputError(f"--curve {name}: no column of the batch; allowed are {self.some_columns()}")
         return self.columns[name]
+
+    def some_columns(self):
+        few = 30
+        return ", ".join(list(self.columns)[:few]) + (", ..." if len(self.columns) > few else "")
 
 
 def batch_figure(path, curve=None):
@@ -50,6 +63,8 @@ def batch_figure(path, curve=None):
     batch = Batch(path)
     if curve:
         panels = [(curve[0], curve[1], batch.column(curve[0]), batch.column(curve[1]))]
+    elif batch.structures:
+        panels = [(name, STRUCTURES, values, None) for name, values in batch.followed.items() if not name.endswith(PLACES)]
     elif len(batch.parameters) == 1:
         (across, x), = batch.parameters.items()
         panels = [(name, across, values, x) for name, values in batch.followed.items()]
@@ -57,18 +72,26 @@ def batch_figure(path, curve=None):
         panels = [(name, None, values, None) for name, values in batch.followed.items()]
     else:
         raise InputError(f"{path}: a batch over {len(batch.parameters)} parameters; allowed: one or two, or --curve with two of "
-                         f"{', '.join(batch.columns)}")
+                         f"{batch.some_columns()}")
     if not panels:
         raise InputError(f"{path}: nothing that is followed changes from case to case")
     panels = panels[:MOST_PANELS]
     columns = min(3, len(panels))
     rows = -(-len(panels) // columns)
-    canvas, all_axes = style.figure(max(4.6 * columns, 6.4), 3.7 * rows + 0.5, rows, columns, squeeze=False)
+    bars = max(np.count_nonzero(np.isfinite(panel[2])) for panel in panels) if batch.structures else 0
+    height = max(3.7, 0.5 + 0.2 * bars) * rows + 0.5
+    canvas, all_axes = style.figure(max(4.6 * columns, 6.4), height, rows, columns, squeeze=False)
     for axes in all_axes.flat[len(panels):]:
         axes.set_visible(False)
     for axes, (name, across, y, x) in zip(all_axes.flat, panels):
         if across is None:
             _draw_map(canvas, axes, batch, name, y)
+        elif across == STRUCTURES:
+            shown = np.flatnonzero(np.isfinite(y))
+            axes.barh(range(len(shown)), y[shown], color=style.BLUE, gid="bars")
+            axes.set_yticks(range(len(shown)), [style.literal(batch.structures[row]) for row in shown], fontsize=8)
+            axes.set(xlabel=_words(name), ylim=(len(shown) - 0.5, -0.5))
+            axes.locator_params(axis="x", nbins=5)
         else:
             order = np.argsort(x, kind="stable")
             axes.plot(x[order], y[order], "o-", markersize=3.5, color=style.BLUE, gid="curve")

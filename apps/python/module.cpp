@@ -175,6 +175,7 @@ py::dict batch(const SceneText& scene, const std::optional<std::string>& load_ca
   for (const std::string& parameter : parameters)
     cases.columns.push_back({parameter, [](const std::string& problem) { return InputError{problem}; }});
   cases.values.assign(values.data(), values.data() + values.size());
+  cases.unvaried = static_cast<std::size_t>(values.shape(0));
   cases.output = static_cast<BatchOutput>(output);
   std::vector<std::string> names;
   std::vector<CaseResult> results;

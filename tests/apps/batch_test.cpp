@@ -256,6 +256,50 @@ TEST_F(Batch, RowsOfATableKeepTheirNumbers) {
   }
 }
 
+TEST_F(Batch, AFolderGivesARowForEachStructureAndLoadCase) {
+  const fs::path gallery = fs::path(MIXBEAM_SOURCE_DIR) / "apps/gallery", folder = folder_ / "designs";
+  fs::create_directories(folder);
+  for (const std::string scene : {"elastica.xml", "portal_frame.xml", "follower_cantilever.xml"})
+    fs::copy(gallery / scene, folder / scene);
+  const auto batch = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> arguments = {"batch", "designs/", "--quiet"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    return run_process(program("mixbeam"), arguments, folder_);
+  };
+  const Ended ended = batch({});
+  ASSERT_EQ(ended.exit_code, kOk) << ended.err;
+  const fs::path table = folder_ / "results/designs/designs-batch.csv";
+  const std::vector<Row> all = rows_of(table);
+  ASSERT_EQ(all.size(), 6u);  // the portal has four load cases
+  EXPECT_EQ(all[0].at("structure"), "elastica.xml");
+  EXPECT_EQ(all[3].at("load case"), "wind");
+  EXPECT_EQ(all[0].at("sway of the eaves"), "nan");  // the portal alone asks for it
+  const Ended alone = run_process(program("mixbeam"), {"run", "designs/portal_frame.xml", "--case", "wind"}, folder_);
+  ASSERT_EQ(alone.exit_code, kOk) << alone.err;
+  const Row last = rows_of(folder_ / "results/portal_frame/portal_frame-wind-monitor.csv").back();
+  EXPECT_EQ(all[3].at("sway of the eaves"), last.at("sway of the eaves"));
+  EXPECT_NE(all[2].at("sway of the eaves"), last.at("sway of the eaves"));  // under snow
+  const Ended drawn = run_process(program("mixbeam"), {"plot", "results/designs/designs-batch.h5"}, folder_);
+  EXPECT_EQ(drawn.exit_code, kOk) << drawn.err;
+  EXPECT_TRUE(fs::exists(folder_ / "results/designs/designs-batch.png"));
+  ASSERT_EQ(batch({"--rows", "4:5"}).exit_code, kOk);
+  EXPECT_EQ(rows_of(folder_ / "results/designs/designs-batch-4-5.csv").front(), all[3]);
+  const Ended ranks = run_process("/usr/bin/env",
+                                  {"mpirun", "--allow-run-as-root", "--oversubscribe", "--bind-to", "none", "-np", "2",
+                                   program("mixbeam"), "batch", "designs", "--output", "ranks"},
+                                  folder_);
+  ASSERT_EQ(ranks.exit_code, kOk) << ranks.err;
+  EXPECT_EQ(text_of(folder_ / "ranks/designs-batch.csv"), text_of(table));
+  write_text(folder / "slip.xml", with(text_of(gallery / "elastica.xml"), "Scene: {Members: {strip: {Order: 99}}}"));
+  const Ended refused = batch({});
+  EXPECT_EQ(refused.exit_code, kBadInput);
+  expect_in(refused.err, {"slip.xml", "99"});
+  fs::create_directories(folder_ / "empty");
+  const Ended nothing = run_process(program("mixbeam"), {"batch", "empty"}, folder_);
+  EXPECT_EQ(nothing.exit_code, kBadInput);
+  expect_in(nothing.err, {"holds no scene (*.xml, *.yaml, *.yml)"});
+}
+
 TEST_F(Batch, ACaseThatCannotBeSolvedSpoilsNoOther) {
   const Ended ended =
       solve(rolled_up(), "Point Loads/weight/Moment[2]\n5\n5.5\n6.2831853071795\n6\n5.25\n4.5\n");  // 2 pi (1 - 1e-14)

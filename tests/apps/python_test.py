@@ -341,6 +341,18 @@ class Bits(InFolder):
         nudged = {name: theirs[name] * (1 + 1e-15) for name in theirs if "Force" in name}
         self.assertFalse(np.array_equal(mixbeam.batch(scene, nudged, output="expected")["tip turns"], ours["tip turns"]))
 
+    def test_a_batch_of_scenes(self):
+        ends = {"elastica": "tip", "follower_cantilever": "nozzle"}
+        table = mixbeam.batch(mixbeam.read(SOURCES / f"apps/gallery/{name}.xml") for name in ends)
+        self.assertEqual(len(table), 2)
+        self.assertTrue(table["converged"].all())
+        for row, (name, end) in enumerate(ends.items()):
+            run = mixbeam.run(SOURCES / f"apps/gallery/{name}.xml")
+            self.assertEqual(table[f"{end}.displacement.x"][row], run.displacement(end)[0])
+            self.assertTrue(np.isnan(table[f"{end}.displacement.x"][1 - row]))
+        for wrong in (lambda: mixbeam.batch("scene.xml"), lambda: mixbeam.batch([mixbeam.Scene("empty")])):
+            self.assertRaises(mixbeam.InputError, wrong)
+
     def test_workers_of_dask_share_a_batch(self):
         try:
             import distributed
@@ -677,7 +689,7 @@ class Page(InFolder):
         os.symlink(SOURCES / "apps", "apps")
         page = (SOURCES / "apps/docs/python.md").read_text()
         blocks = re.findall(r"^```python\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
-        self.assertEqual(len(blocks), 11)
+        self.assertEqual(len(blocks), 12)
         names = {}
         for number, block in enumerate(blocks, 1):
             self.assertEqual(failures(block, names), 0, f"example {number}")

@@ -71,19 +71,23 @@ def open_results(file):
     return Run(_core.open(os.fspath(file)), file)
 
 
-def batch(scene, table, case=None, *, output="followed", threads=None, progress=False, client=None):
-    """Solves a scene once for each row of a table, by the program's solver for many cases at once.
+def batch(scene, table=None, case=None, *, output="followed", threads=None, progress=False, client=None):
+    """Solves a scene once for each row of a table, by the program's solver for many cases at once; or many scenes.
 
     table: {parameter: values}, or a structured array; parameters by their paths, "point_loads/tip/force[1]". output:
     "followed" (motion of supported or loaded points, reactions), "expected" or "quantities" of the scene. client: a
     Dask client whose workers, with mixbeam installed, share the rows (a file that the scene names must lie there too).
 
-    Returns a structured array: the columns of the table, those of the output, and of each case iterations, residual,
-    converged, stable and, where it is not converged, its cause.
+    Without a table, scene is a list or a generator of scenes, each of which is solved as it stands and let go.
+
+    Returns a structured array: the columns of the table, those of the output (nan where a scene has none of the name),
+    and of each case iterations, residual, converged, stable and, where it is not converged, its cause.
     """
     outputs = root().lists["Batch"].parameters["Output"]["choices"]
     if output not in outputs:
         raise unknown("output of a batch", output, outputs)
+    if table is None:
+        return _batch_of_scenes(scene, case, output, threads, progress, client)
     try:
         table = table if isinstance(table, dict) else {name: table[name] for name in table.dtype.names}
         columns = dict(zip(table, np.broadcast_arrays(*(np.atleast_1d(np.asarray(v, float)) for v in table.values()))))
@@ -97,15 +101,49 @@ def batch(scene, table, case=None, *, output="followed", threads=None, progress=
         return _shared_batch(client, scene, columns, case, output, threads)
     say = (lambda done, cases: _say(f"{done} of {cases} cases")) if progress else None
     found = _core.batch(scene_text(scene), case, paths, values, outputs.index(output), _threads(threads), say)
-    numbers = {**columns, **dict(zip(found["names"], found["values"].T)), "residual": found["residual"]}
+    return _structured({**columns, **dict(zip(found["names"], found["values"].T))}, found)
+
+
+def _structured(followed, found):
+    """The array of a batch: numbers of each case, and how it was solved."""
+    numbers = {**followed, "residual": found["residual"]}
     causes = np.array(found["cause"], dtype=str)
     kinds = [(name, float) for name in numbers]
     kinds += [("iterations", int), ("converged", bool), ("stable", "U7"), ("cause", causes.dtype)]
-    result = np.empty(len(values), dtype=kinds)
+    result = np.empty(len(causes), dtype=kinds)
     for name, column in {**numbers, **{key: found[key] for key in ("iterations", "converged", "stable")},
                          "cause": causes}.items():
         result[name] = column
     return result
+
+
+def _solved_scene(text, case, output, threads):
+    outputs = root().lists["Batch"].parameters["Output"]["choices"]
+    return _core.batch(text, case, [], np.empty((1, 0)), outputs.index(output), _threads(threads), None)
+
+
+def _batch_of_scenes(scenes, case, output, threads, progress, client):
+    if isinstance(scenes, (str, os.PathLike, Scene)) or not hasattr(scenes, "__iter__"):
+        raise InputError("a batch without a table needs several scenes; allowed: a list or a generator of them, or one and a table")
+    solve = partial(_solved_scene, case=case, output=output, threads=threads)
+    if client is not None:
+        found = client.gather(client.map(solve, [scene_text(scene) for scene in scenes], pure=False))
+    else:
+        found = []
+        for number, scene in enumerate(scenes, 1):
+            try:
+                found.append(solve(scene_text(scene)))
+            except InputError as error:
+                raise InputError(f"scene {number} of the batch: {error}") from None
+            if progress:
+                _say(f"{number} scenes")
+    names = list(dict.fromkeys(name for one in found for name in one["names"]))
+    followed = {name: np.full(len(found), np.nan) for name in names}
+    for row, one in enumerate(found):
+        for name, value in zip(one["names"], one["values"][0]):
+            followed[name][row] = value
+    return _structured(followed, {key: [one[key][0] for one in found]
+                                  for key in ("residual", "iterations", "converged", "stable", "cause")})
 
 
 def _order_by_shape(before, modes):
