@@ -15,6 +15,7 @@ set(MPI_CXX_SKIP_MPICXX ON) # the C++ bindings that left MPI in 2012: each file 
 find_package(MPI REQUIRED COMPONENTS CXX)
 find_package(OpenMP REQUIRED COMPONENTS CXX)
 find_package(LibXml2 REQUIRED)
+find_package(ZLIB REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(GSL REQUIRED)
 find_package(muparser CONFIG REQUIRED)

@@ -27,6 +27,9 @@ int report_command(const Arguments& arguments);
 int view_command(const Arguments& arguments);
 int verify_command(const Arguments& arguments);
 
+/// Throws InputError where a command is given another file than it draws: the table of a batch, a scene.
+void require_run(const std::string& command, const std::filesystem::path& file);
+
 /// Help on the whole program, or on one subcommand; empty when there is none of that name.
 std::string help_text(const std::string& command = "");
 

@@ -132,9 +132,7 @@ const std::map<std::string, const char*>& texts() {
        "usage: mixbeam view RESULTS.h5 [-o FILE.html] [--case NAME] [--watch], or mixbeam view SCENE.yaml\n\n"
        "Writes one HTML file, by default beside the results, that any browser with WebGL 2 opens without network: the\n"
        "deformed structure with its sections, coloured by any recorded field, step by step, with load path, critical\n"
-       "points, modes, supports and loads. A scene is drawn without being solved, also one that a run refuses. Needs "
-       "Python\n"
-       "with matplotlib and h5py.\n\n"
+       "points, modes, supports and loads. A scene is drawn without being solved, also one that a run refuses.\n\n"
        "  -o, --output FILE    default: RESULTS-view.html\n"
        "  --case NAME          this load case only, of several in one page\n"
        "  --watch              writes the page anew whenever the file changes, until Ctrl-C\n\n"},

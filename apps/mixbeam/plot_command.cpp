@@ -66,9 +66,6 @@ std::string suitable_python(const std::string& folder) {
 
 }  // namespace
 
-namespace {
-
-/// Other files of the program hold no run.
 void require_run(const std::string& command, const std::filesystem::path& file) {
   const std::string name = file.stem().string(), batch = "-batch", allowed = "; allowed: results of mixbeam run";
   if (command != "plot" && name.size() > batch.size() && name.substr(name.size() - batch.size()) == batch &&
@@ -80,6 +77,8 @@ void require_run(const std::string& command, const std::filesystem::path& file) 
     throw InputError("\"" + excerpt(file.string()) + "\" is a scene" + allowed + ": mixbeam run " +
                      excerpt(file.string()) + ", then mixbeam report results/" + name + "/" + name + ".h5");
 }
+
+namespace {
 
 /// Runs a script of the folder plots beside the program, which verifies each result file before it reads it.
 int run_script(const Arguments& arguments, const std::string& name) {
@@ -102,7 +101,5 @@ int run_script(const Arguments& arguments, const std::string& name) {
 int plot_command(const Arguments& arguments) { return run_script(arguments, "plot_result.py"); }
 
 int report_command(const Arguments& arguments) { return run_script(arguments, "report.py"); }
-
-int view_command(const Arguments& arguments) { return run_script(arguments, "view_result.py"); }
 
 }  // namespace mixbeam

@@ -1,4 +1,4 @@
-"""The only writer of HTML pages: what comes from a scene is data, never markup."""
+"""The writer of HTML pages but that of `mixbeam view`: what comes from a scene is data, never markup."""
 
 import base64
 import html
@@ -35,14 +35,13 @@ def bar(share, is_bad=False):
 
 
 class Page:
-    """One HTML file without network. All texts are plain; `style` and what `add_own` gets are files of this program."""
+    """One HTML file without network and without scripts. All texts are plain."""
 
-    def __init__(self, title, style=STYLE, has_scripts=False):
-        policy = POLICY + ("; script-src 'unsafe-inline'" if has_scripts else "")
+    def __init__(self, title):
         self._parts = [f"{BEGIN}<html lang=\"en\"><head><meta charset=\"utf-8\">"
-                       f"<meta http-equiv=\"Content-Security-Policy\" content=\"{policy}\">"
+                       f"<meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">"
                        f"<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">"
-                       f"<title>{html.escape(title)}</title><style>{style}</style></head><body>"]
+                       f"<title>{html.escape(title)}</title><style>{STYLE}</style></head><body>"]
         self._headings, self._contents = [], None
 
     def title(self, text):
@@ -87,16 +86,6 @@ class Page:
 
     def folded(self, title, text):
         self._parts.append(f"<details><summary>{html.escape(title)}</summary><pre>{html.escape(text)}</pre></details>")
-
-    def packed(self, name, data):
-        """Deflated bytes that scripts of the page read: letters and digits, which the browser does not look at until they are
-        asked for."""
-        code = base64.b64encode(data).decode()
-        self._parts.append(f"<script type=\"application/octet-stream\" id=\"{html.escape(name, quote=True)}\">{code}</script>")
-
-    def add_own(self, markup="", script=""):
-        """Markup and script that belong to this program."""
-        self._parts.append(markup + (f"<script>\n{script}\n</script>" if script else ""))
 
     def markup(self):
         """The whole page as a text."""

@@ -5,7 +5,7 @@ from collections import defaultdict
 import numpy as np
 
 from html_page import Cell
-from view_data import DRAWN_AS
+from results import DRAWN_AS
 
 SIDE = 64          # pixels of a drawing
 FEW = 6            # names that a row of the table shows

@@ -30,6 +30,7 @@ ACTING = {"supports": {**PLACED, "axes": (9,), "fixed": (6,), "stiffness": (6,),
           "eigenstrains": {**ALONG, "strain": (27,), "curvature": (27,)},
           "sections": {"name": TEXT, "shape": TEXT, "dimensions": (36,), "strength": (9,)}, "members": {"section": ()}}
 LAYOUTS = (h5py.h5d.COMPACT, h5py.h5d.CONTIGUOUS, h5py.h5d.CHUNKED)
+DRAWN_AS = "drawn as "  # before the shape of a section that is given by stiffnesses
 JUMP = ("from", "to", "released", "motion", "largest", "place")
 
 

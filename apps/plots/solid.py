@@ -5,9 +5,11 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
 
 import style
+from results import DRAWN_AS
 from structure import RASTER_PIECES, tangents
-from view_data import ViewData
 
+THIN_ROD = 1 / 110     # diameter over size of members that have no shape,
+SLENDER_ROD = 1 / 10   # and at most this share of the median length of members
 MOST_FACES = 60000   # of a picture; sections of larger structures are drawn with fewer sides
 MOST_SIDES = 24      # of round sections,
 FEWEST_SIDES = 3     # and of those of large structures
@@ -16,19 +18,46 @@ LIGHT, SHINE = np.array([-0.35, 0.55, 0.75]), np.array([-0.18, 0.30, 0.94])  # t
 LIGHT, SHINE = LIGHT / np.linalg.norm(LIGHT), SHINE / np.linalg.norm(SHINE)
 
 
-class Sections(ViewData):
-    """Kinds of sections of all members, and `dimensions` (n, 4) of all samples, as the page has them."""
+class Sections:
+    """Kinds of sections of all members, and `dimensions` (n, 4) of all samples, as the page of `mixbeam view` has them."""
 
     def __init__(self, structure):
-        self._run, self._size = structure.run, structure.size
-        self._members, self._firsts, self._ends = self._run.members, structure.starts, structure.ends - 1
-        self._reference, self._kept = structure.reference, np.arange(len(structure.reference))
-        self.description, self.held = {"notes": []}, {}
-        self._add_sections()
-        self.kinds, self.dimensions = self.description["kinds"], self.held["dimensions"]
+        run, starts = structure.run, structure.starts
+        acting = run.acting()
+        shapes = acting.get("sections")
+        rod = min(THIN_ROD * structure.size, SLENDER_ROD * float(np.median([member.arc_length[-1] for member in run.members])))
+        known = [row[0] for row, shape in zip(shapes["dimensions"], shapes["shape"]) if shape != "none"] if shapes else []
+        rod = min([rod, *known])  # a wire is thinner than what has a shape
+        self.kinds = ["none"] * len(run.members)
+        self.dimensions = np.tile([rod, rod, 0.0, 0.0], (len(structure.reference), 1))
+        for at, member in enumerate(run.members if shapes else ()):
+            row = int(acting["members"]["section"][member.index])
+            if shapes["shape"][row] == "none":
+                continue
+            kind, places = shapes["shape"][row].removeprefix(DRAWN_AS), shapes["dimensions"][row].reshape(-1, 4)
+            own = slice(starts[at], structure.ends[at])
+            self.dimensions[own] = _along(places, member.arc_length / member.arc_length[-1])
+            self.kinds[at] = _with_centroid(kind, *places[0]) if kind[0] in "TLU" else kind
+            if kind in ("circle", "tube"):
+                self.dimensions[own, 1] = self.dimensions[own, 0]
 
-    def _add(self, name, values, bits):
-        self.held[name] = values
+
+def _along(values, x):
+    """Rows at relative arc lengths `x` of values at evenly spread places."""
+    places = np.linspace(0.0, 1.0, len(values))
+    return np.stack([np.interp(x, places, column) for column in values.T], axis=1)
+
+
+def _with_centroid(shape, width, height, wall, web):
+    """Name of the drawing of a T, L or U: how it stands, and its centroid from the middle over width and height."""
+    upright = width * wall, 0.0, (height - wall) / 2  # area and middle of the flange at the top, then of the web
+    parts = {"T": [upright, (web * (height - wall), 0.0, -wall / 2)],
+             "U": [(2 * width * wall, 0.0, 0.0), (web * (height - 2 * wall), (web - width) / 2, 0.0)],
+             "L": [(upright[0], 0.0, -upright[2]), (wall * (height - wall), (wall - width) / 2, wall / 2)]}[shape[0]]
+    area = sum(part[0] for part in parts)
+    second, third = (sum(part[0] * part[i] for part in parts) / area for i in (1, 2))
+    turned = shape.endswith("mirrored")
+    return f"{shape[0]} {'mirrored' if turned else 'upright'} {second / width:.4f} {(-third if turned else third) / height:.4f}"
 
 
 def outline(kind, dimensions, sides):

@@ -5,6 +5,7 @@
 #include "apps/mixbeam/commands.hpp"
 #include "apps/mixbeam/mesh_report.hpp"
 #include "apps/mixbeam/scene_run.hpp"
+#include "apps/mixbeam/view_page.hpp"
 #include "apps/python/arrays.hpp"
 #include "discretization/parameters/formula_value.hpp"
 #include "discretization/parameters/parameter_file.hpp"
@@ -158,6 +159,18 @@ py::tuple resume(const std::string& file, const std::optional<int>& threads, boo
       });
 }
 
+std::string page_of(const std::vector<std::string>& files, const std::string& parts, const std::string& refusal,
+                    const std::optional<std::vector<std::string>>& warnings) {
+  return in_turn([&] {
+    for (const std::string& file : files)
+      if (const FileReport report = verify_results(file); !report.damage.empty())
+        throw InputError(file + ": damaged: " + report.damage);
+    std::optional<SaidOfScene> said;
+    if (warnings) said = SaidOfScene{refusal, *warnings};
+    return view_page({files.begin(), files.end()}, said, parts);
+  });
+}
+
 void verify(const std::string& file) {
   const FileReport report = in_turn([&] { return verify_results(file); });
   if (!report.damage.empty()) throw InputError(file + ": damaged: " + report.damage);
@@ -267,6 +280,9 @@ PYBIND11_MODULE(_core, module) {
   module.def("open", open);
   module.def("batch", batch);
   module.def("verify", verify);
+  module.def("view_page", page_of);
+  module.def("write_page",
+             [](const std::string& file, const std::string& text) { in_turn([&] { write_page(file, text); }); });
   bind_run(module);
   bind_study(module);
   py::module_::import("atexit").attr("register")(py::cpp_function([] { Guest::instance().end_of_interpreter(); }));

@@ -23,11 +23,8 @@ sys.path.insert(0, str(REPOSITORY / "apps" / "plots"))
 
 import numpy as np  # noqa: E402
 
-import view_data  # noqa: E402
-import view_steps  # noqa: E402
 from results import Run  # noqa: E402
 from small_scenes import NUMBERS, cantilever, entry, listed, member, scene, solve, support  # noqa: E402
-from view_page import view_page  # noqa: E402
 
 BROWSER = ("chromium-headless-shell", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--dump-dom",
            "--window-size=1200,800")
@@ -209,19 +206,6 @@ class Viewer(unittest.TestCase):
                 self.assertNotIn(name, written.read_text(encoding="utf-8"), written)
         self.assertIn('href="./evil-view.html"', (self.folder / "evil-report.html").read_text(encoding="utf-8"))
 
-    def test_structures_that_are_thinned_say_so(self):
-        most, view_data.MOST_SAMPLES = view_data.MOST_SAMPLES, 12
-        self.addCleanup(setattr, view_data, "MOST_SAMPLES", most)
-        page = self.folder / "thin.html"
-        with Run(self.bent) as run:
-            view_page(view_data.ViewData(run)).write(page)
-            whole = len(run.reference())
-        samples, notes, last = self.values(page, "probe.app.result.samples", "document.getElementById('notes').textContent",
-                                           "probe.app.result.arcLength[probe.app.result.samples - 1]")
-        self.assertLessEqual(samples, 12)
-        self.assertIn(f"{samples} of {whole} samples", notes)
-        self.assertEqual(last, 1.0)  # ends are kept
-
     # scenes that are not solved
 
     @classmethod
@@ -343,14 +327,6 @@ class Viewer(unittest.TestCase):
                 for name, read in zip(names, arrays):
                     self.assertLess(off(read, step, name), KEPT, (number, name))
             self.assertGreater(off(steps[5][1], run.steps[6], names[0]), KEPT)  # another step is told apart
-
-    def test_steps_that_have_no_room_are_left_out(self):
-        self.addCleanup(setattr, view_steps, "FEWEST_STEPS", view_steps.FEWEST_STEPS)
-        view_steps.FEWEST_STEPS = 4
-        with Run(self.snap_back()[1]) as run:
-            shown, count = view_data.ViewData(run, room=0).description, len(run.steps)
-        self.assertEqual([step["place"] for step in shown["steps"]], [round(i * (count - 1) / 3) for i in range(4)])
-        self.assertIn(f"4 of {count} steps are drawn; the load path has all.", shown["notes"])
 
     @staticmethod
     def off(read, meant):

@@ -76,6 +76,8 @@ void read_option(const std::string& name, int& i, int argc, const char* const* a
     line.json = true;
   else if (name == "--durable")
     line.durable = true;
+  else if (name == "--watch")
+    line.watch = true;
   else if (name == "--output")
     line.output = value_after(i, argc, argv);
   else if (name == "--summary")

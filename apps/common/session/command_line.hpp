@@ -15,7 +15,7 @@ struct CommandLine {
   std::optional<std::array<int, 2>> rows;  ///< first and last, counted from 1
   int jobs = 1;
   bool help = false, print_parameters = false, single = false, quiet = false, markdown = false, durable = false;
-  bool force = false, json = false;
+  bool force = false, json = false, watch = false;
 };
 
 /// Options of the benchmark applications.

@@ -104,15 +104,12 @@ class View:
 
     def save(self, file):
         """Writes the HTML file, which needs no network."""
-        with modules() as plots:
-            plots.call(self._page.write, Path(file))
+        _core.write_page(str(file), self._page)
 
     def _repr_html_(self):
-        return f'<iframe style="border:0" width="100%" height="{VIEW_HEIGHT}" srcdoc="{html.escape(self._page.markup(), quote=True)}"></iframe>'
+        return f'<iframe style="border:0" width="100%" height="{VIEW_HEIGHT}" srcdoc="{html.escape(self._page, quote=True)}"></iframe>'
 
 
 def view(files, refusal="", warnings=None):
     """The View of result files; of a scene that is not solved with what is said of it."""
-    with modules() as plots:
-        said = plots.load("preview").Said(refusal, warnings) if warnings is not None else None
-        return View(plots.call(plots.load("view_page").page_of_files, files, said))
+    return View(_core.view_page([str(file) for file in files], str(FOLDER / "viewer"), refusal, warnings))

@@ -1,0 +1,69 @@
+/// A result file as pictures need it: fields at the samples of all members, read as they are asked for. Also of a
+/// structure that is not solved, whose file has no state to resume from.
+#pragma once
+
+#include "discretization/results/stored_run.hpp"
+#include "discretization/state/acting.hpp"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace mixbeam {
+
+/// A step of the path.
+struct SampledStep {
+  std::string group{};  ///< its path in the file
+  int number = 0;
+  double load_factor = 0.0;
+  std::string stable{};
+};
+
+/// Holds the file open. All members throw InputError, which names the file, for what no run writes.
+class SampledFile {
+ public:
+  explicit SampledFile(const std::filesystem::path& path);
+  ~SampledFile();
+  SampledFile(const SampledFile&) = delete;
+  SampledFile& operator=(const SampledFile&) = delete;
+
+  const ResultHeader& header() const { return header_; }
+  const std::vector<SampledMember>& members() const { return members_; }
+  const Acting& acting() const { return acting_; }
+  const std::vector<SampledStep>& steps() const { return steps_; }
+  const std::vector<MonitoredSeries>& monitor() const { return monitor_; }
+  std::size_t samples() const { return samples_; }
+
+  /// Arc lengths of all samples.
+  std::vector<double> arc_lengths() const;
+  bool has(const std::string& group, const std::string& name) const;
+  /// Groups 0, 1, ... in a group of that name; 0 where it is not there.
+  std::size_t count(const std::string& group, const std::string& name) const;
+  /// A field: rows of numbers, one for each sample.
+  std::vector<double> field(const std::string& group, const std::string& name) const;
+  /// Numbers of a dataset of one dimension.
+  std::vector<double> numbers(const std::string& group, const std::string& name) const;
+  double number(const std::string& group, const std::string& attribute) const;
+  std::string word(const std::string& group, const std::string& attribute) const;
+
+ private:
+  struct Held;
+  /// Gives read(group) the group of that path.
+  template <class Read>
+  auto reading(const std::string& group, const Read& read) const;
+
+  std::filesystem::path path_;
+  std::unique_ptr<Held> held_;
+  ResultHeader header_{};
+  std::vector<SampledMember> members_{};
+  Acting acting_{};
+  std::vector<SampledStep> steps_{};
+  std::vector<MonitoredSeries> monitor_{};
+  std::size_t samples_ = 0;
+};
+
+/// Runs whose largest and smallest quantities a file holds, which then is no result file of a run; empty otherwise.
+/// Throws as SampledFile.
+std::vector<std::filesystem::path> runs_of_envelope(const std::filesystem::path& path);
+
+}  // namespace mixbeam
