@@ -11,6 +11,7 @@
 #include "apps/mixbeam/case_scenes.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "apps/mixbeam/mesh_report.hpp"
+#include "apps/mixbeam/rest_shape_files.hpp"
 #include "apps/mixbeam/run_report.hpp"
 #include "apps/mixbeam/scene_run.hpp"
 #include "apps/mixbeam/structures_batch.hpp"
@@ -36,6 +37,7 @@ std::string chosen_case(const Scene& scene, const std::optional<std::string>& wa
 
 void set_up_batch(Application& app, const CommandLine& line) {
   set_up_run(app, line, *line.scene_file, mixbeam_definition());
+  refuse_rest_shape(app);
   warn_of_scene(app);
   if (!app.xml.list->isSublist("Batch"))
     throw app.xml.source.error(

@@ -19,6 +19,7 @@ const ApplicationDefinition& mixbeam_definition() {
     own.batch = batch_spec();
     own.chooses_meshes = true;
     own.answers_quantities = true;
+    own.finds_rest_shapes = true;
     return own;
   }();
   return definition;

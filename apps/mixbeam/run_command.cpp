@@ -6,6 +6,7 @@
 #include "apps/mixbeam/case_processes.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "apps/mixbeam/mesh_report.hpp"
+#include "apps/mixbeam/rest_shape_files.hpp"
 #include "apps/mixbeam/scene_run.hpp"
 #include "discretization/mesh/mpi_at_need.hpp"
 #include "discretization/scene/load_cases.hpp"
@@ -37,12 +38,13 @@ void share_processors(Application& app, std::size_t jobs) {
 
 void set_up(Application& app, const CommandLine& line) {
   set_up_run(app, line, *line.scene_file, mixbeam_definition());
-  warn_of_scene(app);
   app.quiet = app.quiet || chosen_cases(app.scene, line.load_case).size() > 1;
   if (line.jobs > 1) share_processors(app, jobs_of(line, chosen_cases(app.scene, line.load_case)));
   const std::filesystem::path scene(*line.scene_file);
   app.output = line.output ? std::filesystem::path(*line.output) : std::filesystem::path("results") / scene.stem();
   on_first_rank(app.communicator, [&app] { prepare_output_folder(app.output); });
+  take_rest_shape(app, scene.stem().string());
+  warn_of_scene(app);
   if (app.xml.source.line({"Study"}) > 0)
     app.out() << "The list \"Study\" belongs to a benchmark program; it is ignored.\n";
   if (app.xml.source.line({"Batch"}) > 0)

@@ -5,6 +5,7 @@
 #include "apps/common/session/mpi_session.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "apps/mixbeam/mesh_report.hpp"
+#include "apps/mixbeam/rest_shape_files.hpp"
 #include "apps/mixbeam/scene_run.hpp"
 #include "discretization/parameters/parameter_file.hpp"
 #include "discretization/scene/load_cases.hpp"
@@ -76,6 +77,7 @@ XmlParameters parsed_scene(const std::string& text, const std::string& file, boo
 SolvedRun::SolvedRun(XmlParameters parameters, const std::optional<int>& threads, bool force) {
   prepare(app_, report_, force);
   read_scene_file(app_, std::move(parameters), mixbeam_definition(), mixbeam_root_spec());
+  refuse_rest_shape(app_);
   describe_run(app_, "mixbeam", threads);
   warn_of_scene(app_);
 }

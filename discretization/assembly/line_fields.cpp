@@ -56,11 +56,12 @@ bool is_load(LineField kind) { return kind != LineField::eigenstrain && kind != 
 
 }  // namespace
 
-/// Component of a load at any place of its member: constant, or a formula of s and x.
+/// Component of a load at any place of its member: constant, a formula of s and x, or a table times a factor.
 class LineFields::Profile {
  public:
-  Profile(const Vector3& constant, const std::array<std::string, 3>& formula, const std::string& member)
-      : constant_(constant), member_(member) {
+  Profile(const Vector3& constant, const std::array<std::string, 3>& formula, const std::string& member,
+          std::shared_ptr<const FieldTable> table = {}, double factor = 1.0)
+      : constant_(constant), member_(member), table_(std::move(table)), factor_(factor) {
     for (int i = 0; i < 3; ++i)
       if (!formula[i].empty()) formula_[i].emplace(formula[i], std::vector<std::string>{"s", "x"});
   }
@@ -71,11 +72,13 @@ class LineFields::Profile {
     return pieces_of(text, length);
   }
   bool is_zero() const {
+    if (table_) return false;
     for (int i = 0; i < 3; ++i)
       if (formula_[i] || constant_[i] != 0.0) return false;
     return true;
   }
   double at(int component, double s, double length) const {
+    if (table_) return factor_ * table_->at(s)[component];
     if (!formula_[component]) return constant_[component];
     const double value = (*formula_[component])({s, s / length});
     if (!std::isfinite(value))
@@ -89,6 +92,8 @@ class LineFields::Profile {
   Vector3 constant_;
   std::array<std::optional<Expression>, 3> formula_{};
   std::string member_;
+  std::shared_ptr<const FieldTable> table_;
+  double factor_;
 };
 
 /// One vector of a DistributedLoad or an Eigenstrain.
@@ -97,8 +102,9 @@ struct LineFields::Source {
   int member;
   Profile profile;
   Amplitude amplitude;
-  const DistributedLoad* load = nullptr;         ///< where it is more than a profile: a part, projected, or a weight
-  std::shared_ptr<const FormulaPieces> taper{};  ///< of a weight
+  const DistributedLoad* load = nullptr;          ///< where it is more than a profile: a part, projected, or a weight
+  std::shared_ptr<const FormulaPieces> taper{};   ///< of a weight
+  const std::array<Vector3, 2>* turns = nullptr;  ///< of an eigencurvature: Eigenstrain::end_turns
 };
 
 namespace {
@@ -117,6 +123,19 @@ double factor_of(const DistributedLoad& load, const MeshMember& member, const Se
   if (middle < load.range[0] * length || middle > load.range[1] * length) return 0.0;
   if (load.is_weight && law != nullptr) return law->section(s / length).mass / law->section(0.0).mass;
   return load.is_projected ? seen_length(member, load.force, s) : 1.0;
+}
+
+bool turns_ends(const Eigenstrain& strain) {
+  return !vector_algebra::is_zero(strain.end_turns[0]) || !vector_algebra::is_zero(strain.end_turns[1]);
+}
+
+/// Curvature that makes the turns at the ends of an element of this length: the polynomial of the degree of M with
+/// their moments, int P_j kappa ds = turn_b + (-1)^j turn_a, which are all that theory (17) sees.
+double concentrated(double turn_a, double turn_b, double length, int order, double xi) {
+  double P[kMaximumOrder + 1], sum = 0.0;
+  legendre(order, xi, P);
+  for (int j = 0; j <= order; ++j) sum += (2 * j + 1) / length * P[j] * (turn_b + (j % 2 == 0 ? turn_a : -turn_a));
+  return sum;
 }
 
 bool is_plain(const DistributedLoad& load) {
@@ -142,18 +161,22 @@ LineFields::LineFields(const Scene& scene, const Mesh& mesh, Structure& structur
   for (const Eigenstrain& strain : scene.eigenstrains) {
     const int member = member_index(scene, strain.member);
     const Amplitude amplitude(strain.stage, scene.stages, strain.amplitude);
-    add_source(
-        mesh, structure,
-        {LineField::eigenstrain, member, Profile(strain.strain, strain.strain_formula, strain.member), amplitude});
     add_source(mesh, structure,
-               {LineField::eigencurvature, member, Profile(strain.curvature, strain.curvature_formula, strain.member),
+               {LineField::eigenstrain, member,
+                Profile(strain.strain, strain.strain_formula, strain.member, strain.strain_table, strain.table_factor),
                 amplitude});
+    Source bending{
+        LineField::eigencurvature, member,
+        Profile(strain.curvature, strain.curvature_formula, strain.member, strain.curvature_table, strain.table_factor),
+        amplitude};
+    if (turns_ends(strain)) bending.turns = &strain.end_turns;
+    add_source(mesh, structure, bending);
   }
   number_rows(structure);
 }
 
 void LineFields::add_source(const Mesh& mesh, Structure& structure, const Source& source) {
-  if (source.profile.is_zero()) return;
+  if (source.profile.is_zero() && source.turns == nullptr) return;
   const MeshMember& member = mesh.members[source.member];
   const LocalElements local = local_elements(mesh, structure, source.member);
   if (local.block < 0) return;
@@ -188,6 +211,10 @@ void LineFields::add_source(const Mesh& mesh, Structure& structure, const Source
           integrate_at_points(
               *pieces.component[c], [&](double x) { return at(x * length); }, first, last, rule.xi, rule.weight, value);
         for (size_t q = 0; q < value.size(); ++q) {
+          if (source.turns != nullptr)
+            value[q] += concentrated(element.index == 0 ? (*source.turns)[0][c] : 0.0,
+                                     element.index == member.elements - 1 ? (*source.turns)[1][c] : 0.0,
+                                     member.element_length(element.index), block.order, rule.xi[q]);
           field.value(row + q, c) = value[q];
           field.largest = std::max(field.largest, std::abs(value[q]));
         }

@@ -231,6 +231,14 @@ std::map<std::string, std::string> read_imported_files(const Teuchos::ParameterL
   };
   for (const auto& [list, parameter] : file_parameters())
     if (scene_list.isSublist(list)) read(scene_list.sublist(list), parameter, InputPlace(source, path)[list]);
+  const std::string strains = "Eigenstrains";
+  if (scene_list.isSublist(strains))
+    for (auto entry = scene_list.sublist(strains).begin(); entry != scene_list.sublist(strains).end(); ++entry) {
+      const std::string& name = scene_list.sublist(strains).name(entry);
+      if (!scene_list.sublist(strains).isSublist(name)) continue;
+      for (const char* parameter : {"Strain Table", "Curvature Table"})
+        read(scene_list.sublist(strains).sublist(name), parameter, InputPlace(source, path)[strains][name]);
+    }
   const std::string members = "Members", stations = "Section Stations";
   if (!scene_list.isSublist(members)) return texts;
   const Teuchos::ParameterList& all = scene_list.sublist(members);
@@ -438,6 +446,10 @@ ImportTable offsets_table(const Teuchos::ParameterList& list, const InputPlace& 
 
 ImportTable stations_table(const Teuchos::ParameterList& list, const InputPlace& place) {
   return {table_of(list, "Table", place), {"position", "section", "twist", "offset 2", "offset 3"}, 2, place.source()};
+}
+
+ImportTable field_table(const Teuchos::ParameterList& list, const std::string& parameter, const InputPlace& place) {
+  return {table_of(list, parameter, place), {"element", "s", "1", "2", "3"}, 5, place.source()};
 }
 
 ImportTable points_table(const Teuchos::ParameterList& list, const InputPlace& place) {

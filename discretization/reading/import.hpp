@@ -75,6 +75,8 @@ ImportTable points_table(const Teuchos::ParameterList& list, const InputPlace& p
 ImportTable members_table(const Teuchos::ParameterList& list, const InputPlace& place);
 ImportTable stations_table(const Teuchos::ParameterList& list, const InputPlace& place);
 ImportTable offsets_table(const Teuchos::ParameterList& list, const InputPlace& place);
+/// Of an eigenstrain along its member, by "Strain Table" or "Curvature Table".
+ImportTable field_table(const Teuchos::ParameterList& list, const std::string& parameter, const InputPlace& place);
 
 /// A cell as a number, 0 where it is empty. Without `variables` it is a number, no formula.
 double imported_number(const ImportTable& table, const CsvRecord& record, const std::string& column,

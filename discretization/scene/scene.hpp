@@ -2,10 +2,12 @@
 /// Reading and validating a scene is `read_scene` (scene_reader.hpp); turning it into elements is `Mesh` (mesh.hpp).
 #pragma once
 
+#include "discretization/scene/field_table.hpp"
 #include "kernels/element/force_integration.hpp"
 #include "kernels/math/vector_algebra.hpp"
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -63,11 +65,12 @@ struct Section {
   /// material. The six numbers above are then its diagonal, where infinity makes a component rigid: its row and column
   /// of the compliance are zero whatever the matrix says.
   std::optional<Matrix6> matrix{};
-  double mass = 0.0;  ///< per length, which Gravity acts on; 0: none is known
+  double mass = 0.0;                       ///< per length, which Gravity acts on; 0: none is known
   std::array<double, 3> rotary_inertia{};  ///< per length about axes 1, 2, 3 through the centre of mass
   double inertia_product = 0.0;            ///< per length: integral of density x2 x3
   std::array<double, 2> mass_offset{};     ///< of the centre of mass, along axes 2 and 3
-  /// Rates per mass and per material stiffness: forces alpha times momenta, and stresses of strain + beta times its rate.
+  /// Rates per mass and per material stiffness: forces alpha times momenta, and stresses of strain + beta times its
+  /// rate.
   double mass_damping = 0.0, stiffness_damping = 0.0;
   /// The shape that the numbers above come from, if any; a taper between two sections of one kind interpolates it. That
   /// of an L has a matrix too, since its axes are not the principal ones.
@@ -233,6 +236,9 @@ struct Eigenstrain {
   std::array<std::string, 3> curvature_formula{};  ///< likewise
   std::string amplitude{};
   std::string load_case{};
+  std::shared_ptr<const FieldTable> strain_table{}, curvature_table{};  ///< in place of constants and formulas
+  double table_factor = 1.0;                                            ///< of both tables
+  std::array<Vector3, 2> end_turns{};  ///< curvature concentrated at start and end: rotation vectors, material
 };
 
 /// A buckling mode that is laid on the geometry.

@@ -87,9 +87,9 @@ class TableFiller {
   void add_beginning(const Load& load) {
     add("begins", load.amplitude.empty() ? load.stage - 1.0 : kFromTheBeginning);
   }
-  /// Values along a member of this length: a constant, or formulas.
+  /// Values along a member of this length: a constant, formulas, or a table times a factor.
   void add_along(const std::string& column, const Vector3& constant, const std::array<std::string, 3>& formula,
-                 double length) {
+                 double length, const FieldTable* table = nullptr, double factor = 1.0) {
     std::vector<Vector3> values(kPlacesAlongMember, constant);
     for (std::size_t i = 0; i < 3; ++i) {
       if (formula[i].empty()) continue;
@@ -99,6 +99,8 @@ class TableFiller {
         values[place][i] = component({x * length, x});
       }
     }
+    for (int place = 0; table != nullptr && place < kPlacesAlongMember; ++place)
+      values[place] = vector_algebra::scaled(factor, table->at(place * length / (kPlacesAlongMember - 1)));
     for (const Vector3& v : values) append(column, v);
   }
 
@@ -174,8 +176,10 @@ class ActingTables {
   ActingTable eigenstrains() const {
     return table_of("eigenstrains", scene_.eigenstrains, [&](TableFiller row, const Eigenstrain& strain) {
       const double length = add_member(row, strain.member);
-      row.add_along("strain", strain.strain, strain.strain_formula, length);
-      row.add_along("curvature", strain.curvature, strain.curvature_formula, length);
+      row.add_along("strain", strain.strain, strain.strain_formula, length, strain.strain_table.get(),
+                    strain.table_factor);
+      row.add_along("curvature", strain.curvature, strain.curvature_formula, length, strain.curvature_table.get(),
+                    strain.table_factor);
       row.add_beginning(strain);
     });
   }

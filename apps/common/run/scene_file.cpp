@@ -20,6 +20,7 @@
 #include "kernels/execution/execution_space.hpp"
 #include "mixbeam/version.hpp"
 #include "nonlinear/run/imperfect_scene.hpp"
+#include "nonlinear/run/rest_shape.hpp"
 
 #include <unistd.h>
 
@@ -51,6 +52,7 @@ ListSpec root_spec(const ApplicationDefinition& definition) {
                 ". [Name] is a ParameterList, Name: a Parameter; <name> stands for names of your own.");
   root.add_list("Scene", scene_spec(), Presence::required);
   if (definition.answers_quantities) root.add_list("Quantities", quantities_spec(), Presence::optional);
+  if (definition.finds_rest_shapes) root.add_list("Inverse", rest_shape_spec(), Presence::optional);
   root.add_list("Expected", expected_values_spec(definition.own_quantities), Presence::defaulted);
   root.add_list("Analysis", analysis_spec(), Presence::defaulted);
   root.add_list("Solver", solver_spec(), Presence::defaulted);

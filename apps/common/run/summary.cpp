@@ -332,6 +332,7 @@ void Summary::write_json(const std::filesystem::path& path) const {
   if (!envelope.empty()) json["envelope"] = json_of<nlohmann::ordered_json>(envelope, false);
   if (!estimated_errors.empty()) json["estimated_errors"] = json_of<nlohmann::ordered_json>(estimated_errors, false);
   if (!chosen_meshes.empty()) json["chosen_meshes"] = json_of<nlohmann::ordered_json>(chosen_meshes, false);
+  for (const auto& [name, value] : rest_shape) json["rest_shape"][name] = json_number(value);
   json["all_passed"] = all_passed();
   json["checks"] = nlohmann::ordered_json::array();
   for (const auto& quantity : checks_) json["checks"].push_back(json_check(quantity));

@@ -130,7 +130,8 @@ class Summary {
   std::map<std::string, int> stable_cases;  ///< of a batch: how many cases end with each of the words
   std::vector<EstimatedErrors> estimated_errors;
   std::vector<ChosenMesh> chosen_meshes;
-  std::map<std::string, double> seconds;  ///< phase of the run -> wall time
+  std::map<std::string, double> rest_shape;  ///< what the list "Inverse" has found, by words
+  std::map<std::string, double> seconds;     ///< phase of the run -> wall time
 
   /// Judges the quantity, keeps it and returns whether it passed. A quantity without a source is refused
   /// (std::invalid_argument): a reference that cannot be looked up checks nothing.

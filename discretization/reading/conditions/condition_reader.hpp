@@ -38,6 +38,8 @@ void bind_schedule(BoundList<Acting>& list, const std::string& what) {
 /// An eigenstrain as it was written.
 struct EigenstrainDraft : Eigenstrain {
   std::optional<double> temperature{}, expansion_coefficient{};
+  std::string strain_file{}, curvature_file{};
+  Vector3 start_turn{}, end_turn{};
 };
 
 extern const BoundList<Support> kSupportParameters;
@@ -117,6 +119,11 @@ class ConditionReader {
   bool goes_along(Support& copy, const PatternCopy& made, const std::string& entry);
   bool goes_along(PointLoad& copy, const PatternCopy& made, const std::string& entry);
   bool goes_along(DistributedLoad& copy, const PatternCopy& made, const std::string& entry);
+  /// Tables and turns belong to their member.
+  bool goes_along(Eigenstrain& copy, const PatternCopy&, const std::string&) {
+    return !copy.strain_table && !copy.curvature_table && vector_algebra::is_zero(copy.end_turns[0]) &&
+           vector_algebra::is_zero(copy.end_turns[1]);
+  }
 
   Support read_support(const List& list, const InputPlace& place);
   void claim_support(const std::string& point, const std::string& name, const InputPlace& place);
@@ -138,6 +145,9 @@ class ConditionReader {
   ReferenceCurve curve_of(const Member& member) const;
   Formulas along(const Member& member, Formulas formula, const InputPlace& place) const;
   void add_temperature(EigenstrainDraft& strain, const InputPlace& place) const;
+  std::shared_ptr<const FieldTable> read_field_table(const List& list, const std::string& field,
+                                                     const std::vector<const Member*>& members,
+                                                     const InputPlace& place) const;
   void check_any_given(const List& list, const std::vector<std::string>& parameters, const std::string& problem,
                        const InputPlace& place) const;
 

@@ -4,6 +4,7 @@
 #include "discretization/parameters/access.hpp"
 #include "discretization/parameters/input_place.hpp"
 #include "discretization/reading/conditions/condition_reader.hpp"
+#include "discretization/reading/import.hpp"
 #include "discretization/scene/division.hpp"
 #include "discretization/scene/mass.hpp"
 #include "discretization/text/formula.hpp"
@@ -21,7 +22,8 @@ namespace {
 const std::vector<std::pair<std::string, LoadFrame>> kFrames = {{"dead", LoadFrame::dead},
                                                                 {"follower", LoadFrame::follower}};
 const std::vector<std::string> kAlongMember = {"s", "x", "X", "Y", "Z"};
-constexpr int kSamplesPerMember = 4;  // intervals: ends, middle, quarters
+constexpr int kSamplesPerMember = 4;     // intervals: ends, middle, quarters
+constexpr std::size_t kMostOfPiece = 9;  // lines of an element in a table: the points of order 8
 
 /// Values of these names at the ends of the intervals.
 std::vector<std::vector<double>> samples_along(const ReferenceCurve& curve) {
@@ -132,6 +134,18 @@ BoundList<EigenstrainDraft> eigenstrain_parameters() {
               "Change of temperature; adds itself times Expansion Coefficient to the axial strain [kelvin].");
   strain.bind(&EigenstrainDraft::expansion_coefficient, real("Expansion Coefficient"),
               "With Temperature: axial strain for each degree [1 / kelvin].");
+  const std::string table =
+      ": columns element, s = arc length from the start of the member, 1, 2, 3; the lines of one element are values of "
+      "a "
+      "polynomial. Instead of ";
+  strain.bind(&EigenstrainDraft::strain_file, text("Strain Table"),
+              "File, relative to the folder of the scene" + table + "Strain and Strain Formula.");
+  strain.bind(&EigenstrainDraft::curvature_file, text("Curvature Table"),
+              "File, likewise, in place of Curvature and Curvature Formula.");
+  strain.bind(&EigenstrainDraft::start_turn, vector3("Start Turn").by_default(),
+              "Curvature concentrated at the start of the member: the rotation vector by which it leaves its point "
+              "turned [radian].");
+  strain.bind(&EigenstrainDraft::end_turn, vector3("End Turn").by_default(), "Likewise at its end [radian].");
   bind_schedule(strain, "The strain grows");
   return strain;
 }
@@ -331,9 +345,14 @@ void ConditionReader::read_weight(const List& list, const InputPlace& place) {
 void ConditionReader::read_eigenstrains() {
   for_each("Eigenstrains", [this](const std::string& name, const List& list, const InputPlace& place) {
     const std::vector<const Member*> members = members_meant(list, place);
-    check_any_given(list, {"Strain", "Curvature", "Strain Formula", "Curvature Formula", "Temperature"},
+    check_any_given(list,
+                    {"Strain", "Curvature", "Strain Formula", "Curvature Formula", "Temperature", "Strain Table",
+                     "Curvature Table", "Start Turn", "End Turn"},
                     "strains nothing", place);
     EigenstrainDraft strain = kEigenstrainParameters.read(list);
+    strain.end_turns = {strain.start_turn, strain.end_turn};
+    strain.strain_table = read_field_table(list, "Strain", members, place);
+    strain.curvature_table = read_field_table(list, "Curvature", members, place);
     check_schedule(strain, list, place);
     check_field(list, "Strain", members, strain.strain_formula, place);
     check_field(list, "Curvature", members, strain.curvature_formula, place);
@@ -346,6 +365,39 @@ void ConditionReader::read_eigenstrains() {
       add<Eigenstrain>(strain, name);
     }
   });
+}
+
+/// Null where the list names none.
+std::shared_ptr<const FieldTable> ConditionReader::read_field_table(const List& list, const std::string& field,
+                                                                    const std::vector<const Member*>& members,
+                                                                    const InputPlace& place) const {
+  const std::string parameter = field + " Table";
+  if (!list.isParameter(parameter)) return {};
+  for (const std::string& other : {field, field + " Formula", std::string("Temperature")})
+    if (is_given(list, other) && (other != "Temperature" || field == "Strain"))
+      throw place[parameter].error("given beside \"" + other + "\"; allowed: one of the two");
+  double length = curve_of(*members.front()).length;
+  for (const Member* member : members) length = std::min(length, curve_of(*member).length);
+  const ImportTable table = field_table(list, parameter, place);
+  FieldTable result;
+  std::string element;
+  table.for_each([&](const CsvRecord& record) {
+    const double s = imported_number(table, record, "s");
+    const bool is_after = result.pieces.empty() || s > result.pieces.back().s.back();
+    if (!is_after || !(s >= 0.0) || !(s <= length * (1.0 + kStationTolerance)))
+      throw table.error(
+          record, "s",
+          "value " + shortest(s) + "; allowed: growing arc lengths from 0 to that of the member, " + shortest(length));
+    if (result.pieces.empty() || table.cell(record, "element") != element) result.pieces.emplace_back();
+    element = table.cell(record, "element");
+    FieldTable::Piece& piece = result.pieces.back();
+    if (piece.s.size() == kMostOfPiece)
+      throw table.error(record, "element", "more than " + std::to_string(kMostOfPiece) + " lines of one element");
+    piece.s.push_back(s);
+    piece.value.push_back(imported_vector(table, record, {"1", "2", "3"}));
+  });
+  if (result.pieces.empty()) throw place[parameter].error("the table has no lines; allowed: one at least");
+  return std::make_shared<const FieldTable>(std::move(result));
 }
 
 void ConditionReader::add_temperature(EigenstrainDraft& strain, const InputPlace& place) const {

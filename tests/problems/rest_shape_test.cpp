@@ -1,0 +1,194 @@
+// Rest shapes: closed forms, and structures that their loads deform into the shape that is drawn.
+#include "nonlinear/run/rest_shape.hpp"
+#include "tests/support/ranks.hpp"
+#include "tests/support/solve.hpp"
+
+#include <functional>
+
+namespace mixbeam::test::rest_shape_test {
+namespace {
+
+// Sums of a few products of size one.
+constexpr double kRounding = 1e-14;
+// Of the drawn state: rounding of the rows, which are divided by the largest force, strain or length.
+constexpr double kResidual = 1e-12;
+// Where Newton's method stops.
+constexpr double kSolved = 1e-10;
+
+const RestShapeParameters kTurned{}, kNatural{LoopForces::refused, false};
+
+DistributedLoad weight(const std::string& member, const Vector3& force) {
+  DistributedLoad load;
+  load.member = member;
+  load.force = force;
+  return load;
+}
+
+RestShape rest_shape(const Scene& scene, const RestShapeParameters& wanted = kTurned) {
+  const ParameterSource source("scene.xml");
+  return find_rest_shape(scene, wanted, {}, this_rank(), InputPlace(source, {"Inverse"}));
+}
+
+/// Largest displacement of a point of the scene after a run from the rest shape: there is none.
+double missed(const Scene& scene, const RestShape& shape) {
+  const Simulation run = solved(with_rest_shape(scene, shape));
+  double largest = 0.0;
+  for (const auto& [point, vertex] : run.model().mesh().vertex_of_point)
+    largest = std::max(largest, vector_algebra::norm(run.displacement(point)));
+  return largest;
+}
+
+/// Over the points of a table of curvatures: largest difference of a component.
+double error_of(const NaturalMember& member, int component, const std::function<double(double s)>& right) {
+  double error = 0.0;
+  for (const FieldTable::Piece& piece : member.tables[1].pieces)
+    for (std::size_t i = 0; i < piece.s.size(); ++i)
+      error = std::max(error, std::abs(piece.value[i][component] - right(piece.s[i])));
+  return error;
+}
+
+void expect_found(const Scene& scene, const RestShapeParameters& wanted = kTurned) {
+  const RestShape shape = rest_shape(scene, wanted);
+  EXPECT_LE(shape.residual, kResidual) << scene.name;
+  EXPECT_LE(missed(scene, shape), kSolved) << scene.name;
+}
+
+/// Stiff in shear, EI = L = 1, along e1, under its weight.
+Scene straight_rod(double weight_per_length, int order, int elements, double shear = kRigid) {
+  Scene scene = cantilever(section(kRigid, shear, 1.0, 1.0), 1.0, order, elements);
+  scene.distributed_loads = {weight("beam", {0, -weight_per_length, 0})};
+  return scene;
+}
+
+// M = -w (L - s)^2 / 2 about e3, and the rest shape is bent upwards by it: kappa = w (L - s)^2 / (2 EI).
+TEST(RestShape, OfStraightRodUnderItsWeight) {
+  for (const double w : {0.1, 7.0, 60.0})
+    for (const int order : {2, 3, 4, 8}) {
+      const RestShape shape = rest_shape(straight_rod(w, order, 5));
+      EXPECT_LE(error_of(shape.members[0], 2, [w](double s) { return 0.5 * w * (1.0 - s) * (1.0 - s); }), kRounding * w)
+          << order << ", " << w;
+      EXPECT_LE(shape.residual, kResidual);
+      EXPECT_EQ(shape.redundancy, 0);
+    }
+}
+
+TEST(RestShape, IsDeformedIntoTheDrawnShape) {
+  for (const double w : {0.1, 7.0})
+    for (const int order : {1, 2, 4}) {
+      const Scene scene = straight_rod(w, order, 5);
+      RestShape shape = rest_shape(scene);
+      EXPECT_LE(missed(scene, shape), kSolved) << order << ", " << w;
+      for (FieldTable::Piece& piece : shape.members[0].tables[1].pieces)
+        for (Vector3& curvature : piece.value) curvature[2] *= 1.01;
+      EXPECT_GE(missed(scene, shape), 1e3 * kSolved);  // the twin: a rest shape that is wrong by a hundredth
+    }
+}
+
+// A section that turns by chi against the drawn axis bears Q = w (L - s) cos(chi), and sin(chi) = Q / GA.
+TEST(RestShape, TurnsSectionsWhereShearIsSoft) {
+  constexpr double w = 0.5, shear = 40.0;
+  const Scene scene = straight_rod(w, 3, 5, shear);
+  const RestShape shape = rest_shape(scene);
+  const auto right = [&](double s) {
+    const double tangent = w * (1.0 - s) / shear;
+    return 0.5 * w * (1.0 - s) * (1.0 - s) - w / shear / (1.0 + tangent * tangent);
+  };
+  constexpr double kInterpolated = 1e-7;  // of the slope of that angle, whose quadratic an element has
+  EXPECT_LE(error_of(shape.members[0], 2, right), kInterpolated);
+  EXPECT_NEAR(std::abs(shape.members[0].end_turns[0][2]), std::atan(w / shear), kInterpolated);
+  EXPECT_LE(shape.residual, kResidual);
+  EXPECT_LE(missed(scene, shape), kSolved);
+  const RestShape natural = rest_shape(scene, kNatural);
+  EXPECT_LE(error_of(natural.members[0], 2, [](double s) { return 0.5 * w * (1.0 - s) * (1.0 - s); }), kRounding);
+  EXPECT_NEAR(std::abs(natural.members[0].tables[0].pieces[0].value[0][1]),
+              w * (1.0 - natural.members[0].tables[0].pieces[0].s[0]) / shear, kRounding);
+  EXPECT_LE(missed(scene, natural), kSolved);
+}
+
+// Lateral buckling: Timoshenko, Gere, Theory of Elastic Stability, art. 6.3, w L^3 / sqrt(EI GIt) = 12.8538.
+TEST(RestShape, CountsHowTheDrawnRodIsUnstable) {
+  for (const auto& [w, negative] : {std::pair{12.7, 0}, std::pair{13.0, 1}}) {
+    Scene scene = straight_rod(w, 4, 8);
+    EXPECT_EQ(rest_shape(scene).negative, negative) << w;
+  }
+}
+
+Scene tree(bool follows) {
+  Scene scene = fork(3, 4);
+  scene.sections = {section(900.0, 300.0, 80.0, 100.0)};
+  scene.stages = 1;
+  scene.point_loads = {dead_load("tine 1", {3, 5, 20}, {1, -2, 3}), dead_load("tine 2", {0, 10, -20})};
+  if (follows) {
+    scene.point_loads[1] = follower_load("tine 2", "right", {0, 10, -20}, {2, 0, 1});
+    scene.distributed_loads = {weight("left", {0, 4, -10})};
+    scene.distributed_loads[0].frame = LoadFrame::follower;
+  }
+  return scene;
+}
+
+TEST(RestShape, OfTreesKinksAndFollowers) {
+  for (const RestShapeParameters& wanted : {kTurned, kNatural}) {
+    Scene kinked = slope_discontinuity(3, 3), arc = arc_segment(20.0, 4, 6);
+    for (Scene* scene : {&kinked, &arc}) {  // drawn shapes that are stable
+      Vector3& force = scene->point_loads[0].force;
+      force = vector_algebra::scaled(0.1, force);
+    }
+    expect_found(kinked, wanted);
+    expect_found(arc, wanted);
+    expect_found(tree(false), wanted);
+    expect_found(tree(true), wanted);
+  }
+}
+
+// Three hinges make a portal determinate; two leave one force free.
+TEST(RestShape, OfPortalNeedsItsHinges) {
+  Scene scene;
+  scene.name = "portal";
+  scene.sections = {section(5e3, 2e3, 10.0, 10.0)};
+  scene.points = {{"a", {0, 0, 0}}, {"b", {0, 1, 0}}, {"m", {0.6, 1.2, 0}}, {"c", {1.5, 1, 0}}, {"d", {1.5, 0, 0}}};
+  scene.members = {line("left", "a", "b", 3, 3), line("first", "b", "m", 3, 3), line("second", "m", "c", 3, 3),
+                   line("right", "c", "d", 3, 3)};
+  for (const char* foot : {"a", "d"}) {
+    Support hinge = clamp(foot);
+    hinge.rotation_fixed = {true, true, false};
+    scene.supports.push_back(hinge);
+  }
+  scene.distributed_loads = {weight("first", {0, -6, 0}), weight("second", {0, -9, 0}), weight("left", {2, 0, 0})};
+  Joint hinge;
+  hinge.name = "crown";
+  hinge.point = "m";
+  hinge.members = {"second"};
+  EXPECT_THROW(rest_shape(scene), InputError);
+  const RestShapeParameters least{LoopForces::least_energy, true};
+  EXPECT_EQ(rest_shape(scene, least).redundancy, 1);
+  expect_found(scene, least);
+  scene.joints = {hinge};
+  EXPECT_EQ(rest_shape(scene).redundancy, 0);
+  expect_found(scene);
+}
+
+TEST(RestShape, RefusesWhatItDoesNotOffer) {
+  const auto refuses = [](const std::function<void(Scene&)>& change) {
+    Scene scene = straight_rod(1.0, 2, 4);
+    change(scene);
+    EXPECT_THROW(rest_shape(scene), InputError);
+  };
+  refuses([](Scene& s) { s.eigenstrains = {{"beam", {0.1, 0, 0}}}; });
+  refuses([](Scene& s) { s.supports[0].prescribed_displacement = {0, 0.1, 0}; });
+  refuses([](Scene& s) { s.distributed_loads.clear(); });
+  refuses([](Scene& s) { s.distributed_loads[0].amplitude = "t^2"; });
+  refuses([](Scene& s) { s.supports.push_back(clamp("tip")); });
+  refuses([](Scene& s) {
+    s.supports.emplace_back();
+    s.supports.back().point = "tip";
+    s.supports.back().displacement_stiffness = {0, 1, 0};
+  });
+  refuses([](Scene& s) {
+    s.sections[0].shear_stiffness = {50, 50};
+    s.members[0].inner_points = {{"middle", 0.5}};
+    s.point_loads = {dead_load("middle", {0, -1, 0})};
+  });
+}
+
+}  // namespace
+}  // namespace mixbeam::test::rest_shape_test
