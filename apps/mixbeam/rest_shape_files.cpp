@@ -26,6 +26,8 @@ using List = Teuchos::ParameterList;
 const std::string kInverse = "Inverse";
 /// Stations of a natural curve in each element, for splines through them.
 constexpr int kStationsOfElement = 4;
+/// Forces relative to those under loads: far above what Newton's method leaves.
+constexpr double kNoStress = 1e-8;
 
 /// Names of members in names of files, all different.
 class FileNames {
@@ -87,12 +89,14 @@ void copy_imported(const ParameterSource& source, const std::filesystem::path& f
 /// The tables and curves of all members, and the list "Eigenstrains" that names them.
 void write_members(const Application& app, const RestShape& shape, const std::string& name, List& eigenstrains) {
   FileNames names;
-  for (const NaturalMember& member : shape.members) {
+  const Mesh mesh = build_mesh(app.scene);
+  for (size_t m = 0; m < shape.members.size(); ++m) {
+    const NaturalMember& member = shape.members[m];
     const std::string file = names.of(member.name);
     const auto file_of = [&](const char* what) { return name + "-" + what + "-" + file + ".csv"; };
     write_table(app.output / file_of("strain"), member.tables[0]);
     write_table(app.output / file_of("curvature"), member.tables[1]);
-    write_curve(app.output / file_of("natural"), natural_curve(app.scene, member, kStationsOfElement));
+    write_curve(app.output / file_of("natural"), natural_curve(mesh.members[m], member, kStationsOfElement));
     List& strain = eigenstrains.sublist("rest shape of " + member.name);
     strain.set("Member", member.name);
     strain.set("Strain Table", file_of("strain"));
@@ -116,6 +120,7 @@ void tell(Application& app, const RestShape& shape, const std::filesystem::path&
              {"redundant forces", shape.redundancy},
              {"residual of the drawn state", shape.residual},
              {"negative eigenvalues of the drawn state", shape.negative}};
+  if (shape.redundancy > 0) numbers["stress left without loads"] = shape.stress_left;
   app.out() << "Rest shape: " << scene.string() << "\n";
   for (const auto& [word, value] : numbers) app.out() << "  " << word << formatted(" %.6g\n", value);
   if (!shape.stable.empty()) app.out() << "  drawn state stable: " << shape.stable << "\n";
@@ -126,8 +131,9 @@ void tell(Application& app, const RestShape& shape, const std::filesystem::path&
   if (shape.negative > 0)
     warn("the drawn shape is an unstable equilibrium (negative eigenvalues: " + std::to_string(shape.negative) +
          "): the structure leaves it");
-  if (shape.redundancy > 0)
-    warn("the structure has loops: with natural strains for forces of least energy it keeps stress without its loads");
+  if (shape.redundancy > 0 && !(shape.stress_left <= kNoStress))
+    warn("the structure has loops, and with these natural strains it keeps stress without its loads: " +
+         formatted("%.3g", shape.stress_left) + " of the forces that it has under them (\"Loops\" = \"closed\": none)");
 }
 
 RestShape found_rest_shape(const Application& app) {

@@ -7,10 +7,13 @@
 #include "discretization/scene/what_acts.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
+#include "nonlinear/path/load_path.hpp"
 #include "nonlinear/stability/stability.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <memory>
 #include <optional>
 #include <set>
 
@@ -18,15 +21,24 @@ namespace mixbeam {
 
 namespace {
 
-/// Each takes out what rounding has left of the balance: the second one finds nothing more, but in networks.
-constexpr int kRefinementsOfForces = 3;
-/// Of the largest load, where refinement ends; rounding of sums over the elements at a vertex.
-constexpr double kBalanceOfForces = 1e-14;
-/// What may be left of a row when the shape is taken for an equilibrium: digits that a run would ask for.
-constexpr double kAcceptedResidual = 1e-9;
+/// Balance of forces, relative to the largest load, and turns [radian]: rounding of sums over a few elements.
+constexpr double kSettled = 2e-15;
+/// Where rounding keeps them above, they no longer halve; above this they have not converged.
+constexpr double kNearlySettled = 1e-10;
 /// Each turn changes forces by the share of shear strains, so that few are needed unless shear governs.
 constexpr int kMostTurns = 60;
-constexpr double kSettledTurn = 2e-15;  // rounding of angles [radian]
+/// Forces left without loads, relative to those under loads: what Newton's method leaves of a residual.
+constexpr double kClosed = 1e-12, kNearlyClosed = 1e-8;
+/// Two to five are needed; deformations that are large beside the structure need more.
+constexpr int kMostClosures = 20;
+/// Six for each loop of a frame in space; every one costs a solution in each iteration.
+constexpr int kMostRedundant = 30;
+/// To the structure without loads: paths that find it take a few.
+constexpr int kMostStepsWithoutLoads = 60;
+/// Length left of a vector after projection, relative: less depends on the others.
+constexpr double kDependent = 1e-6;
+/// Of a row, when the shape is taken for an equilibrium: digits that a run would ask for.
+constexpr double kAcceptedResidual = 1e-9;
 /// Turns that nothing tells from rounding. [radian]
 constexpr double kNoTurn = 1e-12;
 /// Of a random force, the least that is no rounding.
@@ -36,10 +48,12 @@ BoundList<RestShapeParameters> declared_rest_shape_parameters() {
   BoundList<RestShapeParameters> inverse(
       "Find the rest shape: natural curvatures and cut lengths with which the structure under all its loads takes the "
       "shape that is drawn. Writes their tables and a scene with them beside the results, and runs that.");
-  inverse.bind(&RestShapeParameters::loops, text("Loops").by_default(),
-               "Forces in structures whose loops carry forces of their own: refused; least energy: those of least "
-               "strain energy, of a frame that is assembled under force and keeps stress without its loads.",
-               {{"refused", LoopForces::refused}, {"least energy", LoopForces::least_energy}});
+  inverse.bind(
+      &RestShapeParameters::loops, text("Loops").by_default(),
+      "Forces in structures whose loops carry forces of their own: refused; closed: those of a frame that is "
+      "made and assembled without force, and has no stress without its loads; least energy: those of least "
+      "strain energy, of a frame that is assembled under force and keeps stress without its loads.",
+      {{"refused", LoopForces::refused}, {"closed", LoopForces::closed}, {"least energy", LoopForces::least_energy}});
   inverse.bind(&RestShapeParameters::turns_triads, text("Shear").by_default(),
                "Where sections are not rigid in shear: turned: sections stand askew to the drawn axis, at ends and "
                "supports too, so that the member has natural curvatures alone; natural: a natural shear strain.",
@@ -144,39 +158,69 @@ void clear_rows(const Structure& structure, const KernelView<double*>& interior,
 /// strain.
 class RestShapeFinder {
  public:
-  RestShapeFinder(const Scene& scene, const SolverParameters& parameters, const Communicator& comm)
-      : problem_(scene, comm, parameters),
+  RestShapeFinder(const Scene& scene, const RestShapeParameters& wanted, const SolverParameters& parameters,
+                  const Communicator& comm)
+      : wanted_(wanted),
+        problem_(scene, comm, parameters),
         model_(problem_.model),
         load_factor_(scene.stages),
+        attached_(attached_vertices(scene, model_.mesh())),
         drawn_(model_.reference_state()),
-        state_(drawn_) {}
+        state_(model_.reference_state()) {}
 
   const Model& model() const { return model_; }
   const State& state() const { return state_; }
   int redundancy() const;
+  /// Forces of least energy where there are loops. Throws ConvergenceError, InputError at `place`.
+  void find(bool is_redundant, const InputPlace& place);
+  std::vector<NaturalMember> natural_members() const;
 
-  void find_forces(bool is_redundant);
-  /// Finds forces and turns of sections together. Throws ConvergenceError.
-  void find_turned(bool is_redundant, const InputPlace& place);
-  std::vector<NaturalMember> natural_members(bool turns_triads) const;
+  // Vectors of forces: N times the length of the structure, and M, of all elements.
+  MixedVector forces_of(const State& state) const;
+  /// The state with these forces added.
+  State with_forces(const State& state, const MixedVector& forces) const;
+  /// Orthonormal forces in balance without loads: what any strains leave in the drawn structure. Fewer than `count`
+  /// where not as many are independent.
+  std::vector<MixedVector> self_stresses(int count);
+  /// Rows of N and M that lose the elastic strains of these forces.
+  MixedVector strains_of(const MixedVector& forces) const;
+  void add_forces(const MixedVector& forces);
 
  private:
   MixedVector rows_of(const ResidualScales* scales) const;
+  double balance();
+  void settle();
   Vector3 turn_at(const ElementView& element, int end) const;
-  void add_strains(const ElementView& element, const double* row, bool turns_triads, NaturalMember& member) const;
+  void add_strains(const ElementView& element, const double* row, NaturalMember& member) const;
   void add_curvatures(const ElementView& element, const double* row, bool is_first, bool is_last,
                       NaturalMember& member) const;
   FieldTable::Piece piece_of(const ElementView& element, const GaussPoints& gauss) const;
-  State without_stress() const;
+  double largest_shear_left(const MixedVector& rows) const;
   double turn_sections();
   void turn_vertices();
   void check_inner_points(const InputPlace& place) const;
+  MixedVector any_strains(int number) const;
 
+  const RestShapeParameters& wanted_;
   BeamProblem problem_;
   const Model& model_;
   double load_factor_;
+  std::set<int> attached_;
   State drawn_, state_;
+  std::unique_ptr<Linearization> linear_;  ///< at N = M = 0, without loads
+  bool is_redundant_ = false;
 };
+
+/// Solves with a tangent and takes out its cap. Of the increment N and M are left.
+MixedVector forces_by(Linearization& linear, const MixedVector& scaled_rows, bool removes_cap) {
+  MixedVector increment = linear.tangent().model().create_vector();
+  const Cap& cap = linear.tangent().cap();
+  linear.solve(scaled_rows, increment);
+  if (removes_cap && cap.cuts_off) remove_cap_compliance(linear, cap.least_ratio, increment);
+  clear_rows(linear.tangent().model().structure(), increment.writable_interior(true), RowsOf::motions);
+  Kokkos::deep_copy(increment.vertex(), 0.0);
+  return increment;
+}
 
 /// Rows at the present state under all loads, scaled, or as they are.
 MixedVector RestShapeFinder::rows_of(const ResidualScales* scales) const {
@@ -211,55 +255,59 @@ int RestShapeFinder::redundancy() const {
   return (is_planar ? 3 : 6) * structure.local_elements() - free;
 }
 
-State RestShapeFinder::without_stress() const {
-  State state = allocate_state(model_.structure());
-  Kokkos::deep_copy(state.views.vertex_displacement, state_.views.vertex_displacement);
-  Kokkos::deep_copy(state.views.vertex_rotation, state_.views.vertex_rotation);
-  Kokkos::deep_copy(state.views.element_triad, state_.views.element_triad);
-  Kokkos::deep_copy(state.views.interior, state_.views.interior);
-  state.in_plane = state_.in_plane;
-  state.turns = state_.turns;
-  for_each_element(model_.structure(), state, [](const ElementView& element) {
-    std::fill_n(element.unknowns(), element.layout().relative_rotation(1), 0.0);
-  });
-  return state;
-}
-
-/// Theory (75): the tangent at N = M = 0 and without loads, whose motions are thrown away.
-void RestShapeFinder::find_forces(bool is_redundant) {
-  state_ = without_stress();
-  MixedVector rows = model_.create_vector();
-  EvaluationPoint unloaded = mixed_residual(model_, state_, 0.0, rows);
-  unloaded.scales = scales_of(model_, state_, load_factor_);
-  const Cap cap = cap_for(model_, unloaded.scales);
-  Linearization linear(problem_, unloaded, cap, {});
+/// Theory (75), as a correction: the first one finds the forces, later ones take out what rounding and turns left.
+/// Returns what was out of balance before.
+double RestShapeFinder::balance() {
   const auto fixed = model_.fixed_rows();
-  for (int i = 0; i < kRefinementsOfForces; ++i) {
-    rows = rows_of(&unloaded.scales);
-    const KernelView<double*> vertex = rows.vertex(), interior = rows.writable_interior(true);
-    for (size_t r = 0; r < vertex.extent(0); ++r)
-      if (fixed(r) != 0) vertex(r) = 0.0;
-    clear_rows(model_.structure(), interior, RowsOf::forces);
-    if (!(rows.maximum_norm() > kBalanceOfForces)) return;
-    MixedVector increment = model_.create_vector();
-    linear.solve(rows, increment);
-    if (is_redundant && cap.cuts_off) remove_cap_compliance(linear, cap.least_ratio, increment);
-    clear_rows(model_.structure(), increment.writable_interior(true), RowsOf::motions);
-    Kokkos::deep_copy(increment.vertex(), 0.0);
-    state_ = model_.apply(state_, increment, 1.0);
-  }
+  MixedVector rows = rows_of(&linear_->tangent().point().scales);
+  const KernelView<double*> vertex = rows.vertex();
+  for (size_t r = 0; r < vertex.extent(0); ++r)
+    if (fixed(r) != 0) vertex(r) = 0.0;
+  clear_rows(model_.structure(), rows.writable_interior(true), RowsOf::forces);
+  const double left = rows.maximum_norm();
+  if (!(left <= kSettled)) state_ = model_.apply(state_, forces_by(*linear_, rows, is_redundant_), 1.0);
+  return left;
 }
 
-/// Theory (76). Returns the largest shear strain that is left; sections stay where that is rounding.
-double RestShapeFinder::turn_sections() {
-  const MixedVector rows = rows_of(nullptr);
+void RestShapeFinder::settle() {
+  double before = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kMostTurns; ++i) {
+    const double forces = balance(), turns = wanted_.turns_triads ? turn_sections() : 0.0;
+    const double left = std::max(forces, turns);
+    if (left <= kSettled || (left <= kNearlySettled && left > 0.5 * before)) return;
+    before = left;
+  }
+  throw ConvergenceError(
+      "the rest shape: no forces in the members balance the loads in the drawn shape, as in a mechanism, or shear "
+      "turns "
+      "sections without end");
+}
+
+void RestShapeFinder::find(bool is_redundant, const InputPlace& place) {
+  is_redundant_ = is_redundant;
+  MixedVector rows = model_.create_vector();
+  EvaluationPoint unloaded = mixed_residual(model_, drawn_, 0.0, rows);
+  unloaded.scales = scales_of(model_, drawn_, load_factor_);
+  linear_ = std::make_unique<Linearization>(problem_, unloaded, cap_for(model_, unloaded.scales), TangentKind{});
+  settle();
+  if (wanted_.turns_triads) check_inner_points(place);
+}
+
+double RestShapeFinder::largest_shear_left(const MixedVector& rows) const {
   double left = 0.0;
   for_each_element(model_.structure(), state_, [&](const ElementView& element) {
     const double* row = element.increments_in(rows.interior());
     for (int q = 0; q < element.order(); ++q)
       for (int c = 1; c < 3; ++c) left = std::max(left, std::abs(row[element.layout().force(q) + c]));
   });
-  if (left <= kSettledTurn) return left;
+  return left;
+}
+
+/// Theory (76). Returns the shear strain that was left before; sections stay where that is rounding.
+double RestShapeFinder::turn_sections() {
+  const MixedVector rows = rows_of(nullptr);
+  const double left = largest_shear_left(rows);
+  if (left <= kSettled) return left;
   for_each_element(model_.structure(), state_, [&](const ElementView& element) {
     const int k = element.order();
     const GaussPoints& gauss = gauss_points(k);
@@ -278,13 +326,13 @@ double RestShapeFinder::turn_sections() {
     store_quaternion(fit.triad, element.triad_numbers());
     for (int j = 1; j < k; ++j) store_vector(fit.psi[j], element.unknowns() + element.layout().relative_rotation(j));
   });
+  turn_vertices();
   return left;
 }
 
 /// Between the elements of a member, to the mean of both.
 void RestShapeFinder::turn_vertices() {
   const Structure& structure = model_.structure();
-  const std::set<int> attached = attached_vertices(model_.scene(), model_.mesh());
   std::vector<Vec> turn(structure.local_vertices(), Vec{{0.0, 0.0, 0.0}});
   for_each_element(structure, state_, [&](const ElementView& element) {
     const ElementView before = element.in(drawn_.views);
@@ -294,35 +342,24 @@ void RestShapeFinder::turn_vertices() {
     }
   });
   for (int v = 0; v < structure.local_vertices(); ++v)
-    if (attached.count(structure.local_vertex_to_global[v]) == 0)
+    if (attached_.count(structure.local_vertex_to_global[v]) == 0)
       store_quaternion(exp_quaternion(turn[v]), &state_.views.vertex_rotation(v, 0));
 }
 
 /// A jump of shear inside a member would be a kink of its rest shape.
 void RestShapeFinder::check_inner_points(const InputPlace& place) const {
   const Mesh& mesh = model_.mesh();
-  const std::set<int> attached = attached_vertices(model_.scene(), mesh);
   for_each_element(model_.structure(), state_, [&](const ElementView& element) {
     const MeshElement& here = mesh.elements[element.mesh_element()];
     const int last = mesh.elements_of(here.member) - 1;
     for (int end = 0; end < 2; ++end) {
-      if (here.index == (end == 0 ? 0 : last) || attached.count(here.vertex[end]) == 0) continue;
+      if (here.index == (end == 0 ? 0 : last) || attached_.count(here.vertex[end]) == 0) continue;
       if (norm(end_rotation(element, end) - end_rotation(element.in(drawn_.views), end)) > kNoTurn)
         throw place.error("given, but something acts or holds inside of member \"" +
                           excerpt(model_.scene().members[here.member].name) +
                           "\", whose sections shear turns there; allowed: two members, or \"Shear\" = \"natural\"");
     }
   });
-}
-
-void RestShapeFinder::find_turned(bool is_redundant, const InputPlace& place) {
-  for (int i = 0; i < kMostTurns; ++i) {
-    find_forces(is_redundant);
-    if (turn_sections() <= kSettledTurn) return check_inner_points(place);
-    turn_vertices();
-  }
-  throw ConvergenceError(
-      "the rest shape: turns of sections by shear do not settle; \"Shear\" = \"natural\" needs none");
 }
 
 /// By which a section is turned against its vertex, but for what its drawn shape has.
@@ -338,13 +375,13 @@ FieldTable::Piece RestShapeFinder::piece_of(const ElementView& element, const Ga
   return piece;
 }
 
-void RestShapeFinder::add_strains(const ElementView& element, const double* row, bool turns_triads,
-                                  NaturalMember& member) const {
+void RestShapeFinder::add_strains(const ElementView& element, const double* row, NaturalMember& member) const {
+  const double shear = wanted_.turns_triads ? 0.0 : 1.0;
   const GaussPoints& gauss = gauss_points(element.order());
   FieldTable::Piece piece = piece_of(element, gauss);
   for (int q = 0; q < element.order(); ++q) {
     const double* strain = row + element.layout().force(q);
-    piece.value.push_back({strain[0], turns_triads ? 0.0 : strain[1], turns_triads ? 0.0 : strain[2]});
+    piece.value.push_back({strain[0], shear * strain[1], shear * strain[2]});
     member.cut_length += 0.5 * element.length() * gauss.weight[q] * strain[0];
   }
   member.tables[0].pieces.push_back(std::move(piece));
@@ -371,7 +408,7 @@ void RestShapeFinder::add_curvatures(const ElementView& element, const double* r
 }
 
 /// Theory (77), from the rows of N and M that are left.
-std::vector<NaturalMember> RestShapeFinder::natural_members(bool turns_triads) const {
+std::vector<NaturalMember> RestShapeFinder::natural_members() const {
   const Mesh& mesh = model_.mesh();
   const MixedVector rows = rows_of(nullptr);
   std::vector<NaturalMember> all;
@@ -383,13 +420,207 @@ std::vector<NaturalMember> RestShapeFinder::natural_members(bool turns_triads) c
     for (int i = 0; i < count; ++i) {
       const ElementView element(model_.structure(), state_, model_.structure().local_element(first + i));
       const double* row = element.increments_in(rows.interior());
-      if (turns_triads && i == 0) member.end_turns[0] = vector_algebra::scaled(-1.0, turn_at(element, 0));
-      if (turns_triads && i == count - 1) member.end_turns[1] = turn_at(element, 1);
-      add_strains(element, row, turns_triads, member);
+      if (wanted_.turns_triads && i == 0) member.end_turns[0] = vector_algebra::scaled(-1.0, turn_at(element, 0));
+      if (wanted_.turns_triads && i == count - 1) member.end_turns[1] = turn_at(element, 1);
+      add_strains(element, row, member);
       add_curvatures(element, row, i == 0, i == count - 1, member);
     }
   }
   return all;
+}
+
+MixedVector RestShapeFinder::forces_of(const State& state) const {
+  MixedVector forces = model_.create_vector();
+  const KernelView<double*> interior = forces.writable_interior(false);
+  Kokkos::deep_copy(interior, 0.0);
+  for_each_element(model_.structure(), state, [&](const ElementView& element) {
+    double* row = element.increments_in(interior);
+    for (int i = 0; i < element.layout().relative_rotation(1); ++i)
+      row[i] = element.unknowns()[i] * (i < element.layout().moment(0) ? model_.structure().length : 1.0);
+  });
+  return forces;
+}
+
+State RestShapeFinder::with_forces(const State& state, const MixedVector& forces) const {
+  MixedVector increment = forces.clone(true);
+  const KernelView<double*> interior = increment.writable_interior(true);
+  for_each_element(model_.structure(), [&](const ElementView& element) {
+    double* row = element.increments_in(interior);
+    for (int i = 0; i < element.layout().moment(0); ++i) row[i] /= model_.structure().length;
+  });
+  return model_.apply(state, increment, 1.0);
+}
+
+void RestShapeFinder::add_forces(const MixedVector& forces) {
+  state_ = with_forces(state_, forces);
+  settle();
+}
+
+/// Strains that follow no pattern of the structure, in the plane of the scene where it has one.
+MixedVector RestShapeFinder::any_strains(int number) const {
+  MixedVector rows = model_.create_vector();
+  const KernelView<double*> interior = rows.writable_interior(false);
+  Kokkos::deep_copy(interior, 0.0);
+  double phase = number;
+  for_each_element(model_.structure(), drawn_, [&](const ElementView& element) {
+    double* row = element.increments_in(interior);
+    const Mat triad = rotation_matrix(element.triad());
+    for (int i = 0; i < element.layout().relative_rotation(1); i += 3) {
+      phase += 1.3 + number;
+      Vec strain{{std::sin(phase), std::sin(1.7 * phase), std::sin(2.3 * phase)}};
+      if (drawn_.in_plane) {
+        const Vec n = model_.plane()->n, out = dot(strain, n) * n;
+        strain = transpose_times(triad, i < element.layout().moment(0) ? strain - out : out);
+      }
+      store_vector(strain, row + i);
+    }
+  });
+  return rows;
+}
+
+double length_of(const MixedVector& forces) { return std::sqrt(forces.inner_product(forces)); }
+
+/// Takes out of `vector` what orthonormal ones hold of it. Returns their factors.
+std::vector<double> project_out(const std::vector<MixedVector>& basis, MixedVector& vector) {
+  std::vector<double> factors(basis.size(), 0.0);
+  for (int again = 0; again < 2; ++again)  // the second one takes out what rounding left
+    for (size_t i = 0; i < basis.size(); ++i) {
+      const double factor = basis[i].inner_product(vector);
+      vector.update(-factor, basis[i], 1.0);
+      factors[i] += factor;
+    }
+  return factors;
+}
+
+/// Adds the part of `vector` that is none of the basis, as a unit vector. Returns its length; it is not added where it
+/// is rounding.
+double extend(std::vector<MixedVector>& basis, MixedVector vector) {
+  const double length = length_of(vector);
+  if (!(length > kDependent)) return 0.0;
+  basis.push_back(std::move(vector));
+  basis.back().scale(1.0 / length);
+  return length;
+}
+
+std::vector<MixedVector> RestShapeFinder::self_stresses(int count) {
+  std::vector<MixedVector> basis;
+  for (int i = 0; i < count; ++i) {
+    MixedVector strains = any_strains(i);
+    scale_rows(model_, linear_->tangent().point().scales, strains);
+    MixedVector stress = forces_of(model_.apply(drawn_, forces_by(*linear_, strains, true), 1.0));
+    stress.scale(1.0 / length_of(stress));
+    project_out(basis, stress);
+    extend(basis, std::move(stress));
+  }
+  return basis;
+}
+
+MixedVector RestShapeFinder::strains_of(const MixedVector& forces) const {
+  MixedVector with = model_.create_vector(), strains = model_.create_vector();
+  element_rows(model_, with_forces(drawn_, forces), 0.0, false, with);
+  element_rows(model_, drawn_, 0.0, false, strains);
+  strains.update(-1.0, with, 1.0);
+  Kokkos::deep_copy(strains.vertex(), 0.0);
+  const KernelView<double*> rows = strains.writable_interior(true);
+  clear_rows(model_.structure(), rows, RowsOf::motions);
+  if (wanted_.turns_triads)
+    for_each_element(model_.structure(), [&](const ElementView& element) {
+      for (int q = 0; q < element.order(); ++q)
+        std::fill_n(element.increments_in(rows) + element.layout().force(q) + 1, 2, 0.0);
+    });
+  return strains;
+}
+
+/// The structure with its natural strains and without loads.
+class UnloadedStructure {
+ public:
+  UnloadedStructure(const Scene& scene, SolverParameters parameters, const Communicator& comm)
+      : scene_(scene), parameters_(std::move(parameters)), comm_(comm) {
+    scene_.point_loads.clear();
+    scene_.distributed_loads.clear();
+    parameters_.analysis = {};
+    parameters_.analysis.stability = false;
+    parameters_.load_path.maximum_steps = std::min(parameters_.load_path.maximum_steps, kMostStepsWithoutLoads);
+  }
+
+  /// Its equilibrium, from the last one or else from the drawn shape; null where there is none.
+  const State* find(const RestShape& shape) {
+    problem_ = Teuchos::rcp(new BeamProblem(with_rest_shape(scene_, shape), comm_, parameters_));
+    State state = state_ ? *state_ : problem_->model.reference_state();
+    const LoadPathResult path =
+        state_ ? settle_at_end(problem_, parameters_, state, {}) : follow_load_path(problem_, parameters_, state, {});
+    if (!path.finished) return nullptr;
+    state_ = state;
+    return &*state_;
+  }
+  std::unique_ptr<Linearization> linearized() const {
+    MixedVector rows = problem_->model.create_vector();
+    return linearize(*problem_, take_residual(*problem_, *state_, scene_.stages, rows), {});
+  }
+
+ private:
+  Scene scene_;
+  SolverParameters parameters_;
+  Communicator comm_;
+  Teuchos::RCP<BeamProblem> problem_{};
+  std::optional<State> state_{};
+};
+
+/// Factors of `own` self-stresses whose strains, left out of the natural ones, give the unloaded structure `stress`.
+std::vector<double> factors_for(const RestShapeFinder& finder, const std::vector<MixedVector>& own,
+                                Linearization& unloaded, MixedVector stress, const InputPlace& place) {
+  std::vector<MixedVector> basis;
+  std::vector<std::vector<double>> triangle;
+  for (const MixedVector& one : own) {
+    MixedVector strains = finder.strains_of(one);
+    scale_rows(finder.model(), unloaded.tangent().point().scales, strains);
+    MixedVector answer = finder.forces_of(
+        finder.model().apply(finder.model().reference_state(), forces_by(unloaded, strains, true), 1.0));
+    triangle.push_back(project_out(basis, answer));
+    triangle.back().push_back(extend(basis, std::move(answer)));
+    if (triangle.back().back() == 0.0)
+      throw place["Loops"].error(
+          "value \"closed\", but rigid members keep forces of loops from having any part in the "
+          "rest shape; allowed: \"least energy\"");
+  }
+  std::vector<double> factors = project_out(basis, stress);
+  for (size_t i = factors.size(); i-- > 0;) {
+    for (size_t j = i + 1; j < factors.size(); ++j) factors[i] -= triangle[j][i] * factors[j];
+    factors[i] /= triangle[i][i];
+  }
+  return factors;
+}
+
+/// Newton's method for the redundant forces under loads: what they leave out of the natural strains takes away the
+/// stress of the unloaded structure. Without `closes`: that stress for the forces that are there.
+void close_loops(RestShapeFinder& finder, UnloadedStructure unloaded, bool closes, RestShape& shape,
+                 const InputPlace& place) {
+  if (closes && shape.redundancy > kMostRedundant)
+    throw place["Loops"].error("value \"closed\", but loops leave " + std::to_string(shape.redundancy) +
+                               " forces free; allowed: up to " + std::to_string(kMostRedundant) +
+                               ", or \"least energy\"");
+  const std::vector<MixedVector> own = closes ? finder.self_stresses(shape.redundancy) : std::vector<MixedVector>();
+  double before = std::numeric_limits<double>::infinity();
+  for (int iteration = 0; iteration <= kMostClosures; ++iteration) {
+    shape.members = finder.natural_members();
+    const State* state = unloaded.find(shape);
+    shape.stress_left = state == nullptr
+                            ? std::numeric_limits<double>::quiet_NaN()
+                            : length_of(finder.forces_of(*state)) / length_of(finder.forces_of(finder.state()));
+    const double left = shape.stress_left;
+    if (!closes || left <= kClosed || (left <= kNearlyClosed && left > 0.5 * before)) return;
+    if (!std::isfinite(left)) break;
+    before = left;
+    const std::unique_ptr<Linearization> there = unloaded.linearized();
+    const std::vector<double> factors = factors_for(finder, own, *there, finder.forces_of(*state), place);
+    MixedVector change = finder.model().create_vector();
+    for (size_t i = 0; i < own.size(); ++i) change.update(-factors[i], own[i], 1.0);
+    finder.add_forces(change);
+  }
+  throw ConvergenceError(
+      "the rest shape: no forces of the loops are found that leave the structure free of stress when its loads are "
+      "gone; "
+      "\"Loops\" = \"least energy\" asks for none");
 }
 
 double largest_of_table(const FieldTable& table) {
@@ -438,14 +669,16 @@ RestShape find_rest_shape(const Scene& all_cases, const RestShapeParameters& wan
   check_offered(scene, place);
   RestShape shape;
   shape.stage = stage_of_loads(scene, place);
-  RestShapeFinder finder(scene, parameters, comm);
+  RestShapeFinder finder(scene, wanted, parameters, comm);
   shape.redundancy = finder.redundancy();
   const bool is_redundant = shape.redundancy > 0;
   if (is_redundant && wanted.loops == LoopForces::refused)
     throw place["Loops"].error("value \"refused\", but equilibrium leaves " + std::to_string(shape.redundancy) +
-                               " force(s) or moment(s) of loops free; allowed: \"least energy\", or as many joints");
-  wanted.turns_triads ? finder.find_turned(is_redundant, place) : finder.find_forces(is_redundant);
-  shape.members = finder.natural_members(wanted.turns_triads);
+                               " force(s) or moment(s) of loops free; allowed: \"closed\", \"least energy\"");
+  finder.find(is_redundant, place);
+  shape.members = finder.natural_members();
+  if (is_redundant)
+    close_loops(finder, UnloadedStructure(scene, parameters, comm), wanted.loops == LoopForces::closed, shape, place);
   for (const NaturalMember& member : shape.members) {
     shape.largest_strain = std::max(shape.largest_strain, largest_of_table(member.tables[0]));
     shape.largest_curvature = std::max(shape.largest_curvature, largest_of_table(member.tables[1]));
@@ -469,9 +702,7 @@ Scene with_rest_shape(Scene scene, const RestShape& shape) {
   return scene;
 }
 
-std::vector<NaturalStation> natural_curve(const Scene& scene, const NaturalMember& member, int pieces) {
-  const Mesh mesh = build_mesh(scene);
-  const MeshMember& drawn = mesh.members[member_index(scene, member.name)];
+std::vector<NaturalStation> natural_curve(const MeshMember& drawn, const NaturalMember& member, int pieces) {
   const auto curvature = [&](double s) {
     const Vector3 more = member.tables[1].at(s);
     return drawn.curve.curvature(s) + Vec{{more[0], more[1], more[2]}};

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "discretization/mesh/communicator.hpp"
+#include "discretization/mesh/mesh.hpp"
 #include "discretization/parameters/input_place.hpp"
 #include "discretization/scene/scene.hpp"
 #include "nonlinear/parameters/solver_parameters.hpp"
@@ -15,6 +16,7 @@ namespace mixbeam {
 /// Forces of a structure with loops, which equilibrium alone does not determine.
 enum class LoopForces {
   refused,
+  closed,       ///< those that leave no stress in the structure without its loads
   least_energy  ///< those of least strain energy among all that balance the loads
 };
 
@@ -48,6 +50,7 @@ struct RestShape {
   std::vector<NaturalMember> members;  ///< as of the scene
   int stage = 1;                       ///< in which all loads grow, and the natural strains with them
   int redundancy = 0;                  ///< independent states of forces in balance without loads
+  double stress_left = 0.0;            ///< forces without loads, relative to those under loads; NaN: not found
   double residual = 0.0;  ///< of the drawn state with the natural strains and all loads: largest scaled row
   double largest_curvature = 0.0, largest_strain = 0.0, largest_turn = 0.0;  ///< components
   int negative = 0;    ///< negative eigenvalues of the tangent of the drawn state
@@ -63,6 +66,6 @@ RestShape find_rest_shape(const Scene& scene, const RestShapeParameters& wanted,
 Scene with_rest_shape(Scene scene, const RestShape& shape);
 
 /// Sections of a stress-free member from the drawn place of its start, `pieces` in each element.
-std::vector<NaturalStation> natural_curve(const Scene& scene, const NaturalMember& member, int pieces);
+std::vector<NaturalStation> natural_curve(const MeshMember& drawn, const NaturalMember& member, int pieces);
 
 }  // namespace mixbeam

@@ -1,9 +1,13 @@
 // Rest shapes: closed forms, and structures that their loads deform into the shape that is drawn.
 #include "nonlinear/run/rest_shape.hpp"
+#include "discretization/checks/mechanism.hpp"
+#include "tests/problems/random_scenes.hpp"
 #include "tests/support/ranks.hpp"
+#include "tests/support/scene_file.hpp"
 #include "tests/support/solve.hpp"
 
 #include <functional>
+#include <optional>
 
 namespace mixbeam::test::rest_shape_test {
 namespace {
@@ -165,6 +169,98 @@ TEST(RestShape, OfPortalNeedsItsHinges) {
   scene.joints = {hinge};
   EXPECT_EQ(rest_shape(scene).redundancy, 0);
   expect_found(scene);
+}
+
+/// Two feet in space, clamped, with legs that lean and a beam that sags under loads from all sides.
+Scene frame_in_space(double load) {
+  Scene scene;
+  scene.name = "frame in space";
+  scene.sections = {section(2e3, 8e2, 6.0, 10.0)};
+  scene.points = {{"a", {0, 0, 0}}, {"b", {0.1, 0.3, 1}}, {"c", {1.2, 0.1, 1.1}}, {"d", {1.3, 0, 0}}};
+  scene.members = {line("left", "a", "b", 3, 3), line("beam", "b", "c", 3, 4), line("right", "c", "d", 3, 3)};
+  scene.supports = {clamp("a"), clamp("d")};
+  scene.distributed_loads = {weight("beam", {0, load, -3.0 * load}), weight("left", {load, 0, 0})};
+  return scene;
+}
+
+Scene clamped_arch(double load) {
+  Scene scene;
+  scene.name = "clamped arch";
+  scene.sections = {section(1e3, kRigid, 1.0, 1.0)};
+  scene.points = {{"a", {-0.6, 0.8, 0}}, {"b", {0.6, 0.8, 0}}};
+  scene.members = {arc("arch", "a", "b", {0, 0, 0}, {0, 0, -1}, 2.0 * std::asin(0.6), 3, 8)};
+  scene.supports = {clamp("a"), clamp("b")};
+  scene.distributed_loads = {weight("arch", {0.4 * load, -load, 0})};
+  return scene;
+}
+
+// The forward solver says what is left of forces without loads; Newton's method stops where its residual is 1e-11.
+TEST(RestShape, OfLoopsIsFreeOfStressWithoutLoads) {
+  constexpr double kNoStress = 1e-10, kStressOfLeastEnergy = 1e-3;
+  const RestShapeParameters closed{LoopForces::closed, true}, least{LoopForces::least_energy, true};
+  for (const Scene& scene : {clamped_arch(10.0), frame_in_space(5.0)}) {
+    const RestShape shape = rest_shape(scene, closed);
+    EXPECT_LE(shape.stress_left, kNoStress) << scene.name;
+    EXPECT_LE(shape.residual, kResidual) << scene.name;
+    EXPECT_GE(rest_shape(scene, least).stress_left, kStressOfLeastEnergy) << scene.name;
+  }
+}
+
+// An inextensible beam between walls: its axial force has no part in its natural strains.
+TEST(RestShape, OfRigidLoopsIsNotClosed) {
+  Scene scene = straight_rod(1.0, 3, 4);
+  scene.supports.push_back(clamp("tip"));
+  EXPECT_THROW(rest_shape(scene, {LoopForces::closed, true}), ConvergenceError);
+}
+
+/// A random structure of lines, arcs, splines and joints, with what is offered: loads of one stage. None where joints
+/// make a mechanism.
+std::optional<Scene> random_structure(int number) {
+  constexpr std::uint64_t kSeed = 39;
+  Scene scene;
+  try {
+    XmlParameters file = parsed(RandomSceneMaker(kSeed, number, number % 2 == 0).make().text);
+    scene = read_scene(file.list->sublist("Scene"), file.source);
+    check_supports(scene, file.source);
+  } catch (const InputError&) {
+    return {};
+  }
+  scene.name = "random " + std::to_string(number);
+  scene.eigenstrains.clear();
+  scene.stages = 1;
+  for (Joint& joint : scene.joints) joint.stiffness = 0.0;
+  for (Support& support : scene.supports)
+    for (Vector3* zero : {&support.prescribed_displacement, &support.prescribed_rotation,
+                          &support.displacement_stiffness, &support.rotation_stiffness})
+      *zero = {};
+  const auto in_one_stage = [](auto& loads) {
+    for (auto& load : loads) {
+      load.stage = 1;
+      load.amplitude.clear();
+    }
+  };
+  in_one_stage(scene.point_loads);
+  in_one_stage(scene.distributed_loads);
+  return scene;
+}
+
+// Trees and loops with loads that turn members by angles of order one, and more.
+TEST(RestShape, OfRandomStructures) {
+  constexpr int kScenes = 16;
+  // Sections of stiffnesses that differ a thousandfold: residuals are measured by the largest forces.
+  constexpr double kResidualOfSpread = 1e-11;
+  int trees = 0, loops = 0;
+  for (int number = 0; number < kScenes; ++number) {
+    const std::optional<Scene> scene = random_structure(number);
+    if (!scene) continue;
+    for (const bool turned : {true, false}) {
+      const RestShape shape = rest_shape(*scene, {LoopForces::least_energy, turned});
+      EXPECT_LE(shape.residual, kResidualOfSpread) << scene->name;
+      (shape.redundancy == 0 ? trees : loops) += 1;
+    }
+  }
+  EXPECT_GE(trees, 8);
+  EXPECT_GE(loops, 8);
 }
 
 TEST(RestShape, RefusesWhatItDoesNotOffer) {
