@@ -14,6 +14,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <stdexcept>
 #include <tuple>
 
 namespace mixbeam {
@@ -21,6 +22,7 @@ namespace mixbeam {
 namespace {
 
 using vector_algebra::to_array;
+using vector_algebra::to_vec3;
 
 constexpr const char* kArcLength = ".arc_length";
 
@@ -109,6 +111,7 @@ struct QuantitySet::Resolved {
   std::vector<int> members{};                        ///< of extremes along whole ones
   std::vector<int> numbers{};
   Expression formula{};
+  std::vector<double> pinned_place{};  ///< of an extreme along members that is pinned, as the columns tell it
 
   bool is_along_members() const { return !members.empty(); }
   bool is_of_whole() const { return places.empty() || !others.empty(); }  ///< or of two and three places together
@@ -123,6 +126,14 @@ struct QuantitySet::Resolved {
   }
   /// Of several places: what is taken of them, and the place of an extreme.
   std::pair<Numbers, std::size_t> taken(const QuantityState& at) const;
+  /// Add the derivative of weights . at().
+  void add_derivative(std::size_t place, const Numbers& weights, const QuantityState& at, StateDerivative& sum) const;
+  void add_derivative(const QuantityPlace& place, const Numbers& weights, const QuantityState& at,
+                      StateDerivative& sum) const;
+  void add_of_section(const PlaceInElement& place, int member, const Numbers& weights, const QuantityState& at,
+                      StateDerivative& sum) const;
+  void add_of_reaction(std::size_t place, const Vec& weight, const QuantityState& at, StateDerivative& sum) const;
+  void add_of_whole(double weight, const QuantityState& at, StateDerivative& sum) const;
   /// See hidden_in_layers().
   bool is_hidden(const QuantityState& at) const;
   bool is_clamped(std::size_t place, const QuantityState& at) const;
@@ -448,11 +459,233 @@ std::vector<double> QuantitySet::values(const QuantityState& state) const {
       add(one, one.whole(at));
     } else if (one.asked.take == Take::each) {
       for (std::size_t i = 0; i < one.places.size(); ++i) add(one, one.at(i, at));
+      values.insert(values.end(), one.pinned_place.begin(), one.pinned_place.end());
     } else {
       add(one, one.taken(at).first);
     }
   }
   return values;
+}
+
+std::size_t QuantitySet::first_column_of(std::size_t quantity) const {
+  const auto is_its = [&](const Column& column) { return column.quantity == quantity; };
+  return static_cast<std::size_t>(std::find_if(columns_.begin(), columns_.end(), is_its) - columns_.begin());
+}
+
+QuantitySet QuantitySet::pinned(const QuantityState& at, const std::vector<double>& values) const {
+  QuantitySet fixed = *this;
+  fixed.resolved_ = std::make_shared<std::vector<Resolved>>();
+  for (std::size_t q = 0; q < resolved_->size(); ++q) {
+    Resolved one = (*resolved_)[q];
+    if (one.is_along_members()) {
+      const std::size_t first = first_column_of(q);
+      one.pinned_place = {values[first + 1], values[first + 2], values[first + 3]};
+      QuantityPlace place;
+      place.member = static_cast<int>(one.pinned_place[0]);
+      place.position = one.pinned_place[1] / at.model.mesh().member_length[static_cast<std::size_t>(place.member)];
+      one.places = {place};
+      one.asked.before_vertex = one.pinned_place[2] < 0.0;
+      one.members.clear();
+      one.asked.take = Take::each;
+    } else if (one.is_extreme_of_places()) {
+      const std::size_t best = one.taken(at).second;
+      one.places = {one.places[best]};
+      if (!one.supports.empty()) one.supports = {one.supports[best]};
+      one.asked.take = Take::each;
+    }
+    fixed.resolved_->push_back(std::move(one));
+  }
+  return fixed;
+}
+
+namespace {
+
+std::invalid_argument without_derivative(const std::string& what) {
+  return std::invalid_argument(what + " has no derivative here");
+}
+
+Vec vec_from(const Numbers& numbers) { return {{numbers[0], numbers[1], numbers[2]}}; }
+
+/// Relative step of a difference of fourth order, and share of the largest number for one that is nearly zero.
+constexpr double kStepOfFormula = 1e-3, kLeastOfFormula = 1e-3;
+
+double slope_of(const Expression& formula, std::vector<double> values, std::size_t i) {
+  double largest = 0.0;
+  for (const double value : values) largest = std::max(largest, std::abs(value));
+  const double middle = values[i], size = std::max(std::abs(middle), kLeastOfFormula * largest);
+  const double step = kStepOfFormula * (size > 0.0 ? size : 1.0);
+  const auto at = [&](double steps) {
+    values[i] = middle + steps * step;
+    return formula(values);
+  };
+  return (8.0 * (at(1.0) - at(-1.0)) - (at(2.0) - at(-2.0))) / (12.0 * step);
+}
+
+}  // namespace
+
+StateDerivative QuantitySet::derivative(std::size_t column, const QuantityState& state,
+                                        const std::vector<double>& values) const {
+  QuantityState at = state;
+  at.stresses = std::make_shared<StressedSections>(at.model.scene(), at.model.mesh());
+  StateDerivative sum(at.model, at.state);
+  add_derivative(column, 1.0, at, values, sum);
+  return sum;
+}
+
+void QuantitySet::add_derivative(std::size_t column, double factor, const QuantityState& at,
+                                 const std::vector<double>& values, StateDerivative& sum) const {
+  const Column& asked = columns_[column];
+  const Resolved& one = (*resolved_)[asked.quantity];
+  const std::size_t first = first_column_of(asked.quantity), offset = column - first, width = one.numbers.size();
+  if (!asked.is_value) throw without_derivative("the place of an extreme");
+  if (one.kind.is(QuantitySource::formula)) {
+    const std::vector<double> before(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(first));
+    for (std::size_t i = 0; i < first; ++i)
+      if (const double slope = slope_of(one.formula, before, i); slope != 0.0)
+        add_derivative(i, factor * slope, at, values, sum);
+    return;
+  }
+  if (one.is_of_whole()) return one.add_of_whole(factor, at, sum);
+  const int which = one.numbers[offset % width];
+  const bool sums = one.asked.take == Take::sum;
+  Numbers weights{};
+  if (which != kNorm) {
+    weights[static_cast<std::size_t>(which)] = factor;
+  } else {
+    const Numbers value = sums ? one.taken(at).first : one.at(offset / width, at);
+    const double norm = picked(value, kNorm);
+    if (!(norm > 0.0)) throw without_derivative("a norm that is zero");
+    for (std::size_t i = 0; i < 3; ++i) weights[i] = factor * value[i] / norm;
+  }
+  for (std::size_t place = 0; place < one.places.size(); ++place)
+    if (sums || place == offset / width) one.add_derivative(place, weights, at, sum);
+}
+
+void QuantitySet::Resolved::add_derivative(std::size_t place, const Numbers& weights, const QuantityState& at,
+                                           StateDerivative& sum) const {
+  if (kind.is(QuantitySource::length)) return sum.add_length(at.first_member + places[place].member, weights[0]);
+  if (kind.is(QuantitySource::reaction)) return add_of_reaction(place, vec_from(weights), at, sum);
+  add_derivative(places[place], weights, at, sum);
+}
+
+void QuantitySet::Resolved::add_derivative(const QuantityPlace& place, const Numbers& weights, const QuantityState& at,
+                                           StateDerivative& sum) const {
+  if (!place.point.empty()) {
+    const int vertex =
+        at.model.structure().partition.place(vertex_of(at.model.mesh(), at.prefix_of_points + place.point));
+    if (kind.name == "rotation") return sum.add_rotation_vector(vertex, vec_from(weights));
+    if (!kind.is(QuantitySource::triad)) return sum.add_displacement(vertex, vec_from(weights));
+    Mat of_axes;
+    for (int i = 0; i < 9; ++i) of_axes(i / 3, i % 3) = weights[static_cast<std::size_t>(i)];
+    return sum.add_triad(vertex, of_axes);
+  }
+  const int member = at.first_member + place.member;
+  const double length = at.model.mesh().member_length[static_cast<std::size_t>(member)];
+  const double position = place.arc_length ? std::min(1.0, *place.arc_length / length) : place.position;
+  const auto in_element = place_in_element(at.model, member, position, asked.before_vertex);
+  if (!in_element) throw without_derivative("a place of another process");
+  if (kind.is(QuantitySource::section) || kind.is(QuantitySource::stress))
+    return add_of_section(*in_element, member, weights, at, sum);
+  if (kind.name != "rotation" && !kind.is(QuantitySource::triad))
+    return sum.add_displacement(*in_element, vec_from(weights));
+  const PointSample sample =
+      sample_element(at.model.structure(), at.model.mesh(), at.state, in_element->local_element, in_element->xi);
+  if (kind.name == "rotation") {
+    const Vec theta =
+        log_quaternion(sample.triad * conjugate(at.model.mesh().members[member].curve.triad(sample.arc_length)));
+    return sum.add_spin(*in_element, transpose_times(inverse_tangent_map(theta), vec_from(weights)));
+  }
+  const Mat triad = rotation_matrix(sample.triad);
+  Vec spin{};
+  for (int j = 0; j < 3; ++j) {
+    const std::size_t of_axis = 3 * static_cast<std::size_t>(j);
+    spin += cross(Vec{{triad(0, j), triad(1, j), triad(2, j)}},
+                  Vec{{weights[of_axis], weights[of_axis + 1], weights[of_axis + 2]}});
+  }
+  sum.add_spin(*in_element, spin);
+}
+
+/// Of numbers of N, M and the triad: by differences of fourth order where stresses are searched for over a section, of
+/// linear functions otherwise.
+void QuantitySet::Resolved::add_of_section(const PlaceInElement& place, int member, const Numbers& weights,
+                                           const QuantityState& at, StateDerivative& sum) const {
+  const Structure& structure = at.model.structure();
+  const PointSample sample = sample_element(structure, at.model.mesh(), at.state, place.local_element, place.xi);
+  const auto value = [&](const Vec& force, const Vec& moment) {
+    PointSample moved = sample;
+    moved.force = force;
+    moved.moment = moment;
+    if (kind.is(QuantitySource::stress)) return weights[0] * stress_at(at, member, moved);
+    set_strains(structure, at.model.mesh(), place.local_element, moved);
+    return dot(vec_from(weights), to_vec3(kind.field(moved, at.model.mesh().members[member])));
+  };
+  const double sizes[2] = {norm(sample.force), norm(sample.moment)};
+  Vec by[2]{};
+  for (int part = 0; part < 2; ++part)
+    for (int i = 0; i < 3; ++i) {
+      const double step = kStepOfFormula * (sizes[part] > 0.0 ? sizes[part] : 1.0);
+      const auto moved = [&](double steps) {
+        Vec stress[2] = {sample.force, sample.moment};
+        stress[part][i] += steps * step;
+        return value(stress[0], stress[1]);
+      };
+      by[part][i] = (8.0 * (moved(1.0) - moved(-1.0)) - (moved(2.0) - moved(-2.0))) / (12.0 * step);
+    }
+  sum.add_stress(place, by[0], by[1]);
+  if (kind.name.find("strain") != std::string::npos || kind.name.find("curvature") != std::string::npos)
+    sum.know_compliance();
+  if (kind.name.rfind("spatial ", 0) != 0) return;
+  sum.add_spin(place, cross(to_vec3(kind.field(sample, at.model.mesh().members[member])), vec_from(weights)));
+}
+
+/// Springs on displacements tell their force; other rows that are held are those of the equations.
+void QuantitySet::Resolved::add_of_reaction(std::size_t place, const Vec& weight, const QuantityState& at,
+                                            StateDerivative& sum) const {
+  const bool is_moment = kind.reaction == &RecordedReaction::moment;
+  for (const VertexSupport& support : at.model.conditions().supports) {
+    const std::size_t index = static_cast<std::size_t>(support.index) - at.first_support;
+    if (std::count(supports[place].begin(), supports[place].end(), index) == 0) continue;
+    if (is_moment && support.rotation_kind != SupportRotation::free && support.rotation_kind != SupportRotation::fixed)
+      throw without_derivative("the reaction moment of a support that holds some rotations, not all,");
+    HeldRows held{support.vertex};
+    if (is_moment && support.rotation_kind == SupportRotation::fixed) held.moment = weight;
+    for (int i = 0; i < 3 && !is_moment; ++i) {
+      const Vec axis{{support.axes(i, 0), support.axes(i, 1), support.axes(i, 2)}};
+      const Vec along = dot(axis, weight) * axis;
+      if (support.fixed[i])
+        held.force += along;
+      else
+        sum.add_displacement(support.vertex, -support.displacement_stiffness[i] * along);
+    }
+    if (norm(held.force) + norm(held.moment) > 0.0) sum.add_held(held);
+  }
+}
+
+/// Of kinds that have no place, or two or three.
+void QuantitySet::Resolved::add_of_whole(double weight, const QuantityState& at, StateDerivative& sum) const {
+  if (kind.name == "load factor") return;
+  if (kind.name.find("energy") != std::string::npos)
+    return sum.add_energy(kind.name == "moment energy" ? 0.0 : weight, kind.name == "force energy" ? 0.0 : weight);
+  if (!kind.is(QuantitySource::between)) throw without_derivative("the quantity \"" + kind.name + "\"");
+  const auto position = [&](const QuantityPlace& place) { return vec_from(at_place(place, at)); };
+  const auto add = [&](const QuantityPlace& place, const Vec& by) {
+    add_derivative(place, numbers_from(to_array(weight * by)), at, sum);
+  };
+  const Vec a = position(places[0]), b = position(others[0]);
+  if (corners.empty()) {
+    const double distance = norm(b - a);
+    if (!(distance > 0.0)) throw without_derivative("a distance of zero");
+    add(others[0], (1.0 / distance) * (b - a));
+    return add(places[0], (1.0 / distance) * (a - b));
+  }
+  const Vec corner = position(corners[0]), normal = cross(a - corner, b - corner);
+  if (!(norm(normal) > 0.0)) throw without_derivative("an angle of 0 or pi");
+  const Vec n = (1.0 / norm(normal)) * normal;
+  const Vec by_a = (1.0 / dot(a - corner, a - corner)) * cross(a - corner, n);
+  const Vec by_b = (1.0 / dot(b - corner, b - corner)) * cross(n, b - corner);
+  add(places[0], by_a);
+  add(others[0], by_b);
+  add(corners[0], -(by_a + by_b));
 }
 
 }  // namespace mixbeam

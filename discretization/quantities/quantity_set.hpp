@@ -3,6 +3,7 @@
 
 #include "discretization/quantities/end_layers.hpp"
 #include "discretization/quantities/quantity.hpp"
+#include "discretization/quantities/quantity_derivative.hpp"
 #include "discretization/quantities/quantity_kind.hpp"
 #include "discretization/state/sampling.hpp"
 #include "discretization/text/expression.hpp"
@@ -75,8 +76,17 @@ class QuantitySet {
   /// (column): whether a layer of the state lies where a number of its quantity is taken, and no closed form tells it.
   std::vector<unsigned char> hidden_in_layers(const QuantityState& at) const;
 
+  /// The same with extremes kept where they are at a state of these values: smooth functions of state and scene.
+  QuantitySet pinned(const QuantityState& at, const std::vector<double>& values) const;
+  /// Derivative of a column of a pinned set with respect to the state, at the values of all columns there. Throws
+  /// std::invalid_argument for what has none. One process only.
+  StateDerivative derivative(std::size_t column, const QuantityState& at, const std::vector<double>& values) const;
+
  private:
   struct Resolved;
+  void add_derivative(std::size_t column, double factor, const QuantityState& at, const std::vector<double>& values,
+                      StateDerivative& sum) const;
+  std::size_t first_column_of(std::size_t quantity) const;
   void resolve(const Quantity& quantity, std::size_t index, const Scene& scene, const QuantityPlaces& found,
                const InputPlace& place);
   static void find_in_members(const Quantity& quantity, const QuantityPlaces& found, const InputPlace& place,

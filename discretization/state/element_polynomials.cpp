@@ -36,18 +36,24 @@ InteriorLayout layout_of(const Member& member) {
 
 constexpr int kMaximumPoints = kMaximumOrder + 1;
 
-/// Value at xi of the polynomial through `count` Gauss points; `values(q)` is the vector at point q.
-template <class Values>
-Vec interpolate_gauss(int count, double xi, const Values& values) {
+/// Calls visit(q, Lagrange polynomial of point q at xi) for each of `count` Gauss points.
+template <class Visit>
+void for_each_lagrange(int count, double xi, const Visit& visit) {
   double points[kMaximumPoints], weights[kMaximumPoints];
   gauss_rule(count, points, weights);
-  Vec sum{{0.0, 0.0, 0.0}};
   for (int q = 0; q < count; ++q) {
     double lagrange = 1.0;
     for (int p = 0; p < count; ++p)
       if (p != q) lagrange *= (xi - points[p]) / (points[q] - points[p]);
-    sum += lagrange * values(q);
+    visit(q, lagrange);
   }
+}
+
+/// Value at xi of the polynomial through `count` Gauss points; `values(q)` is the vector at point q.
+template <class Values>
+Vec interpolate_gauss(int count, double xi, const Values& values) {
+  Vec sum{{0.0, 0.0, 0.0}};
+  for_each_lagrange(count, xi, [&](int q, double lagrange) { sum += lagrange * values(q); });
   return sum;
 }
 
@@ -61,6 +67,14 @@ Vec force_at(const ElementView& element, double xi) {
   };
   for_each_force_rule(element.order(), element.block().force_integration, add);
   return force;
+}
+
+void add_force_derivative(const ElementView& element, double xi, const Vec& weight, double* rows) {
+  for_each_force_rule(element.order(), element.block().force_integration, [&](int first, int count, int from, int to) {
+    for_each_lagrange(count, xi, [&](int q, double lagrange) {
+      for (int i = from; i < to; ++i) rows[element.layout().force(first + q) + i] += lagrange * weight[i];
+    });
+  });
 }
 
 Vec force_through_space_at(const ElementView& element, double xi) {

@@ -76,6 +76,8 @@ void store_polynomials(const Member& member, const ElementPolynomials& element, 
 
 /// N at xi in [-1, 1] through its Gauss points, material.
 Vec force_at(const ElementView& element, double xi);
+/// Adds the derivative of weight . force_at() by the numbers of the element to its interior rows.
+void add_force_derivative(const ElementView& element, double xi, const Vec& weight, double* rows);
 /// Force at xi through its spatial components, which are smoother where the element turns.
 Vec force_through_space_at(const ElementView& element, double xi);
 

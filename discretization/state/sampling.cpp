@@ -59,17 +59,23 @@ PointSample sample_element(const Structure& structure, const Mesh& mesh, const S
   sample.triad = view.triad() * exp_quaternion(view.relative_rotation_at(P));
   sample.force = components == ForceComponents::material ? force_at(view, xi) : force_through_space_at(view, xi);
   sample.moment = view.moment_at(P);
+  set_strains(structure, mesh, local_element, sample);
+  return sample;
+}
+
+void set_strains(const Structure& structure, const Mesh& mesh, int local_element, PointSample& sample) {
+  const ElementView view(structure, State{}, local_element);
   if (view.block().general_section) {
-    const double x = sample.arc_length / member.curve.length;
-    set_strains(structure.member_laws[element.member]->compliance(x), sample);
-    return sample;
+    const int member = structure.member_of(mesh, local_element);
+    const double x = sample.arc_length / mesh.members[member].curve.length;
+    set_strains(structure.member_laws[member]->compliance(x), sample);
+    return;
   }
   const SectionConstants& section = view.section();
   for (int i = 0; i < 3; ++i) {
     sample.force_strain[i] = section.force_compliance[i] * sample.force[i];
     sample.moment_strain[i] = section.moment_compliance[i] * sample.moment[i];
   }
-  return sample;
 }
 
 namespace {
@@ -91,34 +97,35 @@ bool answers_for(const Model& model, int member, double position, bool before_ve
   return answers_for(model.structure(), m.first_element + element_at(m, position * m.curve.length, before_vertex));
 }
 
+std::optional<PlaceInElement> place_in_element(const Model& model, int member, double position, bool before_vertex) {
+  if (!answers_for(model, member, position, before_vertex)) return {};
+  const MeshMember& m = model.mesh().members[member];
+  const double s = position * m.curve.length;
+  const int index = element_at(m, s, before_vertex);
+  const double xi = std::clamp(-1.0 + 2.0 * (s - m.vertex_arc_length(index)) / m.element_length(index), -1.0, 1.0);
+  return PlaceInElement{model.structure().local_element(m.first_element + index), xi};
+}
+
 PointSample sample_member(const Model& model, const State& state, int member, double position, bool before_vertex,
                           ForceComponents components) {
-  const Structure& structure = model.structure();
   PointSample sample{};
-  if (answers_for(model, member, position, before_vertex)) {
-    const MeshMember& m = model.mesh().members[member];
-    const double s = position * m.curve.length;
-    const int index = element_at(m, s, before_vertex);
-    const double xi = std::clamp(-1.0 + 2.0 * (s - m.vertex_arc_length(index)) / m.element_length(index), -1.0, 1.0);
-    sample = sample_element(structure, model.mesh(), state, structure.local_element(m.first_element + index), xi,
-                            components);
-  }
+  if (const auto place = place_in_element(model, member, position, before_vertex))
+    sample = sample_element(model.structure(), model.mesh(), state, place->local_element, place->xi, components);
   sum_samples_over_ranks(*model.map()->getComm(), &sample, 1);
   return sample;
 }
 
 double deformed_length(const Model& model, const State& state, int member) {
-  constexpr int kPoints = 16;  // 1e-12 of an element that turns by one radian
   const Structure& structure = model.structure();
   const Mesh& mesh = model.mesh();
-  double xi[kPoints], weight[kPoints], mine = 0.0;
-  gauss_rule(kPoints, xi, weight);
+  double xi[kPointsOfLength], weight[kPointsOfLength], mine = 0.0;
+  gauss_rule(kPointsOfLength, xi, weight);
   for (int e = 0; e < mesh.elements_of(member) && mesh.members.keeps(member); ++e) {
     const MeshMember& m = mesh.members[member];
     if (!answers_for(structure, m.first_element + e)) continue;
     const ElementView view(structure, state, structure.local_element(m.first_element + e));
     const double h = view.length();
-    for (int q = 0; q < kPoints; ++q) {
+    for (int q = 0; q < kPointsOfLength; ++q) {
       double P[kMaximumOrder + 1];
       legendre(view.order(), xi[q], P);
       Vec slope = m.curve.tangent(m.arc_length(e, xi[q])) + (1.0 / h) * (view.displacement(1) - view.displacement(0));

@@ -5,6 +5,7 @@
 #include "discretization/state/member_samples.hpp"
 
 #include <functional>
+#include <optional>
 
 namespace mixbeam {
 
@@ -30,11 +31,24 @@ enum class ForceComponents { material, spatial };
 PointSample sample_element(const Structure& structure, const Mesh& mesh, const State& state, int local_element,
                            double xi, ForceComponents components = ForceComponents::material);
 
+/// The strains that belong to the force and moment of a sample.
+void set_strains(const Structure& structure, const Mesh& mesh, int local_element, PointSample& sample);
+
 /// At relative arc length `position` in [0, 1] along a member, on every rank; at a vertex the element that starts there
 /// counts (at the end of the member its last one), or, `before_vertex`, the one that ends there. Collective.
 PointSample sample_member(const Model& model, const State& state, int member, double position,
                           bool before_vertex = false, ForceComponents components = ForceComponents::material);
 
+/// A place in a local element, xi in [-1, 1].
+struct PlaceInElement {
+  int local_element = 0;
+  double xi = 0.0;
+};
+/// The place of sample_member(); none where this rank does not answer for it.
+std::optional<PlaceInElement> place_in_element(const Model& model, int member, double position, bool before_vertex);
+
+/// Gauss points of each element for its length: 1e-12 of an element that turns by one radian.
+inline constexpr int kPointsOfLength = 16;
 /// Length of the deformed centerline of a member. Collective.
 double deformed_length(const Model& model, const State& state, int member);
 

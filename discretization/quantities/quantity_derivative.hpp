@@ -1,0 +1,69 @@
+/// The derivative of a quantity with respect to the unknowns of a state: the right-hand side of its adjoint, theory
+/// (75).
+#pragma once
+
+#include "discretization/mesh/element_view.hpp"
+#include "discretization/state/sampling.hpp"
+
+#include <vector>
+
+namespace mixbeam {
+
+/// force . f + moment . m of the spatial rows f, m of a vertex that its support holds: the rows are no unknowns, and
+/// their derivative is that of the equations.
+struct HeldRows {
+  int vertex = 0;  ///< local
+  Vec force{}, moment{};
+};
+
+/// A sum of such derivatives. One process only; the model and the state must outlive it.
+class StateDerivative {
+ public:
+  StateDerivative(const Model& model, const State& state);
+
+  const Model& model() const { return *model_; }
+  /// By the increments of a state, theory (34): spatial displacement and spin of vertices; N, M, psi, beta and w.
+  const MixedVector& rows() const { return rows_; }
+  const std::vector<HeldRows>& held() const { return held_; }
+
+  /// Each adds the derivative of weight . quantity, at a local vertex.
+  void add_displacement(int vertex, const Vec& weight);
+  void add_rotation_vector(int vertex, const Vec& weight);
+  /// `weights`: rows of g1, g2, g3 of the rotation of the vertex.
+  void add_triad(int vertex, const Mat& weights);
+  void add_held(const HeldRows& held) { held_.push_back(held); }
+
+  /// The same at a place in an element.
+  void add_displacement(const PlaceInElement& place, const Vec& weight);
+  /// weight . spin of Lambda_E, spatial.
+  void add_spin(const PlaceInElement& place, const Vec& weight);
+  /// Of N and M, material.
+  void add_stress(const PlaceInElement& place, const Vec& force, const Vec& moment);
+
+  /// Adds that of the length of a member.
+  void add_length(int member, double weight);
+  /// Adds those of the energies of N and of M.
+  void add_energy(double force, double moment);
+  double force_energy() const { return force_energy_; }
+  double moment_energy() const { return moment_energy_; }
+  /// Of a quantity that compliances enter beside the state, other than energies.
+  void know_compliance() { knows_compliance_ = true; }
+  bool knows_compliance() const { return knows_compliance_; }
+
+ private:
+  ElementView element_at(const PlaceInElement& place) const {
+    return {model_->structure(), *state_, place.local_element};
+  }
+  void add_energy_of(const ElementView& element, double force, double moment, double* rows) const;
+  void add_general_energy_of(const ElementView& element, double force, double moment, double* rows) const;
+
+  const Model* model_;
+  const State* state_;
+  MixedVector rows_;
+  std::vector<HeldRows> held_{};
+  double force_energy_ = 0.0, moment_energy_ = 0.0;  ///< weights
+  bool knows_compliance_ = false;
+  KernelView<double*> vertex_, interior_;  ///< of rows_
+};
+
+}  // namespace mixbeam
