@@ -13,7 +13,7 @@ ROOMS = {
     "kernels": "execution math element condensation planar loops vibration chains",
     "discretization": "text parameters geometry scene stresses mesh checks reading constraints linear_system assembly"
                       " state quantities results",
-    "nonlinear": "parameters linear multilevel newton stability diagnosis path accuracy run",
+    "nonlinear": "parameters linear multilevel newton stability sensitivity diagnosis path accuracy run",
     "apps/common": "tables session run studies",
 }
 ORDER = [f"{folder}/{room}/" for folder, rooms in ROOMS.items() for room in rooms.split()]

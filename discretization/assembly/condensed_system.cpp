@@ -155,9 +155,10 @@ bool CondensedSystem::condense(const Tangent& tangent, const KernelView<const do
   return pivots.smallest >= kSmallestPivot;
 }
 
-void CondensedSystem::gather_outside(const Tangent& tangent, const KernelView<const double**>& zeros) const {
+void CondensedSystem::gather_outside(const Tangent& tangent, const KernelView<const double**>& zeros,
+                                     const std::function<void(const MatrixRows&)>& add_more) const {
   const KernelView<double* [kFullTangent]> of_runs("mixbeam::chains::zeros", chains_.arrived().extent(0));
-  tangent.gather(*remaining_, LinkMatrices<kSpatialDofs>{zeros, of_runs});
+  tangent.gather(*remaining_, LinkMatrices<kSpatialDofs>{zeros, of_runs}, add_more);
 }
 
 LinkMatrices<kSpatialDofs> CondensedSystem::link_matrices() const {

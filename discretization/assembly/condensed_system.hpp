@@ -33,8 +33,10 @@ class CondensedSystem {
   /// in Tangent::gather.
   bool condense(const Tangent& tangent, const KernelView<const double**>& elements,
                 const std::function<void(const MatrixRows&)>& add_more);
-  /// Gathers what is no element: springs, loads, constraints. `zeros`: (local element, kFullTangent).
-  void gather_outside(const Tangent& tangent, const KernelView<const double**>& zeros) const;
+  /// Gathers what is no element: springs, loads, constraints. `zeros`: (local element, kFullTangent); `add_more` as in
+  /// Tangent::gather.
+  void gather_outside(const Tangent& tangent, const KernelView<const double**>& zeros,
+                      const std::function<void(const MatrixRows&)>& add_more = {}) const;
   /// Chain pivots below zero; without symmetry they tell the sign of the determinant alone.
   long negative_pivots() const { return negative_pivots_; }
   bool is_eliminated(int local_vertex) const { return eliminated_(local_vertex) != 0; }

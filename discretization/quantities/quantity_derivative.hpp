@@ -1,5 +1,5 @@
 /// The derivative of a quantity with respect to the unknowns of a state: the right-hand side of its adjoint, theory
-/// (75).
+/// (80).
 #pragma once
 
 #include "discretization/mesh/element_view.hpp"

@@ -86,7 +86,7 @@ struct ElementMatrices {
   const ReferenceLayout& reference;
   MotionRows strain;     ///< changes of weighted strains, (stress, motion)
   MotionRows geometric;  ///< what the present stresses add to the second variation
-  MotionRows velocity;   ///< (velocity, motion)
+  MotionRows velocity;   ///< (velocity, motion); null: not asked for
 
   void evaluate(const ElementInput<double>& in) const {
     const ElementKinematics<K> kinematics(in, layout);
@@ -176,6 +176,7 @@ struct ElementMatrices {
   }
   /// du and the spin w + T(psi) dpsi along the axes of the section, theory (8), (19).
   void add_velocity(int q, const PointRotation<K>& rotation, double length, const MotionColumns<K>& columns) const {
+    if (velocity.numbers == nullptr) return;
     const Mat turned = transpose(rotation.exp), mean = 0.5 * (turned * columns.back);
     const int moved = 6 * q, turning = moved + 3;
     for (int end = 0; end < 2; ++end) velocity.add(moved, MotionColumns<K>::kInterior + 6 * end, mean);

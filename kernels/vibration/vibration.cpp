@@ -116,17 +116,20 @@ struct VibrationLoop {
     const ElementBlock& block = vibrating.block;
     const int stresses = vibrating.layout().stresses(), velocities = vibrating.layout().velocities();
     double matrix[kMotions * kMotions] = {};
-    double *strain = &vibrating.strain(e, 0), *momentum = &vibrating.momentum(e, 0);
+    const bool has_inertia = vibrating.momentum.extent(0) > 0;
+    double *strain = &vibrating.strain(e, 0), *momentum = has_inertia ? &vibrating.momentum(e, 0) : nullptr;
     std::fill_n(strain, stresses * kMotions, 0.0);
-    std::fill_n(momentum, velocities * kMotions, 0.0);
+    if (has_inertia) std::fill_n(momentum, velocities * kMotions, 0.0);
     const ElementInput<double> in = input(e);
     const ElementMatrices<K> matrices{
         tables, block.interior, block.reference_layout, {strain, kMotions}, {matrix, kMotions}, {momentum, kMotions}};
     matrices.evaluate(in);
     const double length = block.reference(e, 0);
-    scale_velocities(&vibrating.mass(e, 0), K + 1, tables.moment_weight, length, kMotions, momentum);
+    if (has_inertia) {
+      scale_velocities(&vibrating.mass(e, 0), K + 1, tables.moment_weight, length, kMotions, momentum);
+      std::copy_n(matrix, kMotions * kMotions, &vibrating.geometric(e, 0));
+    }
     set_compliance(e, length);
-    std::copy_n(matrix, kMotions * kMotions, &vibrating.geometric(e, 0));
     add_stiffness(of_element(vibrating, vibrating.compliance, e), strain, matrix);
     for (int v = 0; v < velocities && shift != 0.0; ++v)
       for (int i = 0; i < kMotions; ++i) {
@@ -134,12 +137,19 @@ struct VibrationLoop {
         for (int j = 0; j < kMotions; ++j) matrix[i * kMotions + j] += factor * momentum[v * kMotions + j];
       }
     const bool unsymmetric = vibrating.left.extent(0) > 0 && block.is_unsymmetric(e);
-    if (unsymmetric) matrices.add_loads(in, fields(e), {matrix, kMotions});
+    if (unsymmetric) add_loads(matrices, in, e, matrix);
     if (counts) count(e, matrix);
     condense(e, matrix, unsymmetric);
   }
 
  private:
+  void add_loads(const ElementMatrices<K>& matrices, const ElementInput<double>& in, int e, double* matrix) const {
+    if (!vibrating.transposed) return matrices.add_loads(in, fields(e), {matrix, kMotions});
+    double loads[kMotions * kMotions] = {};
+    matrices.add_loads(in, fields(e), {loads, kMotions});
+    for (int i = 0; i < kMotions; ++i)
+      for (int j = 0; j < kMotions; ++j) matrix[i * kMotions + j] += loads[j * kMotions + i];
+  }
   ElementInput<double> input(int e) const {
     const ElementBlock& block = vibrating.block;
     ElementInput<double> in;
@@ -262,17 +272,14 @@ KOKKOS_FORCEINLINE_FUNCTION void eliminate_stresses(const VibratingBlock& vibrat
 
 }  // namespace
 
-VibratingBlock allocate_vibrating_block(const ElementBlock& block) {
+VibratingBlock allocate_static_block(const ElementBlock& block) {
   VibratingBlock made{block};
   const VibrationLayout layout = made.layout();
   const int count = block.count, n = layout.interior(), m = layout.motions(), s = layout.stresses();
   const int numbers = block.general_section ? s * s : s;
-  made.mass = KernelView<double**>("mixbeam::vibration::mass", count, kMassNumbers * (block.order + 1));
   made.strain = KernelView<double**>("mixbeam::vibration::strain", count, s * m);
-  made.momentum = KernelView<double**>("mixbeam::vibration::momentum", count, layout.velocities() * m);
   made.compliance = KernelView<double**>("mixbeam::vibration::compliance", count, numbers);
   made.own = KernelView<double**>("mixbeam::vibration::own", count, numbers);
-  made.geometric = KernelView<double**>("mixbeam::vibration::geometric", count, m * m);
   made.excess = KernelView<double**>("mixbeam::vibration::excess", count, numbers);
   made.factors = KernelView<double**>("mixbeam::vibration::factors", count, n * n);
   made.response = KernelView<double**>("mixbeam::vibration::response", count, 12 * n);
@@ -280,6 +287,16 @@ VibratingBlock allocate_vibrating_block(const ElementBlock& block) {
     if (block.is_unsymmetric(e)) made.left = KernelView<double**>("mixbeam::vibration::left", count, 12 * n);
   made.pivots = KernelView<int**>("mixbeam::vibration::pivots", count, n);
   made.negative = KernelView<int*>("mixbeam::vibration::negative", count);
+  return made;
+}
+
+VibratingBlock allocate_vibrating_block(const ElementBlock& block) {
+  VibratingBlock made = allocate_static_block(block);
+  const VibrationLayout layout = made.layout();
+  const int count = block.count, m = layout.motions();
+  made.mass = KernelView<double**>("mixbeam::vibration::mass", count, kMassNumbers * (block.order + 1));
+  made.momentum = KernelView<double**>("mixbeam::vibration::momentum", count, layout.velocities() * m);
+  made.geometric = KernelView<double**>("mixbeam::vibration::geometric", count, m * m);
   return made;
 }
 

@@ -27,11 +27,14 @@ struct VibratingBlock {
   KernelView<double**> left{};                         ///< as response, of the transpose; empty: all are symmetric
   KernelView<int**> pivots{};                          ///< rows exchanged
   KernelView<int*> negative{};                         ///< pivots below zero of the interior; kUncertainCount
+  bool transposed = false;                             ///< loads without a potential enter by their transpose
   VibrationLayout layout() const { return {block.order, block.interior.force_points}; }
 };
 
 /// Room for the elements of a block; `mass` is to be filled.
 VibratingBlock allocate_vibrating_block(const ElementBlock& block);
+/// Room without mass, momenta and H: for solutions with the stiffness alone (shift zero).
+VibratingBlock allocate_static_block(const ElementBlock& block);
 
 /// Condenses K + shift M at a state. `structure`: sections with the cap, line fields. `tangent`: (local element,
 /// kFullTangent). Counts the interiors, theory (47), where asked: otherwise VibratingBlock::negative stays as it is.

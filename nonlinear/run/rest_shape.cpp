@@ -255,7 +255,7 @@ int RestShapeFinder::redundancy() const {
   return (is_planar ? 3 : 6) * structure.local_elements() - free;
 }
 
-/// Theory (75), as a correction: the first one finds the forces, later ones take out what rounding and turns left.
+/// Theory (77), as a correction: the first one finds the forces, later ones take out what rounding and turns left.
 /// Returns what was out of balance before.
 double RestShapeFinder::balance() {
   const auto fixed = model_.fixed_rows();
@@ -303,7 +303,7 @@ double RestShapeFinder::largest_shear_left(const MixedVector& rows) const {
   return left;
 }
 
-/// Theory (76). Returns the shear strain that was left before; sections stay where that is rounding.
+/// Theory (78). Returns the shear strain that was left before; sections stay where that is rounding.
 double RestShapeFinder::turn_sections() {
   const MixedVector rows = rows_of(nullptr);
   const double left = largest_shear_left(rows);
@@ -407,7 +407,7 @@ void RestShapeFinder::add_curvatures(const ElementView& element, const double* r
   member.tables[1].pieces.push_back(std::move(piece));
 }
 
-/// Theory (77), from the rows of N and M that are left.
+/// Theory (79), from the rows of N and M that are left.
 std::vector<NaturalMember> RestShapeFinder::natural_members() const {
   const Mesh& mesh = model_.mesh();
   const MixedVector rows = rows_of(nullptr);

@@ -1,4 +1,4 @@
-/// Inverse statics: the stress-free shape that its loads deform into the drawn one, theory (75) to (77).
+/// Inverse statics: the stress-free shape that its loads deform into the drawn one, theory (77) to (79).
 #pragma once
 
 #include "discretization/mesh/communicator.hpp"

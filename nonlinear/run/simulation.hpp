@@ -10,6 +10,7 @@
 #include "nonlinear/path/load_path.hpp"
 #include "nonlinear/path/path_goal.hpp"
 #include "nonlinear/stability/vibration.hpp"
+#include "nonlinear/sensitivity/gradient.hpp"
 
 namespace mixbeam {
 
@@ -73,6 +74,11 @@ class Simulation {
   Simulation richer(const ErrorEstimate& estimate, std::vector<EndLayer>& layers) const;
   /// The same for a result file, with the errors of some points.
   RecordedErrorEstimate record_error(const ErrorEstimate& estimate, const std::vector<std::string>& points) const;
+
+  /// See gradients_of(): at state() and its load factor.
+  std::vector<QuantityGradient> gradients(const GradientRequest& request) const {
+    return gradients_of(*problem_, state_, load_factor_, request);
+  }
 
   // All of the following are collective and give the same on every rank (samples: complete on rank 0).
   Vector3 displacement(const std::string& point) const;

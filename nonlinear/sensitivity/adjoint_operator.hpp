@@ -1,0 +1,78 @@
+/// Solutions with the transposed tangent of a state, rigid sections included: what a quantity of the state gains where
+/// an equation is disturbed, theory (80).
+#pragma once
+
+#include "discretization/assembly/condensed_system.hpp"
+#include "discretization/quantities/quantity_derivative.hpp"
+#include "kernels/vibration/vibration.hpp"
+#include "nonlinear/newton/beam_problem.hpp"
+#include "nonlinear/stability/independent_unknowns.hpp"
+
+#include <optional>
+#include <vector>
+
+namespace mixbeam {
+
+/// The adjoint of one quantity: t of theory (80), with which dq/dp = q_p + t . R_p for rows R that are gradients of the
+/// functional (those of N weighted).
+struct Adjoint {
+  MixedVector field;           ///< motions of vertices and increments of interiors
+  std::vector<double> free{};  ///< its independent unknowns, of IndependentUnknowns
+  std::vector<double> held{};  ///< (6 * vertex + component): q_x + R_x^T t, spatial; zero where a vertex is free
+};
+
+/// One process only. Throws LinearSolverError where equations cannot be solved.
+class AdjointOperator {
+ public:
+  /// The problem must outlive it. `transposed` false: the tangent itself, of which followers make something else.
+  AdjointOperator(BeamProblem& problem, const State& state, double load_factor, bool transposed = true);
+
+  const Model& model() const { return model_; }
+  const State& state() const { return state_; }
+  double load_factor() const { return point_.load_factor; }
+
+  Adjoint solve(const StateDerivative& quantity);
+  /// free . Z^T rows, the projected rows of supports and joints (6 * vertex + component).
+  double work_of_free(const Adjoint& adjoint, const DofVector& projected);
+  /// The motion whose work with the rows of the equations is the part of a quantity that supports hold.
+  DofVector held_motion(const StateDerivative& quantity) const;
+
+ private:
+  struct Entries {  ///< of the matrix over the vertices that chains leave
+    std::vector<double> value{};
+  };
+
+  void evaluate(bool transposed);
+  void hold_in_plane();
+  void factorize(bool transposed);
+  Adjoint respond(MixedVector rows);
+  void solve_reduced(std::vector<double>& y) const;
+  double rest(const std::vector<double>& y, std::vector<double>& given) const;
+  void add_held_motion(const DofVector& held, Adjoint& adjoint);
+  void take_out_cap(Adjoint& adjoint);
+  void excess_rows(const MixedVector& motion, MixedVector& rows) const;
+  void condense_interior(const MixedVector& rows, const KernelView<double*>& vertex) const;
+  void gather(const KernelView<double*>& vertex) const;
+  void recover(const MixedVector& rows, MixedVector& motion) const;
+  void add_transposed(const Entries& matrix, const DofVector& motion, double factor,
+                      const KernelView<double*>& rows) const;
+  void add_turning(const DofVector& held, const KernelView<double*>& rows) const;
+  std::vector<double> held_rows(const MixedVector& rows, const Adjoint& adjoint) const;
+
+  const Model& model_;
+  State state_;
+  bool transposed_;
+  MixedVector residual_;
+  EvaluationPoint point_;
+  Tangent tangent_;
+  std::vector<VibratingBlock> blocks_;
+  KernelView<double**> elements_;         ///< (local element, kFullTangent)
+  KernelView<double* [12]> vertex_rows_;  ///< (local element)
+  CondensedSystem system_;
+  IndependentUnknowns unknowns_;
+  DofVector remaining_;
+  std::unique_ptr<InertiaSolver> solver_;
+  Entries whole_, outside_;  ///< spatial rows: of everything, of what is no element
+};
+
+}  // namespace mixbeam

@@ -1,0 +1,55 @@
+/// Gradients of quantities of a state with respect to numbers of its scene, and to compliances and natural strains of
+/// single elements: one transposed solution for each quantity, theory (80).
+#pragma once
+
+#include "discretization/quantities/quantity_set.hpp"
+#include "nonlinear/sensitivity/adjoint_operator.hpp"
+
+#include <array>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace mixbeam {
+
+/// A number of a scene: what the scene is with other values of it, on the same mesh.
+struct SceneNumber {
+  std::string name{};
+  double step = 0.0;  ///< for differences of the equations of a state that stays as it is
+  /// With that much more of it. Throws InputError for values that are not allowed.
+  std::function<std::shared_ptr<const Scene>(double more)> scene_with{};
+};
+
+/// Derivatives by the numbers of one element of the mesh. Order: N1, N2, N3, M1, M2, M3.
+struct ElementDerivatives {
+  std::array<double, 6> stiffness{};   ///< EA, GA2, GA3, GIt, EI2, EI3; NaN of tapered and coupled sections
+  std::array<double, 6> compliance{};  ///< of their inverses, of the diagonal of S
+  std::array<double, 6> natural{};     ///< of a strain without stress: gamma_1 .. kappa_3
+};
+
+struct QuantityGradient {
+  std::string quantity{};
+  double value = 0.0;
+  std::vector<double> by_number{};             ///< (number)
+  std::vector<ElementDerivatives> elements{};  ///< (element of the mesh); empty unless asked for
+};
+
+/// A state in equilibrium at a fixed load factor, and quantities of it.
+struct GradientRequest {
+  const QuantitySet& quantities;
+  std::vector<std::size_t> columns{};  ///< of the quantities
+  std::vector<SceneNumber> numbers{};
+  bool by_element = false;
+};
+
+/// One process only. Throws InputError for a number of which the equations are no smooth function and for a quantity
+/// that has no derivative, LinearSolverError where the adjoint equations cannot be solved.
+std::vector<QuantityGradient> gradients_of(BeamProblem& problem, const State& state, double load_factor,
+                                           const GradientRequest& request);
+
+/// Of one quantity, in the order of the mesh. Throws std::invalid_argument for one that is made of strains.
+std::vector<ElementDerivatives> element_gradients(const AdjointOperator& at, const StateDerivative& quantity,
+                                                  const Adjoint& adjoint);
+
+}  // namespace mixbeam

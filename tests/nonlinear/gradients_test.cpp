@@ -1,0 +1,356 @@
+// Gradients against closed forms, and against differences of whole runs.
+#include "discretization/scene/section_law.hpp"
+#include "discretization/state/reactions.hpp"
+#include "nonlinear/sensitivity/gradient.hpp"
+#include "tests/support/constrained_scenes.hpp"
+#include "tests/support/solve.hpp"
+
+#include <cmath>
+#include <functional>
+#include <map>
+
+namespace mixbeam::test {
+namespace {
+
+/// Elastica of 16 elements of order 4 under a dead force, alpha = P L^2 / EI = 1, 2, 10: derivatives of deflection,
+/// shortening and angle of the tip by alpha, from elliptic integrals; the discretization leaves 2e-13.
+constexpr double kElasticaSlopes[3][4] = {{1.0, 0.248876443127961, 0.0962778480847484, 0.395682566689845},
+                                          {2.0, 0.142546214828556, 0.102876897296855, 0.253014804550978},
+                                          {10.0, 0.0105359712168047, 0.0215494661654688, 0.0222664098396707}};
+constexpr double kOfElastica = 1e-12;
+/// Differences of whole runs of eighth order with steps of two percent: what Newton's method leaves, over the step.
+constexpr double kOfDifferences = 1e-8, kStep = 0.02;
+
+/// Of derivatives that are zero, in the units of the scenes here.
+constexpr double kNothing = 1e-11;
+/// Error of the gradient of a follower with the tangent itself, at least.
+constexpr double kNotTransposed = 1e-3;
+
+struct Parameter {
+  std::string name;
+  double value = 0.0, step = 0.0;  ///< of differences of runs
+  std::function<void(Scene&, double)> set;
+};
+
+Quantity asked(const std::string& name, const std::string& kind, const std::map<std::string, std::string>& given) {
+  Teuchos::ParameterList list;
+  Teuchos::ParameterList& one = list.sublist(name);
+  one.set("Quantity", kind);
+  for (const auto& [parameter, value] : given) {
+    if (parameter == "Position")
+      one.set(parameter, std::stod(value));
+    else
+      one.set(parameter, value);
+  }
+  return read_quantities(list, ParameterSource("scene.xml")).front();
+}
+
+QuantitySet set_of(const std::vector<Quantity>& quantities, const Scene& scene) {
+  const ParameterSource source("scene.xml");
+  return QuantitySet(quantities, scene, {source, {"Quantities"}});
+}
+
+std::vector<double> values_in(const QuantitySet& set, const Simulation& simulation) {
+  const std::vector<Reaction> reactions = simulation.reactions();
+  return set.values(
+      {simulation.model(), simulation.state(), simulation.load_factor(), reactions, simulation.strain_energy()});
+}
+
+Simulation polished(const Scene& scene) {
+  SolverParameters parameters;
+  parameters.analysis.stability = false;
+  Simulation simulation = solved(scene, parameters);
+  simulation.polish();
+  return simulation;
+}
+
+Scene with(const Scene& scene, const Parameter& parameter, double more) {
+  Scene changed = scene;
+  parameter.set(changed, parameter.value + more);
+  return changed;
+}
+
+/// Of every column, by central differences of eighth order of runs.
+std::vector<double> differences(const Scene& scene, const QuantitySet& set, const Parameter& parameter) {
+  constexpr double kFactors[4] = {4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0};
+  std::vector<double> sum(set.columns().size(), 0.0);
+  for (int k = 0; k < 4; ++k)
+    for (const double sign : {1.0, -1.0}) {
+      const std::vector<double> values =
+          values_in(set, polished(with(scene, parameter, sign * (k + 1) * parameter.step)));
+      for (size_t i = 0; i < sum.size(); ++i) sum[i] += sign * kFactors[k] / parameter.step * values[i];
+    }
+  return sum;
+}
+
+SceneNumber number_of(const Scene& scene, const Parameter& parameter) {
+  return {parameter.name, 0.25 * parameter.step,
+          [=](double more) { return std::make_shared<const Scene>(with(scene, parameter, more)); }};
+}
+
+std::vector<std::size_t> all_columns(const QuantitySet& set) {
+  std::vector<std::size_t> columns;
+  for (std::size_t i = 0; i < set.columns().size(); ++i)
+    if (set.columns()[i].is_value) columns.push_back(i);
+  return columns;
+}
+
+std::vector<QuantityGradient> gradients(const Simulation& simulation, const QuantitySet& set,
+                                        const std::vector<Parameter>& parameters, bool by_element = false) {
+  GradientRequest request{set, all_columns(set), {}, by_element};
+  for (const Parameter& parameter : parameters) request.numbers.push_back(number_of(simulation.scene(), parameter));
+  return simulation.gradients(request);
+}
+
+/// Relative to the largest derivative of the same quantity by numbers in units of themselves.
+void expect_as_differences(const Scene& scene, const std::vector<Quantity>& quantities,
+                           const std::vector<Parameter>& parameters) {
+  const QuantitySet set = set_of(quantities, scene);
+  const Simulation simulation = polished(scene);
+  const std::vector<QuantityGradient> found = gradients(simulation, set, parameters);
+  std::vector<std::vector<double>> wanted;
+  for (const Parameter& parameter : parameters) wanted.push_back(differences(scene, set, parameter));
+  for (size_t i = 0; i < found.size(); ++i) {
+    const size_t column = all_columns(set)[i];
+    double largest = 0.0;
+    for (size_t p = 0; p < parameters.size(); ++p)
+      largest = std::max(largest, std::abs(wanted[p][column] * parameters[p].step));
+    for (size_t p = 0; p < parameters.size(); ++p)
+      EXPECT_NEAR(found[i].by_number[p] * parameters[p].step, wanted[p][column] * parameters[p].step,
+                  kOfDifferences * std::max(largest, kStep * std::abs(found[i].value)) + kNothing)
+          << scene.name << ": " << found[i].quantity << " by " << parameters[p].name << " " << found[i].by_number[p]
+          << " " << wanted[p][column];
+  }
+}
+
+Parameter of_stiffness(const Scene& scene, int component) {
+  const std::array<double, 6> stiffness = diagonal(scene.sections[0]);
+  return {"stiffness " + std::to_string(component), stiffness[component], kStep * stiffness[component],
+          [component](Scene& changed, double value) {
+            std::array<double, 6> numbers = diagonal(changed.sections[0]);
+            numbers[component] = value;
+            set_diagonal(changed.sections[0], numbers);
+          }};
+}
+
+Parameter of_force(const Scene& scene, size_t load, int component, double step) {
+  return {"force " + std::to_string(load), scene.point_loads[load].force[component], step,
+          [=](Scene& changed, double value) { changed.point_loads[load].force[component] = value; }};
+}
+Parameter of_moment(const Scene& scene, size_t load, int component, double step) {
+  return {"moment " + std::to_string(load), scene.point_loads[load].moment[component], step,
+          [=](Scene& changed, double value) { changed.point_loads[load].moment[component] = value; }};
+}
+Parameter of_place(const Scene& scene, size_t point, int component, double step) {
+  return {"place of " + scene.points[point].name, scene.points[point].position[component], step,
+          [=](Scene& changed, double value) { changed.points[point].position[component] = value; }};
+}
+
+std::vector<Quantity> usual(const std::string& point, const std::string& member) {
+  return {asked("u", "displacement", {{"Point", point}}),
+          asked("theta", "rotation", {{"Point", point}}),
+          asked("place", "position", {{"Point", member + "@37%"}}),
+          asked("turn", "rotation", {{"Point", member + "@37%"}}),
+          asked("n", "material force", {{"Member", member}, {"Position", "0.6"}}),
+          asked("m", "material moment", {{"Member", member}, {"Position", "0"}}),
+          asked("f", "spatial force", {{"Member", member}, {"Position", "0.6"}}),
+          asked("kappa", "material curvature", {{"Member", member}, {"Position", "0.3"}, {"Component", "norm"}}),
+          asked("energy", "strain energy", {}),
+          asked("length", "length", {{"Member", member}})};
+}
+
+/// The first section alone bends; the tip of a rigid, straight strip.
+TEST(Gradients, OfTheElastica) {
+  for (const auto& [alpha, deflection, shortening, angle] : kElasticaSlopes) {
+    const Scene scene = elastica(alpha, 4, 16);
+    const QuantitySet set = set_of({asked("u", "displacement", {{"Point", "tip"}}),
+                                    asked("theta", "rotation", {{"Point", "tip"}, {"Component", "z"}})},
+                                   scene);
+    const Simulation simulation = polished(scene);
+    const std::vector<Parameter> parameters = {of_force(scene, 0, 1, kStep * alpha), of_stiffness(scene, 4),
+                                               of_stiffness(scene, 5)};
+    const std::vector<QuantityGradient> found = gradients(simulation, set, parameters, true);
+    const double wanted[] = {-shortening, deflection, 0.0, angle};
+    for (size_t i = 0; i < 4; ++i) {
+      EXPECT_NEAR(found[i].by_number[0], wanted[i], kOfElastica) << alpha << " " << i;
+      EXPECT_NEAR(found[i].by_number[1] + found[i].by_number[2], -alpha * wanted[i], alpha * kOfElastica)
+          << alpha << " " << i;
+      double sum = 0.0, axial = 0.0;
+      for (const ElementDerivatives& element : found[i].elements) {
+        sum += element.stiffness[4] + element.stiffness[5];
+        axial = std::max(axial, std::abs(element.stiffness[0]));
+      }
+      EXPECT_NEAR(sum, -alpha * wanted[i], alpha * kOfElastica) << alpha << " " << i;
+      EXPECT_EQ(axial, 0.0);
+    }
+  }
+}
+
+TEST(Gradients, OfAFork) {
+  Scene scene = fork(3, 3);
+  scene.point_loads[0].force = {3, 20, 90};
+  scene.point_loads[1].force = {-5, 30, -40};
+  std::vector<Parameter> parameters = {of_force(scene, 0, 2, 1.0), of_force(scene, 1, 1, 1.0),
+                                       of_place(scene, 0, 1, 0.01)};
+  for (int i = 0; i < 6; ++i) parameters.push_back(of_stiffness(scene, i));
+  std::vector<Quantity> quantities = usual("tine 1", "shaft");
+  quantities.push_back(asked("rf", "reaction force", {{"Point", "clamp"}}));
+  quantities.push_back(asked("rm", "reaction moment", {{"Point", "clamp"}}));
+  quantities.push_back(asked("between", "distance", {{"Point", "tine 1"}, {"Other Point", "tine 2"}}));
+  quantities.push_back(asked("angle", "angle", {{"Point", "tine 1"}, {"Other Point", "tine 2"}, {"Corner", "branch"}}));
+  expect_as_differences(scene, quantities, parameters);
+}
+
+/// Followers along a member and at its end, a dead couple in space: all that has no potential.
+Scene cantilever_of_followers() {
+  Scene scene = cantilever(section(1e3, 6e2, 80.0, 100.0), 1.0, 3, 4);
+  scene.name = "followers";
+  scene.points[1].position = {1.0, 0.2, -0.1};
+  scene.sections[0].bending_stiffness = {70.0, 100.0};
+  scene.members[0].second_axis = {0, 1, 0};
+  scene.point_loads = {follower_load("tip", "beam", {10, 60, -30}, {10, 20, 30}),
+                       dead_load("tip", {5, 0, 0}, {15, -20, 25})};
+  DistributedLoad along;
+  along.member = "beam";
+  along.force = {0, 40, 50};
+  along.couple = {10, -20, 5};
+  along.frame = LoadFrame::follower;
+  scene.distributed_loads = {along};
+  return scene;
+}
+
+std::vector<Parameter> of_followers(const Scene& scene) {
+  std::vector<Parameter> parameters = {of_force(scene, 0, 1, 0.6), of_moment(scene, 1, 2, 0.3),
+                                       of_place(scene, 1, 0, 0.01), of_place(scene, 1, 2, 0.01)};
+  parameters.push_back(
+      {"line load", 40.0, 0.4, [](Scene& changed, double value) { changed.distributed_loads[0].force[1] = value; }});
+  for (int i = 0; i < 6; ++i) parameters.push_back(of_stiffness(scene, i));
+  return parameters;
+}
+
+TEST(Gradients, UnderFollowers) {
+  const Scene scene = cantilever_of_followers();
+  std::vector<Quantity> quantities = usual("tip", "beam");
+  quantities.push_back(asked("rf", "reaction force", {{"Point", "clamp"}}));
+  quantities.push_back(asked("rm", "reaction moment", {{"Point", "clamp"}}));
+  expect_as_differences(scene, quantities, of_followers(scene));
+}
+
+/// The tangent itself in place of its transpose.
+TEST(Gradients, TangentThatIsNotTransposedFails) {
+  const Scene scene = cantilever_of_followers();
+  const QuantitySet set = set_of({asked("u", "displacement", {{"Point", "tip"}, {"Component", "y"}})}, scene);
+  const Simulation simulation = polished(scene);
+  BeamProblem problem(scene, this_rank(), {});
+  StateDerivative quantity(problem.model, simulation.state());
+  quantity.add_displacement(simulation.model().structure().partition.place(vertex_of(simulation.model().mesh(), "tip")),
+                            {{0, 1, 0}});
+  const Parameter bending = of_stiffness(scene, 5);
+  const double wanted = differences(scene, set, bending)[0];
+  for (const bool transposed : {true, false}) {
+    AdjointOperator adjoint(problem, simulation.state(), simulation.load_factor(), transposed);
+    double sum = 0.0;
+    for (const ElementDerivatives& element : element_gradients(adjoint, quantity, adjoint.solve(quantity)))
+      sum += element.stiffness[5];
+    const double error = std::abs(sum / wanted - 1.0);
+    if (transposed)
+      EXPECT_LT(error, kOfDifferences);
+    else
+      EXPECT_GT(error, kNotTransposed);
+  }
+}
+
+/// Joints of every kind, supports and springs along general axes, a follower: numbers of all of them.
+TEST(Gradients, OfAPortalOfJoints) {
+  const Scene scene = portal_of_joints(2, 2);
+  std::vector<Parameter> parameters = {of_force(scene, 1, 1, 0.05), of_moment(scene, 2, 2, 0.05),
+                                       of_force(scene, 3, 1, 0.05), of_place(scene, 2, 1, 0.02),
+                                       of_place(scene, 5, 2, 0.02)};
+  for (const int i : {0, 3, 5}) parameters.push_back(of_stiffness(scene, i));
+  parameters.push_back(
+      {"spring of a hinge", 15.0, 0.3, [](Scene& changed, double value) { changed.joints[0].stiffness = value; }});
+  parameters.push_back(
+      {"spring of a slider", 60.0, 1.2, [](Scene& changed, double value) { changed.joints[3].stiffness = value; }});
+  parameters.push_back({"spring of a support", 200.0, 4.0,
+                        [](Scene& changed, double value) { changed.supports[1].displacement_stiffness[1] = value; }});
+  parameters.push_back({"turning spring", 70.0, 1.4,
+                        [](Scene& changed, double value) { changed.supports[1].rotation_stiffness[2] = value; }});
+  std::vector<Quantity> quantities = usual("C", "arm");
+  quantities.push_back(asked("ra", "reaction force", {{"Point", "A"}}));
+  quantities.push_back(asked("re", "reaction force", {{"Point", "E"}}));
+  quantities.push_back(asked("rm", "reaction moment", {{"Point", "A"}}));
+  expect_as_differences(scene, quantities, parameters);
+}
+
+/// A frame in a plane of rigid members whose ends are moved: forces are shared by stiffness.
+TEST(Gradients, OfAFrameWithRigidMembers) {
+  Scene scene = angle_frame(4);
+  scene.sections[0] = section(kRigid, kRigid, 2.0, 3.0);
+  scene.sections.push_back(section(50.0, 40.0, 1.0, 2.0));
+  scene.sections[1].name = "soft";
+  scene.points.push_back({"far", {2.1, -0.8, 0}});
+  scene.members.push_back(line("brace", "tip", "far", 2, 3));
+  scene.members.back().section = "soft";
+  scene.supports.push_back(clamp("far"));
+  scene.supports[2].prescribed_displacement = {0.05, -0.1, 0};
+  scene.supports[2].prescribed_rotation = {0, 0, 0.2};
+  Eigenstrain warm;
+  warm.member = "leg";
+  warm.strain = {0.01, 0, 0};
+  warm.curvature = {0, 0, 0.1};
+  scene.eigenstrains = {warm};
+  std::vector<Parameter> parameters = {of_force(scene, 0, 1, 0.02), of_place(scene, 1, 0, 0.005),
+                                       of_place(scene, 2, 1, 0.005)};
+  for (const int i : {4, 5}) parameters.push_back(of_stiffness(scene, i));
+  parameters.push_back(
+      {"soft EA", 50.0, 1.0, [](Scene& changed, double value) { changed.sections[1].axial_stiffness = value; }});
+  parameters.push_back({"motion", -0.1, 0.002,
+                        [](Scene& changed, double value) { changed.supports[2].prescribed_displacement[1] = value; }});
+  parameters.push_back(
+      {"turn", 0.2, 0.004, [](Scene& changed, double value) { changed.supports[2].prescribed_rotation[2] = value; }});
+  parameters.push_back(
+      {"heat", 0.01, 0.001, [](Scene& changed, double value) { changed.eigenstrains[0].strain[0] = value; }});
+  parameters.push_back(
+      {"bow", 0.1, 0.002, [](Scene& changed, double value) { changed.eigenstrains[0].curvature[2] = value; }});
+  std::vector<Quantity> quantities = usual("tip", "leg");
+  quantities.push_back(asked("rf", "reaction force", {{"Point", "far"}}));
+  quantities.push_back(asked("rm", "reaction moment", {{"Point", "far"}}));
+  quantities.push_back(asked("rfoot", "reaction force", {{"Point", "foot"}}));
+  expect_as_differences(scene, quantities, parameters);
+}
+
+/// A taper and a coupled section in space, with a clamp that turns.
+TEST(Gradients, OfCoupledAndTaperedMembers) {
+  Scene scene = fork(2, 2);
+  scene.name = "general sections";
+  scene.point_loads[0].force = {3, 10, 30};
+  scene.point_loads[1].force = {-5, 15, -20};
+  scene.sections.push_back(section(5e3, 4e3, 60, 50));
+  scene.sections[1].name = "thin";
+  scene.sections.push_back(section(1e4, 8e3, 70, 90));
+  scene.sections[2].name = "coupled";
+  Matrix6 matrix{};
+  for (int i = 0; i < 6; ++i) matrix[i][i] = diagonal(scene.sections[2])[i];
+  matrix[0][4] = matrix[4][0] = 200.0;
+  matrix[3][5] = matrix[5][3] = 20.0;
+  scene.sections[2].matrix = matrix;
+  scene.members[0].end_section = "thin";
+  scene.members[1].section = "coupled";
+  scene.supports[0].prescribed_rotation = {0.1, 0.3, -0.2};
+  std::vector<Parameter> parameters = {of_force(scene, 0, 2, 0.3), of_place(scene, 0, 2, 0.01)};
+  for (int i = 0; i < 6; ++i) parameters.push_back(of_stiffness(scene, i));
+  parameters.push_back(
+      {"thin EI2", 50.0, 1.0, [](Scene& changed, double value) { changed.sections[1].bending_stiffness[0] = value; }});
+  parameters.push_back({"coupling", 200.0, 4.0, [](Scene& changed, double value) {
+                          (*changed.sections[2].matrix)[0][4] = (*changed.sections[2].matrix)[4][0] = value;
+                        }});
+  parameters.push_back(
+      {"turn", 0.3, 0.006, [](Scene& changed, double value) { changed.supports[0].prescribed_rotation[1] = value; }});
+  std::vector<Quantity> quantities = usual("tine 1", "shaft");
+  quantities.push_back(asked("rf", "reaction force", {{"Point", "clamp"}}));
+  quantities.push_back(asked("rm", "reaction moment", {{"Point", "clamp"}}));
+  expect_as_differences(scene, quantities, parameters);
+}
+
+}  // namespace
+}  // namespace mixbeam::test
