@@ -41,14 +41,16 @@ add_library(mixbeam_hdf5 INTERFACE)
 target_include_directories(mixbeam_hdf5 SYSTEM INTERFACE
                            "$<TARGET_PROPERTY:hdf5::hdf5,INTERFACE_INCLUDE_DIRECTORIES>")
 if(HDF5_ARCHIVE AND SZ_LIBRARY AND Z_LIBRARY)
-  set(is_module "$<STREQUAL:$<TARGET_PROPERTY:TYPE>,MODULE_LIBRARY>")
-  target_link_libraries(mixbeam_hdf5 INTERFACE "$<${is_module}:${hdf5_library}>")
-  foreach(library "${HDF5_ARCHIVE}" "${SZ_LIBRARY}" "${Z_LIBRARY}" ${CMAKE_DL_LIBS})
-    target_link_libraries(mixbeam_hdf5 INTERFACE "$<$<NOT:${is_module}>:${library}>")
-  endforeach()
+  set(mixbeam_hdf5_module "${hdf5_library}")
+  set(mixbeam_hdf5_program "${HDF5_ARCHIVE}" "${SZ_LIBRARY}" "${Z_LIBRARY}" ${CMAKE_DL_LIBS})
 else()
-  target_link_libraries(mixbeam_hdf5 INTERFACE hdf5::hdf5)
+  set(mixbeam_hdf5_module hdf5::hdf5)
+  set(mixbeam_hdf5_program hdf5::hdf5)
 endif()
+# The shared library of a package takes that of the program or module which loads it.
+set(consumer "$<TARGET_PROPERTY:TYPE>")
+target_link_libraries(mixbeam_hdf5 INTERFACE "$<$<STREQUAL:${consumer},MODULE_LIBRARY>:${mixbeam_hdf5_module}>"
+                                             "$<$<STREQUAL:${consumer},EXECUTABLE>:${mixbeam_hdf5_program}>")
 
 # --- xxHash: headers only; its functions are compiled for the processor of the build ------------------------------------
 find_path(XXHASH_INCLUDE_DIR xxhash.h DOC "Folder of the xxHash header")

@@ -19,8 +19,8 @@ endif()
 # Fused multiply-add (the compiler's default where the processor has it) changes last digits between machines and
 # between two compiled copies of a formula, not between thread counts: see for_each_index in kernels/execution/openmp_threads.hpp.
 set(mixbeam_release_flags -fno-math-errno -fno-trapping-math)
-if(MIXBEAM_NATIVE)
-  list(APPEND mixbeam_release_flags -march=native)
+if(MIXBEAM_INSTRUCTIONS)
+  list(APPEND mixbeam_release_flags -march=${MIXBEAM_INSTRUCTIONS})
 endif()
 target_compile_options(mixbeam_options INTERFACE "$<$<CONFIG:Release>:${mixbeam_release_flags}>")
 

@@ -14,7 +14,7 @@ add_custom_target(mixbeam_version_header
   COMMAND "${CMAKE_COMMAND}"
           "-DSOURCE_DIR=${CMAKE_SOURCE_DIR}" "-DHEADER=${version_header}" "-DGIT=${GIT_EXECUTABLE}"
           "-DVERSION=${PROJECT_VERSION}" "-DCOMPILER=${CMAKE_CXX_COMPILER_ID} ${CMAKE_CXX_COMPILER_VERSION}"
-          "-DFLAGS=${stamped_flags}" "-DBUILD_TYPE=${CMAKE_BUILD_TYPE}"
+          "-DFLAGS=${stamped_flags}" "-DINSTRUCTIONS=${MIXBEAM_INSTRUCTIONS}" "-DBUILD_TYPE=${CMAKE_BUILD_TYPE}"
           -P "${CMAKE_SOURCE_DIR}/.cmake/write_version.cmake"
   BYPRODUCTS "${version_header}"
   COMMENT "Stamping the version"

@@ -1,4 +1,5 @@
 // mixbeam: any structure from one scene file.
+#include "apps/common/session/instructions.hpp"
 #include "apps/common/session/interrupt.hpp"
 #include "apps/common/session/standard_output.hpp"
 #include "apps/mixbeam/commands.hpp"
@@ -40,7 +41,7 @@ std::string hint(const std::string& word) {
 int dispatch(const std::vector<const char*>& words) {
   const std::string word = words.size() > 1 ? words[1] : "";
   if (word == "--version") {
-    std::cout << "mixbeam " << kVersion << ", " << kCompiler << "\n";
+    std::cout << "mixbeam " << kVersion << ", " << kCompiler << ", " << instructions() << "\n";
     return 0;
   }
   if (word == "--help" || word == "-h" || word == "help") {

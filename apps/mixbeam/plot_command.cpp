@@ -56,12 +56,29 @@ int exit_code_of(std::vector<std::string> words, const std::string& folder = "")
 
 /// `folder`: of the scripts, where matplotlib finds no settings of somebody else.
 std::string suitable_python(const std::string& folder) {
-  for (const std::string& python : kInterpreters)
-    if (exit_code_of({python, kIsolated, "-c", kNeeded}, folder) == 0) return python;
-  throw InputError(
-      "pictures need Python with numpy, matplotlib and h5py; none of \"/usr/bin/python3\" and \"python3\" in PATH has "
-      "them (Debian: apt-get install python3-matplotlib python3-h5py); packages in ~/.local and PYTHONPATH do not "
-      "count");
+  std::string found;
+  for (const std::string& python : kInterpreters) {
+    const auto runs = [&](const std::string& text) {
+      return exit_code_of({python, kIsolated, "-c", text}, folder) == 0;
+    };
+    if (runs(kNeeded)) return python;
+    if (!runs("")) continue;
+    std::vector<std::string> lacks;
+    for (const char* module : {"numpy", "matplotlib", "h5py"})
+      if (!runs(std::string("import ") + module)) lacks.push_back(module);
+    found += "; " + python + " lacks " + quoted_list(lacks);
+  }
+  throw InputError("pictures and pages need Python with numpy, matplotlib and h5py" +
+                   (found.empty() ? "; there is neither \"/usr/bin/python3\" nor \"python3\" in PATH" : found) +
+                   " (Debian: apt-get install python3-matplotlib python3-h5py); packages in ~/.local and PYTHONPATH do "
+                   "not count");
+}
+
+/// Folder of the scripts: beside the program in a build folder, in the package for Python where it is installed.
+std::filesystem::path script_folder(const std::filesystem::path& program) {
+  const std::filesystem::path beside = program.parent_path() / "plots";
+  if (std::filesystem::exists(beside)) return beside;
+  return program.parent_path().parent_path() / "lib/python3/dist-packages/mixbeam/plots";
 }
 
 }  // namespace
@@ -86,9 +103,11 @@ int run_script(const Arguments& arguments, const std::string& name) {
     throw InputError(std::string("a result file is missing: mixbeam ") + arguments.values[0] +
                      " RESULTS.h5, or SCENE.yaml");
   require_run(arguments.values[0], arguments.values[1]);
-  const std::filesystem::path script = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "plots" / name;
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe");
+  const std::filesystem::path script = script_folder(program) / name;
   if (!std::filesystem::exists(script)) throw InputError("the script " + script.string() + " is missing");
   setenv("MPLBACKEND", "Agg", 1);
+  setenv("MIXBEAM_PROGRAM", program.c_str(), 1);
   const std::string folder = script.parent_path().string();
   std::vector<std::string> words = {suitable_python(folder), kIsolated, "-c", kStart, folder, script.string()};
   words.insert(words.end(), arguments.values.begin() + 1, arguments.values.end());

@@ -1,5 +1,6 @@
 #include "apps/common/run/scene_file.hpp"
 #include "apps/common/session/guarded_run.hpp"
+#include "apps/common/session/instructions.hpp"
 #include "apps/common/session/interrupt.hpp"
 #include "apps/common/session/mpi_session.hpp"
 #include "apps/mixbeam/commands.hpp"
@@ -42,6 +43,10 @@ void set_up(Application& app, const CommandLine& line, const StoredRun& run) {
 void say_where(const Application& app, const StoredRun& run) {
   if (run.header().version != kVersion)
     app.out() << "Written by version " << run.header().version << ", resumed by " << kVersion
+              << ": the last digits may differ from those of an uninterrupted run.\n";
+  const std::string written_with = property(run, "instructions");
+  if (!written_with.empty() && written_with != instructions())
+    app.out() << "Written with the instruction set " << written_with << ", resumed with " << instructions()
               << ": the last digits may differ from those of an uninterrupted run.\n";
   if (run.steps().empty())
     app.out() << "The file contains no steps: the run starts.\n";

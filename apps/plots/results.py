@@ -16,7 +16,8 @@ import numpy as np
 from command import InputError, inputs
 
 MANY_MEMBERS = 200
-PROGRAM = Path(os.path.abspath(__file__)).parent.parent / "mixbeam"  # beside which these scripts are installed
+# The one that has started this script, or beside which it lies.
+PROGRAM = Path(os.environ.get("MIXBEAM_PROGRAM") or Path(os.path.abspath(__file__)).parent.parent / "mixbeam")
 SLOWEST = 5_000_000  # bytes in a second that it verifies
 NUMBER, WHOLE, TEXT = h5py.h5t.IEEE_F64LE, h5py.h5t.STD_I32LE, None  # what files hold, in the shapes that follow
 VECTORS = "position displacement mode reference_position material_force material_moment force_strain moment_strain triad_1 triad_2 triad_3"

@@ -4,9 +4,11 @@
 
 #include <csignal>
 #include <cstdlib>
+#include <filesystem>
 #include <map>
 #include <string>
 
+#include <dlfcn.h>
 #include <unistd.h>
 
 namespace mixbeam {
@@ -82,6 +84,14 @@ class SignalHandlers {
 
 bool is_under_mpirun() { return std::getenv("OMPI_COMM_WORLD_SIZE") != nullptr; }
 
+void find_packaged_mpi() {
+  Dl_info place{};
+  if (dladdr(reinterpret_cast<void*>(&MPI_Init_thread), &place) == 0) return;
+  const std::filesystem::path files = std::filesystem::absolute(place.dli_fname).parent_path() / "mpi";
+  std::error_code error;
+  if (std::filesystem::is_directory(files / "share" / "openmpi", error)) setenv("OPAL_PREFIX", files.c_str(), 1);
+}
+
 void require_mpi() {
   int is_started = 0;
   MPI_Initialized(&is_started);
@@ -89,6 +99,7 @@ void require_mpi() {
   const SignalHandlers kept;
   const Environment kept_too;
   for (const Setting& setting : kAlone) setenv(setting.name, setting.value, 1);
+  find_packaged_mpi();
   int provided = MPI_THREAD_SINGLE;
   MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
 }

@@ -10,6 +10,10 @@ namespace mixbeam {
 /// Whether the process is one of those that mpirun has started.
 bool is_under_mpirun();
 
+/// Names Open MPI the folder `mpi` beside its library, where a package has put its files; nothing where there is none.
+/// Before MPI starts.
+void find_packaged_mpi();
+
 /// Starts MPI for a process alone, unless it runs. Signals and environment stay as they are: Open MPI leaves settings
 /// of its own there, which programs that are started later would inherit.
 void require_mpi();

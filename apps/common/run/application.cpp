@@ -2,6 +2,7 @@
 
 #include "apps/common/run/expected_quantity.hpp"
 #include "apps/common/run/room_check.hpp"
+#include "apps/common/session/instructions.hpp"
 #include "apps/common/session/interrupt.hpp"
 #include "apps/common/session/progress.hpp"
 #include "apps/common/session/sleeping_threads.hpp"
@@ -211,6 +212,7 @@ ResultHeader Application::header(const Scene& solved, const std::map<std::string
                       kVersion,
                       {{"program", name},
                        {"compiler", kCompiler},
+                       {"instructions", instructions()},
                        {"machine", machine()},
                        {"threads", std::to_string(number_of_threads())},
                        {"ranks", std::to_string(communicator->getSize())}}};

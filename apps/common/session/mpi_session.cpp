@@ -43,6 +43,7 @@ void share_cores_between_ranks() {
 
 // Kernels run on threads, MPI is called by one thread at a time.
 void start_mpi() {
+  find_packaged_mpi();
   int provided = MPI_THREAD_SINGLE;
   MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
 }

@@ -1,0 +1,10 @@
+# Read by cpack for each kind of package: the libraries of other projects are in the archive alone.
+list(GET CPACK_INSTALL_CMAKE_PROJECTS 0 build)
+set(contents program python development)
+if(CPACK_GENERATOR STREQUAL "TXZ")
+  list(APPEND contents bundle)
+endif()
+set(CPACK_INSTALL_CMAKE_PROJECTS "")
+foreach(component IN LISTS contents)
+  list(APPEND CPACK_INSTALL_CMAKE_PROJECTS "${build}" mixbeam ${component} /)
+endforeach()
