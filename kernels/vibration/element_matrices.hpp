@@ -57,6 +57,23 @@ struct MotionRows {
   }
 };
 
+/// du and the spin w + T(psi) dpsi of a moment point along the axes of the section, theory (8), (19).
+template <int K>
+void add_velocity(int q, const PointRotation<K>& rotation, double length, const ElementTables<K>& tables,
+                  const MotionColumns<K>& columns, const MotionRows& velocity) {
+  using Blocks = ReducedBlocks<K>;
+  const Mat turned = transpose(rotation.exp), mean = 0.5 * (turned * columns.back);
+  const int moved = 6 * q, turning = moved + 3;
+  const auto spread = [&](int row, int block, const Mat& m) {
+    columns.spread(block, m, [&](int column, const Mat& part) { velocity.add(row, column, part); });
+  };
+  for (int end = 0; end < 2; ++end) velocity.add(moved, MotionColumns<K>::kInterior + 6 * end, mean);
+  for (int j = 0; j < K; ++j) spread(moved, Blocks::slope(j), (0.5 * length * tables.moment_bubble[q][j]) * turned);
+  spread(turning, Blocks::spin(), turned);
+  for (int j = 1; j < K; ++j)
+    spread(turning, Blocks::psi(j), tables.moment_legendre[q][j] * transpose(rotation.tangent));
+}
+
 /// Compliance of the stresses, weighted, as the tangent has it, the true one, and the excess over it: one number for
 /// each stress of a plain section, else a matrix.
 struct StressCompliance {
@@ -104,7 +121,7 @@ struct ElementMatrices {
     for (int q = 0; q <= K; ++q) {
       const MomentPoint<K> point(q, in, kinematics, tables, layout, reference);
       add_moment_tangent(q, point, tables, kinematics.length, moments, system);
-      add_velocity(q, point.rotation, kinematics.length, columns);
+      if (velocity.numbers != nullptr) add_velocity(q, point.rotation, kinematics.length, tables, columns, velocity);
     }
     for (int end = 0; end < 2; ++end)
       add_end_tangent(end, EndRotation<K>(end, in, kinematics, layout, reference), moments, system);
@@ -173,18 +190,6 @@ struct ElementMatrices {
             if (I != J) geometric.add(column, row, part);
           });
         });
-  }
-  /// du and the spin w + T(psi) dpsi along the axes of the section, theory (8), (19).
-  void add_velocity(int q, const PointRotation<K>& rotation, double length, const MotionColumns<K>& columns) const {
-    if (velocity.numbers == nullptr) return;
-    const Mat turned = transpose(rotation.exp), mean = 0.5 * (turned * columns.back);
-    const int moved = 6 * q, turning = moved + 3;
-    for (int end = 0; end < 2; ++end) velocity.add(moved, MotionColumns<K>::kInterior + 6 * end, mean);
-    for (int j = 0; j < K; ++j)
-      spread(velocity, moved, Blocks::slope(j), (0.5 * length * tables.moment_bubble[q][j]) * turned, columns);
-    spread(velocity, turning, Blocks::spin(), turned, columns);
-    for (int j = 1; j < K; ++j)
-      spread(velocity, turning, Blocks::psi(j), tables.moment_legendre[q][j] * transpose(rotation.tangent), columns);
   }
 };
 

@@ -100,6 +100,26 @@ void scale_velocities(const double* mass, int points, const double* weight, doub
   }
 }
 
+ElementInput<double> input_of(const ElementBlock& block, const StateViews& state, int e) {
+  ElementInput<double> in;
+  for (int end = 0; end < 2; ++end) {
+    const int vertex = block.vertices(e, end);
+    in.displacement[end] = load_vector(&state.vertex_displacement(vertex, 0));
+    in.vertex_rotation[end] = load_quaternion(&state.vertex_rotation(vertex, 0));
+  }
+  in.triad = load_quaternion(&state.element_triad(block.first_element + e, 0));
+  in.interior = state.interior.data() + block.unknowns_at()(e);
+  in.reference = &block.reference(e, 0);
+  return in;
+}
+
+template <int K>
+CarriedElement<K> carried(const FrameViews& frame, int e, const ElementTables<K>& tables,
+                          const ElementInput<double>& in, const ElementKinematics<K>& kinematics) {
+  return {tables,    kinematics, 0.5 * (in.displacement[0] + in.displacement[1]), &frame.mass(e, 0), &frame.place(e, 0),
+          frame.spin};
+}
+
 template <int K, bool General>
 struct VibrationLoop {
   VibratingBlock vibrating;
@@ -108,6 +128,7 @@ struct VibrationLoop {
   double shift;
   bool counts;
   KernelView<double**> tangent;
+  FrameViews frame;
   ElementTables<K> tables{vibrating.block.force_integration};
 
   static constexpr int kInterior = FullSystem<K>::kInteriorSize, kMotions = kInterior + 12;
@@ -120,10 +141,14 @@ struct VibrationLoop {
     double *strain = &vibrating.strain(e, 0), *momentum = has_inertia ? &vibrating.momentum(e, 0) : nullptr;
     std::fill_n(strain, stresses * kMotions, 0.0);
     if (has_inertia) std::fill_n(momentum, velocities * kMotions, 0.0);
-    const ElementInput<double> in = input(e);
+    const ElementInput<double> in = input_of(block, state, e);
     const ElementMatrices<K> matrices{
         tables, block.interior, block.reference_layout, {strain, kMotions}, {matrix, kMotions}, {momentum, kMotions}};
     matrices.evaluate(in);
+    if (frame.turns()) {
+      const ElementKinematics<K> kinematics(in, block.interior);
+      carried(frame, e, tables, in, kinematics).add_second_variation({momentum, kMotions}, {matrix, kMotions});
+    }
     const double length = block.reference(e, 0);
     if (has_inertia) {
       scale_velocities(&vibrating.mass(e, 0), K + 1, tables.moment_weight, length, kMotions, momentum);
@@ -149,19 +174,6 @@ struct VibrationLoop {
     matrices.add_loads(in, fields(e), {loads, kMotions});
     for (int i = 0; i < kMotions; ++i)
       for (int j = 0; j < kMotions; ++j) matrix[i * kMotions + j] += loads[j * kMotions + i];
-  }
-  ElementInput<double> input(int e) const {
-    const ElementBlock& block = vibrating.block;
-    ElementInput<double> in;
-    for (int end = 0; end < 2; ++end) {
-      const int vertex = block.vertices(e, end);
-      in.displacement[end] = load_vector(&state.vertex_displacement(vertex, 0));
-      in.vertex_rotation[end] = load_quaternion(&state.vertex_rotation(vertex, 0));
-    }
-    in.triad = load_quaternion(&state.element_triad(block.first_element + e, 0));
-    in.interior = state.interior.data() + block.unknowns_at()(e);
-    in.reference = &block.reference(e, 0);
-    return in;
   }
   ElementFields<> fields(int e) const {
     ElementFields<> result;
@@ -301,10 +313,10 @@ VibratingBlock allocate_vibrating_block(const ElementBlock& block) {
 }
 
 void evaluate_vibration(const VibratingBlock& vibrating, const StructureViews& structure, const StateViews& state,
-                        double shift, bool counts, const KernelView<double**>& tangent) {
+                        double shift, bool counts, const KernelView<double**>& tangent, const FrameViews& frame) {
   for_order(vibrating.block.order, [&](auto order) {
     const auto run = [&](auto general) {
-      const VibrationLoop<order.value, general.value> loop{vibrating, structure, state, shift, counts, tangent};
+      const VibrationLoop<order.value, general.value> loop{vibrating, structure, state, shift, counts, tangent, frame};
       Kokkos::parallel_for("mixbeam::vibration::condense", Range(0, vibrating.block.count), loop);
     };
     if (vibrating.block.general_section)
@@ -413,6 +425,78 @@ void excess_rows(const VibratingBlock& vibrating, const KernelView<const double*
     double* out = rows.data() + vibrating.block.increments_at()(e);
     of_element(vibrating, vibrating.excess, e).multiply(increment.data() + vibrating.block.increments_at()(e), out);
     std::fill_n(out + layout.stresses(), layout.interior(), 0.0);
+  });
+}
+
+void take_residual(const VibratingBlock& vibrating, const KernelView<double*>& interior,
+                   const KernelView<double* [12]>& vertex) {
+  for_order(vibrating.block.order, [&](auto order) {
+    const ElementTables<order.value> tables(vibrating.block.force_integration);
+    const ElementBlock& block = vibrating.block;
+    Kokkos::parallel_for("mixbeam::vibration::residual", Range(0, block.count), [=](int e) {
+      double* row = interior.data() + block.increments_at()(e);
+      for (int q = 0; q < tables.force_points; ++q)
+        for (int i = 0; i < 3; ++i) row[3 * q + i] *= 0.5 * block.reference(e, 0) * tables.force_weight[q];
+      for (int i = block.interior.relative_rotation(1); i < block.interior.increments(); ++i) row[i] = -row[i];
+      for (int i = 0; i < 12; ++i) vertex(block.first_element + e, i) = -vertex(block.first_element + e, i);
+    });
+  });
+}
+
+namespace {
+
+/// Calls action(element, carried element, its input, its layout).
+template <class Action>
+void for_each_carried(const char* label, const ElementBlock& block, const FrameViews& frame, const StateViews& state,
+                      const Action& action) {
+  for_order(block.order, [&](auto order) {
+    constexpr int K = order.value;
+    const ElementTables<K> tables(block.force_integration);
+    Kokkos::parallel_for(label, Range(0, block.count), [=](int e) {
+      const ElementInput<double> in = input_of(block, state, e);
+      const ElementKinematics<K> kinematics(in, block.interior);
+      action(e, carried(frame, e, tables, in, kinematics));
+    });
+  });
+}
+
+}  // namespace
+
+void add_centrifugal_rows(const ElementBlock& block, const FrameViews& frame, const StateViews& state, double factor,
+                          const ResidualScales* scales, const KernelView<double*>& interior,
+                          const KernelView<double* [12]>& vertex) {
+  const ResidualScales by = scales == nullptr ? ResidualScales{} : *scales;
+  const bool scaled = scales != nullptr;
+  for_each_carried("mixbeam::frame::rows", block, frame, state, [=](int e, const auto& element) {
+    constexpr int K = std::decay_t<decltype(element)>::kOrder;
+    constexpr VibrationLayout layout{K, 0};
+    constexpr int n = layout.motions();
+    double velocity[layout.velocities() * n] = {}, rows[n] = {};
+    element.fill_velocity({velocity, n});
+    element.add_rows({velocity, n}, rows);
+    double all[InteriorLayout{K, ElementTables<K>::kMaximumForcePoints}.increments()] = {};
+    double* moved = all + block.interior.relative_rotation(1);
+    for (int i = 0; i < layout.interior(); ++i) moved[i] = factor * rows[i];
+    if (scaled) scale_interior_rows(block.interior, by, block.reference(e, 0), false, all);
+    double* out = interior.data() + block.increments_at()(e);
+    for (int i = block.interior.relative_rotation(1); i < block.interior.increments(); ++i) out[i] += all[i];
+    for (int i = 0; i < 12; ++i) vertex(block.first_element + e, i) += factor * rows[layout.interior() + i];
+  });
+}
+
+void centrifugal_energies(const ElementBlock& block, const FrameViews& frame, const StateViews& state,
+                          const KernelView<double*>& energy) {
+  for_each_carried("mixbeam::frame::energy", block, frame, state,
+                   [=](int e, const auto& element) { energy(block.first_element + e) = element.energy(); });
+}
+
+void coriolis_matrices(const ElementBlock& block, const FrameViews& frame, const StateViews& state,
+                       const KernelView<double**>& matrices) {
+  for_each_carried("mixbeam::frame::coriolis", block, frame, state, [=](int e, const auto& element) {
+    for (int q = 0; q <= block.order; ++q)
+      element.at(q, element.rotation_at(q), [&](const CarriedMass& mass, double) {
+        on_momenta(mass.coriolis(), element.factor + kMassNumbers * q, &matrices(e, 36 * q));
+      });
   });
 }
 

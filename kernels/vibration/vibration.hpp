@@ -9,12 +9,9 @@
 #pragma once
 
 #include "kernels/loops/block.hpp"
-#include "kernels/vibration/element_matrices.hpp"
+#include "kernels/vibration/rotating_frame.hpp"
 
 namespace mixbeam {
-
-/// Numbers of a symmetric matrix of 6 x 6: the lower factor of the mass per length of (velocity, spin) at one point.
-constexpr int kMassNumbers = 21;
 
 /// The elements of a block, with what evaluate() keeps of them: each view is (element of the block, numbers).
 struct VibratingBlock {
@@ -38,8 +35,26 @@ VibratingBlock allocate_static_block(const ElementBlock& block);
 
 /// Condenses K + shift M at a state. `structure`: sections with the cap, line fields. `tangent`: (local element,
 /// kFullTangent). Counts the interiors, theory (47), where asked: otherwise VibratingBlock::negative stays as it is.
+/// `frame`: of the block, whose centrifugal stiffness is part of H.
 void evaluate_vibration(const VibratingBlock& vibrating, const StructureViews& structure, const StateViews& state,
-                        double shift, bool counts, const KernelView<double**>& tangent);
+                        double shift, bool counts, const KernelView<double**>& tangent, const FrameViews& frame = {});
+
+/// Right-hand sides of the equations above from residuals: of interiors (rows as evaluate_residual() stores them) and
+/// of both vertices of each local element, in place.
+void take_residual(const VibratingBlock& vibrating, const KernelView<double*>& interior,
+                   const KernelView<double* [12]>& vertex);
+
+/// Centrifugal rows of the elements of a block times a factor, theory (75): added to interior residuals, which are
+/// divided by `scales` (null: not), and to those of both vertices.
+void add_centrifugal_rows(const ElementBlock& block, const FrameViews& frame, const StateViews& state, double factor,
+                          const ResidualScales* scales, const KernelView<double*>& interior,
+                          const KernelView<double* [12]>& vertex);
+/// Their energy, of each local element.
+void centrifugal_energies(const ElementBlock& block, const FrameViews& frame, const StateViews& state,
+                          const KernelView<double*>& energy);
+/// Coriolis forces on momenta, theory (76): W of 6 x 6 at each point of each element of the block.
+void coriolis_matrices(const ElementBlock& block, const FrameViews& frame, const StateViews& state,
+                       const KernelView<double**>& matrices);
 
 /// Momenta (local element, VibrationLayout::velocities() at least) = G dx of motions of vertices (vertex, 6) and
 /// interiors (increments).

@@ -192,6 +192,133 @@ TEST_P(Vibration, InteriorsBecomeNegativeAboveTheirFrequencies) {
   EXPECT_EQ((VibratingSample{SampleBlock({sample}), -1e9}.vibrating.negative(0)), 3 * (2 * GetParam() - 1));
 }
 
+/// The frame of one element: masses of any kind anywhere.
+struct FrameSample {
+  FrameViews views;
+
+  FrameSample(int k, std::uint64_t seed) {
+    RandomNumbers random(seed);
+    views.mass = KernelView<double**>("mass", 1, kMassNumbers * (k + 1));
+    views.place = KernelView<double**>("place", 1, 3 * (k + 1));
+    for (const auto& view : {views.mass, views.place})
+      for (size_t i = 0; i < view.size(); ++i) view.data()[i] = random.between(-1.0, 1.0);
+    views.spin = Vec{{0.7, -1.1, 0.4}};
+  }
+};
+
+/// -1/2 |L^T (velocity, spin)|^2 of what the frame carries.
+template <class S>
+S centrifugal_energy(const ElementSample& sample, const FrameViews& frame, const EnergyState<S>& state) {
+  const int points = sample.element.order + 1;
+  std::vector<double> xi(points), weight(points);
+  gauss_rule(points, xi.data(), weight.data());
+  const Vec3<S> spin{{S(frame.spin[0]), S(frame.spin[1]), S(frame.spin[2])}};
+  S sum(0.0);
+  for (int q = 0; q < points; ++q) {
+    Vec3<S> place = displacement_at(sample.element, state, xi[q]);
+    for (int i = 0; i < 3; ++i) place[i] += frame.place(0, 3 * q + i);
+    const Mat3<S> triad = rotation_matrix(element_rotation_at(state, xi[q]));
+    const Vec3<S> velocity = transpose_times(triad, cross(spin, place)), turning = transpose_times(triad, spin);
+    for (int i = 0; i < 6; ++i) {
+      S momentum(0.0);
+      for (int j = i; j < 6; ++j)
+        momentum += frame.mass(0, kMassNumbers * q + triangle(j, i)) * (j < 3 ? velocity[j] : turning[j - 3]);
+      sum -= 0.25 * sample.element.curve.length * weight[q] * momentum * momentum;
+    }
+  }
+  return sum;
+}
+
+/// Places of motions among the increments of tests, which begin with the vertices.
+int increment_of_motion(const VibrationLayout& layout, int motion) {
+  return motion < layout.interior() ? 12 + layout.stresses() + motion : motion - layout.interior();
+}
+
+TEST_P(Vibration, CentrifugalRowsAreTheGradientOfTheirEnergy) {
+  const ElementSample sample = random_sample({GetParam(), ForceIntegration::both_reduced, 31});
+  const SampleBlock samples({sample});
+  const FrameSample frame(GetParam(), 32);
+  const Motion rows(samples, std::vector<double>(12 + samples.increments(), 0.0));
+  const KernelView<double* [12]> ends("ends", samples.block.first_element + 1);
+  add_centrifugal_rows(samples.block, frame.views, samples.state, 2.0, nullptr, rows.interior, ends);
+  const std::vector<double> expected = gradient_at_zero(12 + samples.increments(), [&](const Fad* x) {
+    return centrifugal_energy(sample, frame.views, perturbed(sample.state, x));
+  });
+  Difference d;
+  for (int i = 0; i < 12; ++i) d.add(0, ends(samples.element_row(0), i), 2.0 * expected[i]);
+  for (int i = 0; i < samples.increments(); ++i)
+    d.add(1, rows.interior(samples.interior_row(0) + i), 2.0 * expected[12 + i]);
+  EXPECT_LE(d.relative(), kRounding);
+  const KernelView<double*> energy("energy", samples.block.first_element + 1);
+  centrifugal_energies(samples.block, frame.views, samples.state, energy);
+  const double exact = centrifugal_energy(sample, frame.views, sample.state);
+  EXPECT_NEAR(energy(samples.element_row(0)), exact, kRounding * std::abs(exact));
+}
+
+TEST_P(Vibration, CentrifugalStiffnessIsTheSecondVariationOfTheirEnergy) {
+  const ElementSample sample = random_sample({GetParam(), ForceIntegration::both_reduced, 33});
+  const SampleBlock samples({sample});
+  const FrameSample frame(GetParam(), 34);
+  const VibratingSample at_rest{samples}, turning{samples};
+  evaluate_vibration(turning.vibrating, samples.structure, samples.state, 0.0, false, turning.tangent, frame.views);
+  const Dense expected = hessian_at_zero(12 + samples.increments(), [&](const FadOfFad* x) {
+    return centrifugal_energy(sample, frame.views, perturbed(sample.state, x));
+  });
+  const VibrationLayout layout = turning.vibrating.layout();
+  Difference d;
+  for (int i = 0; i < layout.motions(); ++i)
+    for (int j = 0; j < layout.motions(); ++j) {
+      const int place = i * layout.motions() + j;
+      d.add(0, turning.vibrating.geometric(0, place) - at_rest.vibrating.geometric(0, place),
+            expected(increment_of_motion(layout, i), increment_of_motion(layout, j)));
+    }
+  EXPECT_LE(d.relative(), kElimination);
+}
+
+/// L W L^T = sum over particles of 2 m v . (o x v'), which is what Coriolis forces do in velocities v of a body that
+/// consists of them.
+TEST_P(Vibration, CoriolisForcesAreThoseOfParticles) {
+  const int k = GetParam();
+  const ElementSample sample = random_sample({k, ForceIntegration::both_reduced, 35});
+  const SampleBlock samples({sample});
+  FrameSample frame(k, 36);
+  const std::vector<Vec> particles = {{{0, 0.3, 0}}, {{0, -0.1, 0.4}}, {{0.2, 0, -0.5}}, {{-0.1, 0.6, 0.1}}};
+  const auto velocity_of = [](const Vec& at, int i) {
+    Vec unit{};
+    unit[i % 3] = 1.0;
+    return i < 3 ? unit : cross(unit, at);
+  };
+  double mass[6][6] = {}, factor[kMassNumbers] = {};
+  for (const Vec& at : particles)
+    for (int i = 0; i < 6; ++i)
+      for (int j = 0; j < 6; ++j) mass[i][j] += dot(velocity_of(at, i), velocity_of(at, j));
+  for (int j = 0; j < 6; ++j)
+    for (int i = j; i < 6; ++i) {
+      double rest = mass[i][j];
+      for (int l = 0; l < j; ++l) rest -= factor[triangle(i, l)] * factor[triangle(j, l)];
+      factor[triangle(i, j)] = i == j ? std::sqrt(rest) : rest / factor[triangle(j, j)];
+    }
+  for (int q = 0; q <= k; ++q) std::copy_n(factor, kMassNumbers, &frame.views.mass(0, kMassNumbers * q));
+  const KernelView<double**> found("found", 1, 36 * (k + 1));
+  coriolis_matrices(samples.block, frame.views, samples.state, found);
+  std::vector<double> xi(k + 1), weight(k + 1);
+  gauss_rule(k + 1, xi.data(), weight.data());
+  Difference d;
+  for (int q = 0; q <= k; ++q) {
+    const Vec spin = transpose_times(rotation_matrix(element_rotation_at(sample.state, xi[q])), frame.views.spin);
+    for (int i = 0; i < 6; ++i)
+      for (int j = 0; j < 6; ++j) {
+        double expected = 0.0, here = 0.0;
+        for (const Vec& at : particles) expected += 2.0 * dot(velocity_of(at, i), cross(spin, velocity_of(at, j)));
+        for (int a = 0; a <= i; ++a)
+          for (int b = 0; b <= j; ++b)
+            here += factor[triangle(i, a)] * found(0, 36 * q + 6 * a + b) * factor[triangle(j, b)];
+        d.add(0, here, expected);
+      }
+  }
+  EXPECT_LE(d.relative(), kRounding);
+}
+
 INSTANTIATE_TEST_SUITE_P(Orders, Vibration, testing::Range(1, kMaximumOrder + 1));
 
 }  // namespace
