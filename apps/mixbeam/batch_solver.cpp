@@ -99,7 +99,7 @@ BatchSolver::BatchSolver(Application& app, const CaseQuantities& quantities, std
     : app_(app),
       quantities_(quantities),
       stop_(std::move(stop)),
-      may_merge_(!has_path_of_its_own(app.solver.analysis) && !app.scene.accuracy),
+      may_merge_(!has_path_of_its_own(app.solver.analysis) && !app.scene.accuracy && app.scene.rotating_frames.empty()),
       results_(cases) {}
 
 void BatchSolver::solve(const std::vector<std::size_t>& cases, const std::vector<Scene>& scenes) {

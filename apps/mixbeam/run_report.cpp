@@ -120,6 +120,8 @@ std::string verdict_text(const EndOfRun& end) {
   if (end.stable == "unknown" && end.negative < 0) return "unknown (\"Stability\" was not determined)";
   if (end.stable == "unknown" && !end.has_potential)
     return "unknown (loads without a potential: it may flutter; \"Modes\" of a structure with masses tell)";
+  if (end.stable == "unknown")
+    return formatted("unknown (%d negative eigenvalues: Coriolis forces may hold it; \"Modes\" tell)", end.negative);
   if (end.negative <= 0) return end.stable;
   return end.stable + formatted(" (%d negative eigenvalue%s)", end.negative, end.negative == 1 ? "" : "s");
 }
@@ -258,8 +260,9 @@ void RunReport::print_modes(std::ostream& out) const {
     out << formatted("  %6zu %18.10g %16.10g %12.5g %12.5g %12.5g %12.5g", i + 1, mode.omega, mode.frequency,
                      mode.modal_mass, part(mode.participation_x), part(mode.participation_y),
                      part(mode.participation_z))
-        << (std::abs(mode.growth) > kRoundedGrowth * largest ? formatted("  %s as exp(%.6g t)", mode.growth > 0.0 ? "grows" : "decays", mode.growth)
-                               : "")
+        << (std::abs(mode.growth) > kRoundedGrowth * largest
+                ? formatted("  %s as exp(%.6g t)", mode.growth > 0.0 ? "grows" : "decays", mode.growth)
+                : "")
         << (mode.confirmed ? "\n" : "  not confirmed\n");
   }
 }

@@ -1,8 +1,6 @@
 #include "discretization/assembly/masses.hpp"
 
 #include "discretization/mesh/element_view.hpp"
-#include "discretization/mesh/reference_element.hpp"
-#include "discretization/scene/mass.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
 
@@ -25,7 +23,7 @@ Masses::Masses(const Model& model, bool in_plane) : model_(&model), in_plane_(in
   int order = 1;
   for (const ElementBlock& block : structure.blocks) {
     blocks_.push_back(allocate_vibrating_block(block));
-    fill_mass(blocks_.back());
+    fill_masses(model.scene(), model.mesh(), structure, block, blocks_.back().mass);
     order = std::max(order, block.order);
   }
   order = static_cast<int>(maximum_over_ranks(*model.map()->getComm(), order));
@@ -35,7 +33,7 @@ Masses::Masses(const Model& model, bool in_plane) : model_(&model), in_plane_(in
   condensed_ = KernelView<double**>("mixbeam::vibration::condensed", local, kFullTangent);
   of_elements_ = KernelView<double**>("mixbeam::vibration::momenta", local, stride_);
   vertex_rows_ = KernelView<double* [12]>("mixbeam::vibration::rows", local);
-  place_bodies();
+  bodies_ = vertex_bodies(model.scene(), model.mesh(), structure);
   take_damping();
   if (in_plane) keep_in_plane();
 }
@@ -83,44 +81,56 @@ std::vector<double> Masses::damped_strains_of(const MixedVector& motion) const {
 
 std::vector<double> Masses::damped_momenta(const double* momenta) const {
   std::vector<double> damped(count_, 0.0);
+  if (!coriolis_.empty() || !of_bodies_.empty()) add_coriolis(momenta, damped);
   for (size_t e = 0; e < damping_.size(); ++e)
-    for (size_t i = stride_ * e; i < stride_ * (e + 1); ++i) damped[i] = damping_[e][0] * momenta[i];
+    for (size_t i = stride_ * e; i < stride_ * (e + 1); ++i) damped[i] += damping_[e][0] * momenta[i];
   return damped;
 }
 
-void Masses::fill_mass(VibratingBlock& vibrating) const {
-  const Mesh& mesh = model_->mesh();
-  const GaussPoints& rule = gauss_points(vibrating.block.order + 1);
-  int member = -1;
-  SectionLaw law;
-  std::array<double, kMassNumbers> factor{};
-  for (int e = 0; e < vibrating.block.count; ++e) {
-    const MeshElement& element = mesh.elements[ElementView(model_->structure(), vibrating.block, e).mesh_element()];
-    const Member& of = model_->scene().members[element.member];
-    if (element.member != member) {
-      member = element.member;
-      law = SectionLaw(model_->scene(), of);
-      factor = mass_factor(law.section(0.0));
-    }
-    const double length = mesh.members[member].curve.length;
-    for (size_t q = 0; q < rule.xi.size(); ++q) {
-      if (!of.end_section.empty()) factor = mass_factor(law.section(mesh.arc_length(element, rule.xi[q]) / length));
-      std::copy(factor.begin(), factor.end(), &vibrating.mass(e, static_cast<int>(q) * kMassNumbers));
-    }
+size_t Masses::place_of(const VertexBody& body) const {
+  return static_cast<size_t>(stride_) * model_->structure().mesh_elements + kOfBody * static_cast<size_t>(body.number);
+}
+
+void Masses::take_coriolis(const EvaluationPoint& at) {
+  coriolis_.clear();
+  of_bodies_.clear();
+  const Vec spin = model_->frame().at(at.load_factor);
+  if (norm(spin) == 0.0) return;
+  for (size_t b = 0; b < blocks_.size() && model_->rotating() != nullptr; ++b) {
+    const ElementBlock& block = blocks_[b].block;
+    coriolis_.emplace_back("mixbeam::frame::coriolis", block.count, 36 * (block.order + 1));
+    coriolis_matrices(block, model_->rotating()->frame(b, spin), at.state.views, coriolis_.back());
+  }
+  for (const VertexBody& body : bodies_) {
+    MotionForm inertia{};
+    for (int i = 0; i < 3; ++i) inertia.turned(i, i) = body.inertia[i];
+    Mat w = CarriedMass(inertia, {}, body.turned_axes(at.state) * spin).coriolis().turned;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        w(i, j) = w(i, j) == 0.0 ? 0.0 : w(i, j) / std::sqrt(body.inertia[i] * body.inertia[j]);
+    of_bodies_.push_back({2.0 * hat(body.axes * spin), w});
   }
 }
 
-void Masses::place_bodies() {
-  const std::vector<PointMass>& all = model_->scene().point_masses;
-  for (size_t i = 0; i < all.size(); ++i) {
-    const int local = model_->structure().partition.place(vertex_of(model_->mesh(), all[i].point));
-    if (local < 0) continue;
-    const double m = all[i].mass;
-    VertexBody body{local, {{m, m, m}}, vector_algebra::to_vec3(all[i].inertia), {}, static_cast<int>(i)};
-    for (int r = 0; r < 3; ++r)
-      for (int c = 0; c < 3; ++c) body.axes(r, c) = all[i].axes[r][c];
-    bodies_.push_back(body);
-  }
+/// Each rank those of its own elements and bodies.
+void Masses::add_coriolis(const double* momenta, std::vector<double>& forces) const {
+  std::vector<double> mine(count_, 0.0);
+  for (size_t b = 0; b < coriolis_.size(); ++b)
+    for (int e = 0; e < blocks_[b].block.count; ++e) {
+      const ElementView element(model_->structure(), blocks_[b].block, e);
+      if (!element.is_owned()) continue;
+      const size_t first = static_cast<size_t>(stride_) * element.mesh_element();
+      for (int i = 0; i < 6 * (element.order() + 1); ++i)
+        for (int j = 0; j < 6; ++j) mine[first + i] += coriolis_[b](e, 6 * i + j) * momenta[first + i / 6 * 6 + j];
+    }
+  for (size_t i = 0; i < of_bodies_.size(); ++i)
+    for (size_t part = 0; part < 2; ++part) {
+      const size_t first = place_of(bodies_[i]) + 3 * part;
+      store_vector(of_bodies_[i][part] * load_vector(momenta + first), &mine[first]);
+    }
+  std::vector<double> all(count_);
+  Teuchos::reduceAll(*model_->map()->getComm(), Teuchos::REDUCE_SUM, count_, mine.data(), all.data());
+  for (size_t i = 0; i < all.size(); ++i) forces[i] += all[i];
 }
 
 /// Velocities along the normal of the plane and spins about other axes get no mass.
@@ -158,19 +168,18 @@ void Masses::hold_vertices() const {
 void Masses::condense(const Tangent& at, double shift, bool counts) {
   StructureViews structure = at.cap().structure;
   structure.field_value = at.point().line_fields;
-  for (const VibratingBlock& block : blocks_)
-    evaluate_vibration(block, structure, at.point().state.views, shift, counts, condensed_);
+  const RotatingElements* rotating = model_->rotating();
+  for (size_t b = 0; b < blocks_.size(); ++b)
+    evaluate_vibration(
+        blocks_[b], structure, at.point().state.views, shift, counts, condensed_,
+        rotating == nullptr ? FrameViews{} : rotating->frame(b, rotating->spin().at(at.point().load_factor)));
   if (in_plane_) hold_vertices();
-}
-
-/// Axes of a body as they are turned with its vertex, as rows.
-Mat Masses::turned_axes(const State& state, const VertexBody& body) const {
-  return times_transpose(body.axes, rotation_matrix(load_quaternion(&state.views.vertex_rotation(body.vertex, 0))));
+  take_coriolis(at.point());
 }
 
 void Masses::add_bodies(const Tangent& at, double shift, const MatrixRows& rows) const {
   for (const VertexBody& body : bodies_) {
-    const Mat axes = turned_axes(at.point().state, body);
+    const Mat axes = body.turned_axes(at.point().state);
     Mat mass{}, inertia{};
     for (int i = 0; i < 3; ++i)
       for (int r = 0; r < 3; ++r)
@@ -212,8 +221,8 @@ std::vector<double> Masses::momenta_of(const State& state, const MixedVector& mo
     std::copy_n(&of_elements_(element.local(), 0), count, &mine[static_cast<size_t>(stride_) * element.mesh_element()]);
   });
   for (const VertexBody& body : bodies_) {
-    double* out = &mine[static_cast<size_t>(stride_) * model_->structure().mesh_elements + kOfBody * body.number];
-    const Mat axes = turned_axes(state, body);
+    double* out = &mine[place_of(body)];
+    const Mat axes = body.turned_axes(state);
     const double* moved = &vertex(body.vertex, 0);
     const Vec velocity = body.axes * load_vector(moved), spin = axes * load_vector(moved + 3);
     for (int i = 0; i < 3; ++i) {
@@ -258,14 +267,13 @@ void Masses::condense_momenta(const State& state, const double* momenta, MixedVe
   const KernelView<double*> vertex = rows.vertex();
   gather_vertices(vertex);
   for (const VertexBody& body : bodies_) {
-    const double* own = momenta + static_cast<size_t>(stride_) * model_->structure().mesh_elements +
-                        kOfBody * static_cast<size_t>(body.number);
+    const double* own = momenta + place_of(body);
     Vec velocity{}, spin{};
     for (int i = 0; i < 3; ++i) {
       velocity[i] = std::sqrt(body.mass[i]) * own[i];
       spin[i] = std::sqrt(body.inertia[i]) * own[3 + i];
     }
-    const Vec force = transpose_times(body.axes, velocity), moment = transpose_times(turned_axes(state, body), spin);
+    const Vec force = transpose_times(body.axes, velocity), moment = transpose_times(body.turned_axes(state), spin);
     for (int i = 0; i < 3; ++i) {
       vertex(kVertexDofs * body.vertex + i) += force[i];
       vertex(kVertexDofs * body.vertex + 3 + i) += moment[i];

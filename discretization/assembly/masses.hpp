@@ -2,19 +2,12 @@
 #pragma once
 
 #include "discretization/assembly/tangent.hpp"
+#include "discretization/constraints/vertex_body.hpp"
 #include "kernels/vibration/vibration.hpp"
 
 #include <array>
 
 namespace mixbeam {
-
-/// A body at an owned local vertex.
-struct VertexBody {
-  int vertex = 0;
-  Vec mass{}, inertia{};  ///< along and about its axes
-  Mat axes{};             ///< rows: its axes in the undeformed structure
-  int number = 0;         ///< in Scene::point_masses
-};
 
 /// Momenta of all ranks in one vector: those of each element of the mesh in turn, then those of the bodies. All
 /// functions but equations() are collective.
@@ -51,7 +44,7 @@ class Masses {
   int damped_strains() const { return strain_count_; }
   /// beta D dx.
   std::vector<double> damped_strains_of(const MixedVector& motion) const;
-  /// alpha times momenta.
+  /// alpha times momenta, and Coriolis forces on them, theory (76): C = G^T W G of the state condensed last.
   std::vector<double> damped_momenta(const double* momenta) const;
   /// Rows of vertices from interior rows alone.
   void condense_interior(MixedVector& rows) const;
@@ -65,13 +58,13 @@ class Masses {
   std::vector<double> translation(const State& state, int axis) const;
 
  private:
-  void fill_mass(VibratingBlock& vibrating) const;
   void take_damping();
-  void place_bodies();
   void keep_in_plane();
   void hold_vertices() const;
   void gather_vertices(const KernelView<double*>& rows) const;
-  Mat turned_axes(const State& state, const VertexBody& body) const;
+  void take_coriolis(const EvaluationPoint& at);
+  void add_coriolis(const double* momenta, std::vector<double>& forces) const;
+  size_t place_of(const VertexBody& body) const;
 
   const Model* model_;
   bool in_plane_;
@@ -85,6 +78,8 @@ class Masses {
   std::vector<std::array<double, 2>> damping_;  ///< (mesh element): alpha, beta
   int strain_stride_ = 0, strain_count_ = 0;    ///< as those of momenta
   KernelView<double**> strains_;                ///< (local element, stride)
+  std::vector<KernelView<double**>> coriolis_;  ///< of each block: (element, 36 * point): W; empty: nothing turns
+  std::vector<std::array<Mat, 2>> of_bodies_;   ///< (body of this rank): W of its velocity and of its spin; likewise
 };
 
 }  // namespace mixbeam

@@ -36,6 +36,8 @@ Model::Model(std::shared_ptr<const Scene> scene, const Communicator& comm, const
       conditions_(following(clock_, build_conditions(*scene_, mesh_, structure_))),
       constraints_(conditions_),
       external_(external_energies(*scene_, mesh_, structure_, conditions_, clock_)),
+      frame_(*scene_, clock_),
+      rotating_(rotating_elements(*scene_, mesh_, structure_, frame_)),
       options_(options),
       workspace_(std::make_unique<Workspace>()) {
   PhaseTimer timer(times_, "setup");
@@ -310,7 +312,7 @@ constexpr double kPlaneRounding = 1e-13;
 }  // namespace
 
 void Model::build_plane() {
-  if (!options_.planar) return;
+  if (!options_.planar || !scene_->rotating_frames.empty()) return;  // the frame has no tangent of the plane
   plane_ = plane_of(*maps_.rows->getComm(), mesh_, structure_, line_fields_, conditions_, external_);
   if (!plane_) return;
   for (const ElementBlock& block : structure_.blocks) planar_blocks_.push_back(make_planar_block(block, *plane_));

@@ -6,6 +6,7 @@
 
 #include "discretization/assembly/line_fields.hpp"
 #include "discretization/assembly/phase_timer.hpp"
+#include "discretization/assembly/rotating_elements.hpp"
 #include "discretization/constraints/external_energy.hpp"
 #include "discretization/linear_system/vertex_matrix.hpp"
 #include "discretization/mesh/mixed_vector.hpp"
@@ -55,6 +56,10 @@ class Model {
   const ConstraintRows& constraints() const { return constraints_; }
   const ExternalEnergies& external() const { return external_; }
   const LineFields& line_fields() const { return line_fields_; }
+  /// The frame in which the scene is at rest.
+  const FrameSpin& frame() const { return frame_; }
+  /// Null: no element has a mass in a frame that turns.
+  const RotatingElements* rotating() const { return rotating_.get(); }
   /// With which all amplitudes run; a path sets it.
   LoadClock& clock() const { return *clock_; }
   const Adjacency& adjacency() const { return adjacency_; }
@@ -105,6 +110,8 @@ class Model {
   Conditions conditions_;
   ConstraintRows constraints_;
   ExternalEnergies external_;
+  FrameSpin frame_;
+  std::unique_ptr<const RotatingElements> rotating_;
   ModelOptions options_;
   VertexMaps maps_;
   std::shared_ptr<VectorPool> vectors_ = std::make_shared<VectorPool>();

@@ -95,6 +95,8 @@ StateMagnitude magnitude_of(const Model& model, const State& state, double load_
     });
   const LineFieldMagnitude fields = model.line_fields().magnitude(load_factor);
   m.load_force = std::max(m.load_force, fields.force);
+  if (const RotatingElements* rotating = model.rotating())
+    m.load_force = std::max(m.load_force, rotating->spin().square(load_factor) * rotating->largest_force());
   // what would bend the structure as the eigencurvature does: else a free member, in equilibrium without any force,
   // would be measured against its own rounding errors
   m.load_moment = std::max({m.load_moment, fields.couple, structure.bending_reference * fields.curvature});
@@ -265,9 +267,11 @@ KernelView<double*> take_end_angles(const Model& model) {
   return model.workspace().end_angles.take("mixbeam::end_angles", model.structure().local_elements());
 }
 
-/// Element residuals, interior rows straight into `out`; `scales`: of these rows, null: unscaled.
+/// Element residuals, interior rows straight into `out`; `scales`: of these rows, null: unscaled; `spin`: of the frame
+/// that carries their masses.
 void evaluate_elements(const Model& model, const State& state, const KernelView<double* [3]>& line_fields,
-                       const ResidualScales* scales, const KernelView<double*>& end_angles, MixedVector& out) {
+                       const Vec& spin, const ResidualScales* scales, const KernelView<double*>& end_angles,
+                       MixedVector& out) {
   const Structure& structure = model.structure();
   StructureViews views = structure.views;
   views.field_value = line_fields;
@@ -281,10 +285,32 @@ void evaluate_elements(const Model& model, const State& state, const KernelView<
       evaluate_planar_residual(structure.blocks[b], model.planar_blocks()[b], views, state.views, equations);
     else
       evaluate_residual(structure.blocks[b], views, state.views, equations);
+  if (model.rotating() != nullptr && dot(spin, spin) > 0.0)
+    model.rotating()->add_rows(structure, state, spin, 1.0, equations);
   if (state.in_plane)
     gather_planar_rows(model, equations.planar_loads, out.vertex());
   else
     gather_rows(model, out.vertex());
+}
+
+}  // namespace
+
+namespace {
+
+Vec spin_of(const Model& model, double load_factor) {
+  return model.rotating() == nullptr ? Vec{} : model.rotating()->spin().at(load_factor);
+}
+
+/// Forces of the frame grow with the square of its amplitude.
+void add_frame_slopes(const Model& model, const State& state, double load_factor, MixedVector& rows) {
+  const FrameSpin& spin = model.rotating()->spin();
+  ElementEquations equations = model.workspace().rows;
+  equations.interior_residual = rows.writable_interior(true);
+  Kokkos::deep_copy(equations.residual, 0.0);
+  model.rotating()->add_rows(model.structure(), state, spin.full(), spin.square_slope(load_factor), equations);
+  const KernelView<double*> vertex = rows.vertex(), sum("mixbeam::frame::slopes", vertex.extent(0));
+  gather_rows(model, sum);
+  for (size_t i = 0; i < sum.extent(0); ++i) vertex(i) += sum(i);
 }
 
 }  // namespace
@@ -294,7 +320,8 @@ EvaluationPoint mixed_residual(const Model& model, const State& state, double lo
   EvaluationPoint point{state, load_factor, scales_of(model, state, load_factor)};
   point.end_angles = take_end_angles(model);
   point.line_fields = line_fields_of(model, model.line_fields().amplitudes(load_factor));
-  evaluate_elements(model, state, point.line_fields, &point.scales, point.end_angles, rows);
+  evaluate_elements(model, state, point.line_fields, spin_of(model, load_factor), &point.scales, point.end_angles,
+                    rows);
   const KernelView<double*> vertex = rows.vertex();
   for (const auto& energy : model.external()) energy->add_rows(state, load_factor, vertex);
   point.carried = std::make_shared<const CarriedForces>(model.constraints().carried(state, vertex));
@@ -304,9 +331,11 @@ EvaluationPoint mixed_residual(const Model& model, const State& state, double lo
   return point;
 }
 
-void element_rows(const Model& model, const State& state, double load_factor, bool with_line_loads, MixedVector& rows) {
+void element_rows(const Model& model, const State& state, double load_factor, ElementLoads loads, MixedVector& rows) {
+  const bool with_line_loads = loads != ElementLoads::none;
+  const Vec spin = loads == ElementLoads::with_centrifugal ? spin_of(model, load_factor) : Vec{};
   evaluate_elements(model, state, line_fields_of(model, model.line_fields().amplitudes(load_factor, with_line_loads)),
-                    nullptr, take_end_angles(model), rows);
+                    spin, nullptr, take_end_angles(model), rows);
 }
 
 void load_derivative(const Model& model, const State& state, double load_factor, const ResidualScales& scales,
@@ -316,10 +345,11 @@ void load_derivative(const Model& model, const State& state, double load_factor,
     // fields enter linearly: their contribution is the residual with their derivative minus that without any
     const std::vector<double> slopes = model.line_fields().slopes(load_factor), none(slopes.size(), 0.0);
     MixedVector without = rows.clone(false);
-    evaluate_elements(model, state, line_fields_of(model, none), nullptr, take_end_angles(model), without);
-    evaluate_elements(model, state, line_fields_of(model, slopes), nullptr, take_end_angles(model), rows);
+    evaluate_elements(model, state, line_fields_of(model, none), {}, nullptr, take_end_angles(model), without);
+    evaluate_elements(model, state, line_fields_of(model, slopes), {}, nullptr, take_end_angles(model), rows);
     rows.update(-1.0, without, 1.0);
   }
+  if (model.rotating() != nullptr) add_frame_slopes(model, state, load_factor, rows);
   const KernelView<double*> vertex = rows.vertex();
   for (const auto& energy : model.external()) energy->add_slopes(state, load_factor, vertex);
   model.constraints().project(state, vertex);

@@ -58,9 +58,11 @@ EvaluationPoint mixed_residual(const Model& model, const State& state, double lo
 void load_derivative(const Model& model, const State& state, double load_factor, const ResidualScales& scales,
                      MixedVector& rows);
 
+/// Loads on elements between their vertices.
+enum class ElementLoads { none, line_loads, with_centrifugal };
+
 /// Unscaled rows of the elements alone, without point loads and supports: the forces and moments (spatial) that hold
-/// the elements at each vertex in place, and the interior rows. `with_line_loads` false: as if the members carried
-/// none.
-void element_rows(const Model& model, const State& state, double load_factor, bool with_line_loads, MixedVector& rows);
+/// the elements at each vertex in place, and the interior rows.
+void element_rows(const Model& model, const State& state, double load_factor, ElementLoads loads, MixedVector& rows);
 
 }  // namespace mixbeam

@@ -18,8 +18,14 @@ std::shared_ptr<TangentArrays> allocate_arrays(const Model& model) {
   using Kokkos::view_alloc;
   using Kokkos::WithoutInitializing;
   auto arrays = std::make_shared<TangentArrays>();
-  arrays->elements = allocate_tangents(model.structure());
+  arrays->elements = allocate_tangents(model.structure(), model.rotating() != nullptr);
   arrays->condensed_rows = Teuchos::rcp(new DofVector(model.map()));
+  for (size_t b = 0; b < model.structure().blocks.size() && model.rotating() != nullptr; ++b) {
+    arrays->rotating.push_back(allocate_vibrating_block(model.structure().blocks[b]));
+    Kokkos::deep_copy(arrays->rotating[b].mass, model.rotating()->frame(b, {}).mass);
+  }
+  if (model.rotating() != nullptr)
+    arrays->rotating_rows = KernelView<double*>("mixbeam::frame::interior_rows", model.structure().increment_size);
   if (!model.plane()) return arrays;
   arrays->planar =
       PlanarTangents(view_alloc("mixbeam::planar::tangents", WithoutInitializing), model.structure().local_elements());
@@ -67,8 +73,42 @@ StructureViews Tangent::structure_views() const {
   return views;
 }
 
+/// Matrices alone.
+void Tangent::evaluate_rotating() const {
+  const RotatingElements& rotating = *model_->rotating();
+  const KernelView<int*> negative = arrays_->elements.interior_negative;
+  for (size_t b = 0; b < arrays_->rotating.size(); ++b) {
+    const VibratingBlock& own = arrays_->rotating[b];
+    evaluate_vibration(own, structure_views(), point_.state.views, 0.0, negative.extent(0) > 0,
+                       arrays_->elements.condensed_tangent, rotating.frame(b, rotating.spin().at(point_.load_factor)));
+    for (int e = 0; e < own.block.count && negative.extent(0) > 0; ++e)
+      negative(own.block.first_element + e) = own.negative(e);
+  }
+}
+
+/// Condenses interior rows and those of the elements' ends that stand in the workspace.
+void Tangent::condense_rotating(const KernelView<const double*>& interior) const {
+  Kokkos::deep_copy(arrays_->rotating_rows, interior);
+  const KernelView<double* [12]> ends = model_->workspace().rows.residual;
+  for (const VibratingBlock& own : arrays_->rotating) {
+    take_residual(own, arrays_->rotating_rows, ends);
+    condense_rows(own, arrays_->rotating_rows, ends);
+  }
+  Kokkos::parallel_for(
+      "mixbeam::frame::condensed", Range(0, ends.extent(0)), KOKKOS_LAMBDA(int e) {
+        for (int i = 0; i < 12; ++i) ends(e, i) = -ends(e, i);
+      });
+}
+
 void Tangent::evaluate_in_space() const {
   PhaseTimer timer(model_->times(), "element tangent");
+  if (!arrays_->rotating.empty()) {
+    evaluate_rotating();
+    MixedVector rows = model_->create_vector();
+    element_rows(*model_, point_.state, point_.load_factor, ElementLoads::with_centrifugal, rows);
+    condense_rotating(rows.interior());
+    return;
+  }
   for (const ElementBlock& block : model_->structure().blocks)
     evaluate_tangent(block, structure_views(), point_.state.views, arrays_->elements);
 }
@@ -108,7 +148,11 @@ void Tangent::condense(const MixedVector& scaled_rhs) {
   MixedVector rhs = scaled_rhs.clone(true);
   unscale_rows(*model_, point_.scales, rhs);
   const Structure& structure = model_->structure();
-  for (size_t b = 0; b < structure.blocks.size(); ++b)
+  if (!arrays_->rotating.empty()) {
+    Kokkos::deep_copy(model_->workspace().rows.residual, 0.0);
+    condense_rotating(rhs.interior());
+  }
+  for (size_t b = 0; b < structure.blocks.size() && arrays_->rotating.empty(); ++b)
     if (planar_)
       condense_planar_right_hand_side(structure.blocks[b], arrays_->planar_blocks[b], structure_views(),
                                       point_.state.views, rhs.interior(), arrays_->planar, arrays_->elements);
@@ -130,7 +174,8 @@ void Tangent::recover(MixedVector& increment) const {
   const Structure& structure = model_->structure();
   const KernelView<const double* [6]> vertex = model_->local_increment(increment);
   const KernelView<double*> interior = increment.writable_interior(false);
-  for (size_t b = 0; b < structure.blocks.size(); ++b)
+  for (const VibratingBlock& own : arrays_->rotating) recover_motion(own, arrays_->rotating_rows, vertex, interior);
+  for (size_t b = 0; b < structure.blocks.size() && arrays_->rotating.empty(); ++b)
     if (planar_)
       recover_planar_interior(structure.blocks[b], arrays_->planar_blocks[b], vertex, interior);
     else

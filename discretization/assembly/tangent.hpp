@@ -64,6 +64,8 @@ class Tangent {
  private:
   void evaluate();
   void evaluate_in_space() const;
+  void evaluate_rotating() const;
+  void condense_rotating(const KernelView<const double*>& interior) const;
   /// Sections with the cap, line fields of the point.
   StructureViews structure_views() const;
   void gather_condensed_rows(const KernelView<double* [2]>& loads, const KernelView<double*>& rows) const;

@@ -12,7 +12,9 @@ struct TangentArrays {
   PlanarTangents planar;
   std::vector<PlanarBlock> planar_blocks;
   Teuchos::RCP<DofVector> condensed_rows;
-  KernelView<int*> interior_negative;  ///< (element), once it was asked for
+  KernelView<int*> interior_negative;      ///< (element), once it was asked for
+  std::vector<VibratingBlock> rotating{};  ///< in a frame: how each element is condensed, theory (75); else empty
+  KernelView<double*> rotating_rows{};  ///< interior right-hand side that was condensed last, as take_residual() has it
 };
 
 /// Line fields that were added up last. An array that has been handed out is never written to again.

@@ -135,8 +135,8 @@ void warn_of_small(const ForceSurvey& found, const StiffnessRange& stiffness, Wa
                            ", so that nothing moves visibly; usually units of the load, of E or of the section");
 }
 
-/// Gravity passes over members of which no mass is known.
-void warn_of_weightless(const SceneSurvey& survey, WarningList& list) {
+/// Members of which no mass is known are passed over.
+void warn_of_weightless(const std::string& what, const SceneSurvey& survey, WarningList& list) {
   std::vector<std::string> names;
   for (const Member& member : survey.scene.members) {
     if (member.section == kRigidArm) continue;
@@ -145,7 +145,7 @@ void warn_of_weightless(const SceneSurvey& survey, WarningList& list) {
       names.push_back(member.name);
   }
   if (names.empty()) return;
-  list.add("scenes", "Gravity: no weight of " + std::to_string(names.size()) + " of " +
+  list.add("scenes", what + " of " + std::to_string(names.size()) + " of " +
                          std::to_string(survey.scene.members.size()) + " members: " + quoted_list(names) +
                          "; usually \"Density\" in \"Material\", or \"Mass\", of their sections is missing");
 }
@@ -222,11 +222,12 @@ void add_load_warnings(const SceneSurvey& survey, WarningList& list) {
   warn_of_large(found, stiffness, survey.size, list);
   warn_of_narrow_formulas(survey, list);
   const bool is_moved = imposes_deformation(scene);
-  if (found.forces.empty() && !is_moved)
+  if (!anything_acts(scene))
     list.add("scenes", kNothingActs);
   if (!is_moved) warn_of_small(found, stiffness, list);
+  if (!scene.rotating_frames.empty()) warn_of_weightless("Rotating Frame: no centrifugal force", survey, list);
   if (scene.gravity == 0.0) return;
-  warn_of_weightless(survey, list);
+  warn_of_weightless("Gravity: no weight", survey, list);
   warn_of_light(survey, list);
 }
 

@@ -1,5 +1,6 @@
 #include "discretization/constraints/external_energy.hpp"
 
+#include "discretization/constraints/rotating_frame.hpp"
 #include "kernels/math/vector_algebra.hpp"
 
 #include <algorithm>
@@ -179,6 +180,7 @@ ExternalEnergies external_energies(const Scene& scene, const Mesh& mesh, const S
   ExternalEnergies all;
   all.push_back(std::make_unique<PointLoads>(scene, mesh, structure, clock));
   all.push_back(std::make_unique<SupportSprings>(conditions.supports));
+  if (auto bodies = bodies_in_frame(scene, mesh, structure, clock)) all.push_back(std::move(bodies));
   return all;
 }
 

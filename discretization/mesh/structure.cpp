@@ -385,16 +385,15 @@ ElementEquations allocate_rows(const Structure& structure) {
   return equations;
 }
 
-ElementEquations allocate_tangents(const Structure& structure) {
+ElementEquations allocate_tangents(const Structure& structure, bool keeps_full) {
   using Kokkos::view_alloc;
   using Kokkos::WithoutInitializing;
   const int n = structure.local_elements();
-  bool some_unsymmetric = false;
   for (const ElementBlock& block : structure.blocks)
-    for (int e = 0; e < block.count && !some_unsymmetric; ++e) some_unsymmetric = block.is_unsymmetric(e);
+    for (int e = 0; e < block.count && !keeps_full; ++e) keeps_full = block.is_unsymmetric(e);
   ElementEquations equations;
   equations.condensed_tangent = KernelView<double**>(view_alloc("mixbeam::condensed_tangent", WithoutInitializing), n,
-                                                     some_unsymmetric ? kFullTangent : kSymmetricTangent);
+                                                     keeps_full ? kFullTangent : kSymmetricTangent);
   equations.response =
       KernelView<double*>(view_alloc("mixbeam::response", WithoutInitializing), structure.response_size);
   return equations;

@@ -83,7 +83,8 @@ State allocate_state(const Structure& structure);
 
 /// Arrays for rows of all elements, of residuals or condensed ones: they share their numbers.
 ElementEquations allocate_rows(const Structure& structure);
-/// Arrays for the tangents of all elements and the recovery of their interiors.
-ElementEquations allocate_tangents(const Structure& structure);
+/// Arrays for the tangents of all elements and the recovery of their interiors. `keeps_full`: matrices of 12 rows even
+/// where all are symmetric.
+ElementEquations allocate_tangents(const Structure& structure, bool keeps_full);
 
 }  // namespace mixbeam

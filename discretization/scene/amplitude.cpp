@@ -220,10 +220,29 @@ double Amplitude::slope(double load_factor) const {
   return (f(-2 * h) - 8 * f(-h) + 8 * f(h) - f(2 * h)) / (12 * h);
 }
 
+std::string centrifugal_growth(const RotatingFrame& frame, Stage stages) {
+  std::string growth = frame.amplitude;
+  if (growth.empty()) growth = "t-" + std::to_string(frame.stage - 1);
+  if (frame.amplitude.empty() && frame.stage > 1) growth = "max(0," + growth + ")";
+  if (frame.amplitude.empty() && frame.stage < stages) growth = "min(1," + growth + ")";
+  return "(" + growth + ")^2";
+}
+
+namespace {
+
+/// The formula of what grows; empty: a ramp.
+template <class Load>
+const std::string& growth_of(const Load& load, Stage) {
+  return load.amplitude;
+}
+std::string growth_of(const RotatingFrame& frame, Stage stages) { return centrifugal_growth(frame, stages); }
+
+}  // namespace
+
 LoadClock::LoadClock(const Scene& scene) : stages_(scene.stages) {
   std::set<std::pair<Stage, std::string>> different;
   for_each_acting(scene, [&](const auto& load, auto kind) {
-    if (kind.acts(load)) different.insert({load.stage, load.amplitude});
+    if (kind.acts(load)) different.insert({load.stage, growth_of(load, scene.stages)});
   });
   if (std::all_of(different.begin(), different.end(), [](const auto& d) { return d.second.empty(); })) return;
   std::vector<LoadTurn> all;

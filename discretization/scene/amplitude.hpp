@@ -43,6 +43,9 @@ class Amplitude {
   std::shared_ptr<const LoadClock> clock_{};  ///< none: there are no formulas
 };
 
+/// The square of a frame's amplitude, with which centrifugal forces grow, as a formula of t = load factor.
+std::string centrifugal_growth(const RotatingFrame& frame, Stage stages);
+
 /// Where an amplitude turns back, or jumps: then `before` is the last load factor of the value before, `after`, next to
 /// it, the first of the value after.
 struct LoadTurn {

@@ -241,6 +241,16 @@ struct Eigenstrain {
   std::array<Vector3, 2> end_turns{};  ///< curvature concentrated at start and end: rotation vectors, material
 };
 
+/// A frame that turns steadily about an axis, in which the structure is at rest: supports and dead loads turn with it.
+struct RotatingFrame {
+  Vector3 point{};     ///< of the axis
+  Vector3 velocity{};  ///< angular, along the axis: radian per unit of time
+  Stage stage = 1;
+  std::string amplitude{};  ///< of the velocity; forces grow with its square
+  std::string load_case{};
+  std::string name = "Rotating Frame";  ///< of its list
+};
+
 /// A buckling mode that is laid on the geometry.
 struct ModeImperfection {
   std::string name{};                   ///< of its list
@@ -269,6 +279,7 @@ struct Scene {
   int stages = 1;  ///< largest stage in use; the load factor runs from 0 to this number
   std::vector<Joint> joints{};
   std::vector<Eigenstrain> eigenstrains{};
+  std::vector<RotatingFrame> rotating_frames{};  ///< one, or none
   /// Names of alternatives that are solved one by one, each from the undeformed structure. A load or prescribed motion
   /// with a load case acts in that case only, one without in all of them. Solving takes a scene of one case.
   std::vector<std::string> load_cases{};

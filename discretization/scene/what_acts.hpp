@@ -97,6 +97,21 @@ struct ActingKind<Support> : UsualKind<Support> {
   }
 };
 
+/// Patterns do not copy it: all copies are in it.
+template <>
+struct ActingKind<RotatingFrame> : UsualKind<RotatingFrame> {
+  static constexpr auto list = &Scene::rotating_frames;
+  static constexpr const char *name = "Rotating Frame", *words = "the list";
+  static constexpr auto target = &RotatingFrame::name;
+  static constexpr bool stays = true;
+  template <class Load, class Visit>
+  static void for_each_vector(Load& frame, const Visit& visit) {
+    visit(frame.velocity, kConstant<Load>, VectorRole::rotation);
+  }
+  static bool is_in_triad(const RotatingFrame&) { return false; }
+  static bool acts(const RotatingFrame& frame) { return !vector_algebra::is_zero(frame.velocity); }
+};
+
 /// Bodies are read and copied as loads at points are, but act by their weight alone: for_each_kind() leaves them out.
 template <>
 struct ActingKind<PointMass> {
@@ -113,6 +128,7 @@ void for_each_kind(const Visit& visit) {
   visit(ActingKind<DistributedLoad>{});
   visit(ActingKind<Eigenstrain>{});
   visit(ActingKind<Support>{});
+  visit(ActingKind<RotatingFrame>{});
 }
 
 /// Calls visit(load, its kind) for each load, strain and support of a scene.

@@ -183,6 +183,13 @@ class ActingTables {
       row.add_beginning(strain);
     });
   }
+  ActingTable rotating_frames() const {
+    return table_of("rotating_frames", scene_.rotating_frames, [&](TableFiller row, const RotatingFrame& frame) {
+      row.add("position", frame.point);
+      row.add("velocity", frame.velocity);
+      row.add_beginning(frame);
+    });
+  }
   /// All sections that differ, and which of them each member has.
   std::array<ActingTable, 2> sections() const {
     std::array<ActingTable, 2> tables{ActingTable{"sections"}, ActingTable{"members"}};
@@ -232,7 +239,8 @@ class ActingTables {
 Acting acting_on(const Scene& scene, const Mesh& mesh) {
   const ActingTables tables(scene, mesh);
   Acting acting{scene.units,
-                {tables.supports(), tables.joints(), tables.point_loads(), tables.line_loads(), tables.eigenstrains()}};
+                {tables.supports(), tables.joints(), tables.point_loads(), tables.line_loads(), tables.eigenstrains(),
+                 tables.rotating_frames()}};
   for (ActingTable& table : tables.sections()) acting.tables.push_back(std::move(table));
   const auto is_empty = [](const ActingTable& table) { return table.rows == 0; };
   acting.tables.erase(std::remove_if(acting.tables.begin(), acting.tables.end(), is_empty), acting.tables.end());

@@ -71,11 +71,12 @@ double work_of_supports(const Model& model, const State& first, double from, con
 
 double potential_energy(const Model& model, const State& state, double load_factor) {
   MixedVector rows = model.create_vector(), loads = rows.clone(true);
-  element_rows(model, state, load_factor, true, rows);
+  element_rows(model, state, load_factor, ElementLoads::line_loads, rows);
   double sum = energy_of_misfits(model, state, rows) + stored_in_springs(model.conditions(), state);
   for (const auto& energy : model.external()) sum += energy->energy(state, load_factor);
+  if (model.rotating() != nullptr) sum += model.rotating()->energy(model.structure(), state, load_factor);
   if (model.line_fields().has_loads()) {
-    element_rows(model, state, load_factor, false, loads);
+    element_rows(model, state, load_factor, ElementLoads::none, loads);
     loads.update(1.0, rows, -1.0);
     sum += potential_of_line_loads(model, state, loads);
   }

@@ -133,8 +133,8 @@ class BalanceSums {
       : model_(model), state_(state), load_factor_(load_factor), parts_(parts), sums_(parts.count) {
     find_boxes();
     MixedVector rows = model.create_vector();
-    element_rows(model, state, load_factor, true, rows);
-    if (model.line_fields().has_loads()) add_line_loads(rows);
+    element_rows(model, state, load_factor, ElementLoads::with_centrifugal, rows);
+    if (model.line_fields().has_loads() || model.rotating() != nullptr) add_line_loads(rows);
     leave_to_supports(model, state, load_factor, rows.vertex());
     add_point_loads();
     for (const VertexSupport& support : model.conditions().supports)
@@ -181,7 +181,7 @@ class BalanceSums {
   }
   void add_line_loads(const MixedVector& loaded) {
     MixedVector difference = model_.create_vector();
-    element_rows(model_, state_, load_factor_, false, difference);
+    element_rows(model_, state_, load_factor_, ElementLoads::none, difference);
     difference.update(1.0, loaded, -1.0);
     const Rows rows = difference.vertex(), interior = difference.interior();
     for (int v = 0; v < model_.structure().owned_vertices; ++v) {
@@ -246,7 +246,7 @@ Balance BalanceSums::over_all_ranks() const {
 
 std::vector<Reaction> reactions(const Model& model, const State& state, double load_factor) {
   MixedVector rows = model.create_vector();
-  element_rows(model, state, load_factor, true, rows);
+  element_rows(model, state, load_factor, ElementLoads::with_centrifugal, rows);
   leave_to_supports(model, state, load_factor, rows.vertex());
   const std::vector<Support>& supports = model.scene().supports;
   std::vector<double> all(6 * supports.size(), 0.0);

@@ -126,6 +126,18 @@ std::optional<MonitoredComponent> read_branch_point(const Teuchos::ParameterList
   return branch;
 }
 
+/// Linear buckling takes stresses that grow with the loads, and a plane has no frame.
+void require_rest(const AnalysisParameters& parameters, const ParameterSource& source, const ParameterPath& path) {
+  if (parameters.buckling_modes > 0)
+    throw source.error(
+        child(path, "Buckling Modes"),
+        "given, but in \"Rotating Frame\" loads grow with the square of the load factor; allowed: without "
+        "one of them (the path itself meets critical speeds)");
+  if (parameters.modes.in_plane)
+    throw source.error(child(child(path, "Modes"), "In Plane"),
+                       "value true with \"Rotating Frame\"; allowed: false (its modes are those in space)");
+}
+
 }  // namespace
 
 ListSpec analysis_spec() { return kAnalysisParameters.spec; }
@@ -140,6 +152,7 @@ AnalysisParameters read_analysis_parameters(Teuchos::ParameterList& list, const 
     throw source.error(control, "given, but the scene has " + std::to_string(scene.stages) + " stages; allowed: one");
   if (parameters.control) require_loads(scene, source, control);
   parameters.branch_point = read_branch_point(list, scene, source, path);
+  if (!scene.rotating_frames.empty()) require_rest(parameters, source, path);
   if (parameters.branch != Branch::primary && !parameters.stability.value_or(true))
     throw source.error(child(path, "Branch"), "given, but bifurcations are not looked for with \"Stability\" = false");
   return parameters;

@@ -238,6 +238,10 @@ Scene with_mode_shapes(const Scene& scene, const SolverParameters& parameters, c
                        const InputPlace& place) {
   if (scene.imperfection_modes.empty()) return scene;
   const InputPlace modes = place["Imperfection"]["Modes"];
+  if (!scene_of_case(scene, scene.imperfection_case).rotating_frames.empty())
+    throw modes.error(
+        "given, but in \"Rotating Frame\" loads grow with the square of the load factor; allowed: a \"Case\" "
+        "without it, or \"Bows\", \"Sway\" and \"Points\"");
   const auto problem = Teuchos::rcp(new BeamProblem(scene_of_case(scene, scene.imperfection_case), comm, parameters));
   try {
     const State moved = moved_by_modes(*problem, scene, modes);

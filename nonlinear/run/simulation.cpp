@@ -32,10 +32,13 @@ size_t elements_for_stresses(const Scene& scene, const Mesh& mesh) {
   return count;
 }
 
-RecordedStability recorded(const StepReport& report) {
+/// With an even number of negative eigenvalues Coriolis forces may hold a state: theory (76).
+RecordedStability recorded(const StepReport& report, const Model& model) {
   RecordedStability stability;
   if (report.stability) {
-    stability.stable = text_of(report.stability->verdict());
+    const int negative = report.stability->negative;
+    const bool may_be_held = negative > 0 && negative % 2 == 0 && norm(model.frame().at(report.load_factor)) > 0.0;
+    stability.stable = text_of(may_be_held ? Verdict::unknown : report.stability->verdict());
     stability.negative = report.stability->negative;
     stability.has_potential = report.stability->symmetric;
   }
@@ -62,7 +65,7 @@ Simulation::Simulation(std::shared_ptr<const Scene> scene, const SolverParameter
 const LoadPathResult& Simulation::run(const PathObserver& observer, const PathControl& control) {
   const PathObserver remember = [&](const StepReport& report, const State& state) {
     load_factor_ = report.load_factor;
-    stability_ = recorded(report);
+    stability_ = recorded(report, model());
     jumps_ = report.point.jumps;
     if (observer) observer(report, state);
   };
@@ -74,7 +77,7 @@ const LoadPathResult& Simulation::settle(const State& start, const PathObserver&
   state_ = start;
   load_factor_ = scene().stages;
   const PathObserver remember = [&](const StepReport& report, const State& settled) {
-    stability_ = recorded(report);
+    stability_ = recorded(report, model());
     if (observer) observer(report, settled);
   };
   result_ = settle_at_end(problem_, parameters_, state_, remember);

@@ -259,10 +259,12 @@ StabilityResult Stability::stable(const EvaluationPoint& point, double share_of_
   return result;
 }
 
-/// Without stresses no eigenvalue is below zero, and those of the unloaded structure tell whether one is zero.
+/// Without stresses, at rest, no eigenvalue is below zero, and those of the unloaded structure tell whether one is
+/// zero.
 std::optional<StabilityResult> Stability::count_without_stress(const State& state, double load_factor) {
   const Model& model = problem_.model;
   if (stress_of(model, magnitude_of(model, state, load_factor)) > 0.0) return std::nullopt;
+  if (norm(model.frame().at(load_factor)) > 0.0) return std::nullopt;
   const double share = share_of_cap(0.0);
   if (!unloaded_->is_stable) return std::nullopt;
   MixedVector residual = model.create_vector();

@@ -38,6 +38,10 @@ constexpr double kCapOfVibration = 1.0, kGap = 2e-4;
 /// A low cap leaves less of rounding, of which eigenvalues without symmetry carry the first power.
 constexpr double kCapWithoutSymmetry = 1e-2;
 
+/// Velocities are divided by a frequency among those sought, in units of sqrt(EI/(m L^4)): with 1 the search takes half
+/// as long again.
+constexpr double kVelocityScale = 30.0;
+
 /// Residual of pairs: its square is the error of omega^2, and one more solution follows.
 constexpr double kResidual = 1e-8;
 
@@ -48,7 +52,7 @@ class Vibration {
       : operator_(problem, state, load_factor, in_plane), load_factor_(load_factor), observer_(observer) {}
 
   std::vector<VibrationMode> modes(int count) {
-    if (operator_.masses().is_damped()) return damped_modes(count);
+    if (operator_.has_forces_of_velocity()) return damped_modes(count);
     const int wanted = count + kModesBehind;
     double shift = first_shift();
     std::vector<VibrationMode> found;
@@ -202,16 +206,16 @@ class Vibration {
       mode.participation[axis] = dot_product(momenta, translation_[axis]) / mode.modal_mass;
   }
 
-  /// On (G phi, s G phi / omega_0, beta D phi), which is all that damping and inertia touch.
+  /// On (G phi, s G phi / omega_0, beta D phi), which is all that damping, Coriolis forces and inertia touch.
   std::vector<VibrationMode> damped_modes(int count) {
-    const double reference = std::sqrt(first_shift());
+    const double reference = kVelocityScale * std::sqrt(first_shift());
     operator_.factorize(0.0, kCapWithoutSymmetry, false);
     const size_t n = operator_.masses().momenta(), strains = operator_.masses().damped_strains();
     KrylovProblem eigen;
     eigen.unknowns = static_cast<int>(2 * n + strains);
     eigen.symmetric = false;
     eigen.tolerance = kOfUnsymmetric;
-    eigen.width = std::max(kLeastBlock, (2 * count + kBlocksOfModes - 1) / kBlocksOfModes);
+    eigen.width = std::max(kLeastBlock, count + kModesBehind);
     eigen.apply = [&](double* block, int columns) {
       for (int j = 0; j < columns; ++j) {
         double* own = block + static_cast<size_t>(j) * eigen.unknowns;

@@ -11,12 +11,12 @@
 
 namespace mixbeam {
 
-/// Mode phi exp(s t) of (K + s C + s^2 M) phi = 0, C of damping. Where s is complex phi is a part of its mode, of unit
-/// length.
+/// Mode phi exp(s t) of (K + s C + s^2 M) phi = 0, C of damping and of Coriolis forces in a frame that turns. Where s
+/// is complex phi is a part of its mode, of unit length.
 struct VibrationMode {
   EigenMode pair;  ///< eigenvalue: real part of -s^2, omega^2; the mode with N and M; error: residual of the pair
   /// s: i omega; where omega^2 is below zero or complex, that of the motion that grows, and with the conjugate of
-  /// omega^2 that of the one that decays; with damping one for each conjugate pair.
+  /// omega^2 that of the one that decays; with C one for each conjugate pair.
   std::complex<double> rate{};
   double modal_mass = 0.0;                ///< phi . M phi
   std::array<double, 3> participation{};  ///< phi . M e / modal_mass, e a unit translation along x, y, z
@@ -33,7 +33,7 @@ using ModeSearchObserver = std::function<void(const ModeSearch&)>;
 /// (omega^2 + shift) of (K + shift M)^-1 M, of which no mass is condensed, theory (72). The stiffness is the true one,
 /// rigid sections included, theory (38). Modes that share a frequency are orthogonal in M. EigenMode::converged: the
 /// inertia of K - omega^2 M above the modes found tells that none is missing below, theory (47); where loads have no
-/// potential, and with damping, nothing counts, and it tells that the equation of the mode holds. Damped ones are the
+/// potential, and with C, nothing counts, and it tells that the equation of the mode holds. Those with C are the
 /// eigenvalues 1 / s of largest size of T = ((-K^-1 C, -K^-1 M), (1, 0)), theory (73), about a state that supports
 /// hold.
 ///

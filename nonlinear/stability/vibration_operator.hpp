@@ -38,6 +38,10 @@ class VibrationOperator {
   /// eigenvalues, -1 where they are uncertain or not real; without `counts` those inside of elements are left out.
   long factorize(double shift, double raise, bool counts);
 
+  /// Whether velocities make forces: by damping, or in a frame that turns.
+  bool has_forces_of_velocity() const {
+    return masses_.is_damped() || norm(model_.frame().at(point_.load_factor)) > 0.0;
+  }
   /// Whether the loads have a potential in the last factors.
   bool symmetric() const { return symmetric_; }
 
@@ -70,7 +74,7 @@ class VibrationOperator {
   std::optional<Tangent> tangent_;
   std::unique_ptr<InertiaSolver> of_symmetric_, of_general_;  ///< rank 0
   bool symmetric_ = true;
-  bool corrects_slowly_ = false;                              ///< the cap, in the last factors
+  bool corrects_slowly_ = false;  ///< the cap, in the last factors
 };
 
 }  // namespace mixbeam

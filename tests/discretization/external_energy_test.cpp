@@ -81,6 +81,45 @@ TEST(ExternalEnergy, SlopesAreTheDerivativeWithRespectToTheLoadFactor) {
   EXPECT_GT(slopes.maximum_norm(), 1.0);
 }
 
+/// Bodies of any inertia anywhere in a frame that turns.
+Scene scene_of_bodies() {
+  Scene scene = portal_of_joints(2, 2);
+  scene.point_loads.clear();
+  for (Support& support : scene.supports) support.displacement_stiffness = {};
+  scene.point_masses = {{"G", 2.0, {0.5, 0.7, 0.9}}, {"C", 1.5, {0.2, 0.3, 0.4}}};
+  scene.point_masses[0].axes = {{{0, 0.6, 0.8}, {1, 0, 0}, {0, 0.8, -0.6}}};
+  scene.rotating_frames = {{{0.3, -0.2, 0.4}, {0.5, -1.2, 0.8}}};
+  return scene;
+}
+
+TEST(ExternalEnergy, BodiesInAFrameHaveTheRowsAndTheTangentOfTheirEnergy) {
+  constexpr double kSecond = 1e-4, kOfSecond = 1e-6;  // second differences: rounding 1e-16 / 1e-8 of 100, and 1e-8
+  const Model model(scene_of_bodies(), this_rank(), {});
+  MixedVector start = model.create_vector(), way = start.clone(false);
+  fill_at_random(start, 0.5, 5);
+  fill_at_random(way, 1.0, 6);
+  const State state = model.apply(model.reference_state(), start, 1.0);
+  const auto energy = [&](double step) { return energy_of(model, model.apply(state, way, step)); };
+  MixedVector rows = model.create_vector(), slopes = rows.clone(false);
+  rows.fill(0.0);
+  slopes.fill(0.0);
+  add_rows(model, state, 0.7, rows);
+  const double change = (energy(kStep) - energy(-kStep)) / (2.0 * kStep);
+  EXPECT_NEAR(change, product(rows.vertex(), way.vertex()), kLargestValue * kAccuracy);
+  EXPECT_GT(std::abs(change), 1e5 * kAccuracy);
+  const VertexMatrix matrix = whole_matrix(model);
+  const KernelView<double**> none("none", model.structure().local_elements(), kFullTangent);
+  matrix.gather(LinkMatrices<kSpatialDofs>{none, {}});
+  for (const auto& one : model.external()) one->add_tangent(state, 0.7, matrix.rows());
+  DofVector image(model.map());
+  matrix.matrix()->apply(way.vertex_dofs(), image);
+  const double second = (energy(kSecond) - 2.0 * energy(0.0) + energy(-kSecond)) / (kSecond * kSecond);
+  EXPECT_NEAR(image.dot(way.vertex_dofs()), second, kLargestValue * kOfSecond);
+  for (const auto& one : model.external()) one->add_slopes(state, 0.7, slopes.vertex());
+  slopes.update(-2.0 / 0.7, rows, 1.0);  // they grow with the square of the load factor
+  EXPECT_LE(slopes.maximum_norm(), kAccuracy);
+}
+
 /// Forces of supports are reactions, not loads. Vertices of springs, of moments and of followers stay in the condensed
 /// system, those of dead forces need not.
 TEST(ExternalEnergy, SupportsAreNoLoads) {

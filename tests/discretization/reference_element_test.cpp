@@ -52,7 +52,7 @@ Curve formula_curve() {
 double largest_row(const Scene& scene) {
   const Model model(scene, this_rank(), {});
   MixedVector rows = model.create_vector();
-  element_rows(model, model.reference_state(), 0.0, false, rows);
+  element_rows(model, model.reference_state(), 0.0, ElementLoads::none, rows);
   double largest = 0.0;
   const auto see = [&](double row) {
     if (!(std::abs(row) <= largest)) largest = std::abs(row);
@@ -109,7 +109,7 @@ TEST(ReferenceElement, WithoutTheJumpsTheStateIsNot) {
     for (int i = 0; i < 3; ++i) block.reference(2, block.reference_layout.curvature(q) + i) = exact[i];
   }
   MixedVector rows = model.create_vector();
-  element_rows(model, model.reference_state(), 0.0, false, rows);
+  element_rows(model, model.reference_state(), 0.0, ElementLoads::none, rows);
   double largest = 0.0;
   for (size_t i = 0; i < rows.interior().extent(0); ++i) largest = std::max(largest, std::abs(rows.interior()(i)));
   EXPECT_GT(largest, 1e-5);

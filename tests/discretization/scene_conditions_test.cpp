@@ -326,6 +326,23 @@ TEST(Gravity, MayBeSeveralOfStagesAndCases) {
   refused("Acceleraton: [0, 0, -10]", {"Gravity / Acceleraton", "did you mean \"Acceleration\""});
 }
 
+TEST(RotatingFrame, TurnsAboutAnAxisOfAnyLength) {
+  const auto heavy = [](const std::string& frame) {
+    return changed(tripod(kClamps, "Rotating Frame: {" + frame + "}"), "EA: 1e4, ", "EA: 1e4, Mass: 0.5, ");
+  };
+  const Scene scene = scene_from(heavy("Point: [1, 0, 0], Axis: [0, 3, 4], Angular Velocity: 10, Stage: 1"));
+  ASSERT_EQ(scene.rotating_frames.size(), 1U);
+  EXPECT_EQ(scene.rotating_frames[0].velocity, (Vector3{0, 6, 8}));
+  const auto refused = [&](const std::string& text, const std::vector<std::string>& parts) {
+    expect_in(message_of([&] { scene_from(text); }), parts);
+  };
+  refused(heavy("Angular Velocity: 10"), {"Rotating Frame / Axis", "missing"});
+  refused(heavy("Axis: [0, 0, 0], Angular Velocity: 1"), {"Rotating Frame / Axis", "no direction"});
+  refused(heavy("Axis: [0, 0, 1], Velocity: 1"), {"Rotating Frame / Velocity", "\"Angular Velocity\""});
+  refused(tripod(kClamps, "Rotating Frame: {Axis: [0, 0, 1], Angular Velocity: 1}"),
+          {"Scene / Rotating Frame", "nothing has a mass", "\"Density\""});
+}
+
 TEST(NamePatterns, ExactNamesWin) {
   // A member whose own name contains a star.
   const std::string starred =

@@ -223,6 +223,108 @@ TEST(Vibration, RayleighDampingOfAStraightColumn) {
   }
 }
 
+/// In a frame that turns about e3, its root at a distance from the axis.
+Scene rotating(Scene scene, double velocity, double hub = 0.0) {
+  scene.point_loads.clear();
+  scene.rotating_frames = {{{-hub, 0, 0}, {0, 0, velocity}}};
+  return scene;
+}
+Scene rotating_cantilever(double velocity, double hub = 0.0) {
+  Scene scene = rotating(with_mass(column(4, 16)), velocity, hub);
+  scene.sections[0].bending_stiffness = {1.0, 1.0};
+  return scene;
+}
+
+/// An inextensible blade, EI = m = L = 1, by power series to 13 digits: flap 1 to 3 and the first lag. Of lag and flap
+/// modes omega^2 differs by Omega^2.
+TEST(Vibration, RotatingCantilever) {
+  constexpr double kTable = 2e-9;  // of omega^2
+  struct Row {
+    double velocity, hub;
+    std::array<double, 3> flap;
+    double lag;
+  };
+  for (const Row& row : {Row{1, 0, {3.681646813958, 22.181011150583, 61.84176258716}, 3.5432362696731},
+                         Row{4, 0, {5.5850014208848, 24.273349394449, 63.966760493115}, 3.8977225236393},
+                         Row{4, 1, {7.4750477921146, 26.95726167155, 66.986772300623}, 6.3147715314489}}) {
+    const std::vector<double> found = squares_at(rotating_cantilever(row.velocity, row.hub), 1.0, 6, false);
+    ASSERT_EQ(found.size(), 6u);
+    for (size_t i = 0; i < 3; ++i) {
+      const double flap = row.flap[i] * row.flap[i];
+      EXPECT_NEAR(found[2 * i + 1], flap, kTable * flap);
+      EXPECT_NEAR(found[2 * i], flap - row.velocity * row.velocity, kTable * flap);
+    }
+    EXPECT_NEAR(found[0], row.lag * row.lag, kTable * row.lag * row.lag);
+  }
+}
+
+/// Inertia turns cross sections into the plane of the motion: omega^2 J1 = GIt (pi / 2)^2 + Omega^2 (J3 - J2), of a rod
+/// without mass on a body with such inertia GIt + Omega^2 (J3 - J2).
+TEST(Vibration, CentrifugalCouplesOnRotaryInertia) {
+  constexpr double kVelocity = 2.0, kTwist = 0.3, kMore = 0.5 * kTwist * kVelocity * kVelocity;
+  Scene scene = rotating(with_mass(column(4, 8)), kVelocity);
+  scene.sections[0].bending_stiffness = {kRigid, kRigid};  // else Coriolis forces couple twist and bending
+  scene.sections[0].torsional_stiffness = kTwist;
+  scene.sections[0].rotary_inertia = {1.0, 0.25 * (1.0 - kTwist) + 0.25, 0.25 * (1.0 + kTwist) + 0.25};
+  const double expected = kTwist * 0.25 * kPi * kPi + kMore;
+  EXPECT_NEAR(squares_at(scene, 1.0, 1, false)[0], expected, kSame * expected);
+  scene.point_masses = {{"tip", 1.0, scene.sections[0].rotary_inertia}};
+  scene.sections[0].mass = 0.0;
+  scene.sections[0].rotary_inertia = {};
+  EXPECT_NEAR(squares_at(scene, 1.0, 1, false)[0], kTwist + kMore, kSame);
+}
+
+/// A body on a rod without mass, which its force T = m Omega^2 L makes stiffer: T / (1 - tanh(mu) / mu), mu^2 = T / EI.
+TEST(Vibration, RotatingBody) {
+  constexpr double kVelocity = 3.0, kBody = 0.7;
+  Scene scene = rotating(column(4, 16), kVelocity);
+  scene.sections[0].bending_stiffness = {1.0, 1.0};
+  scene.point_masses = {{"tip", kBody}};
+  const double force = kBody * kVelocity * kVelocity, mu = std::sqrt(force);
+  const double flap = force / (1.0 - std::tanh(mu) / mu) / kBody;
+  expect_squares(squares_at(scene, 1.0, 2, false), {flap - kVelocity * kVelocity, flap}, kColumn);
+}
+
+/// Coriolis forces move the lag mode of a blade that stretches; first lag at Omega = 4 by shooting, without them
+/// 3.879841178, 3.895935284, 3.897704651.
+TEST(Vibration, CoriolisForcesOnBladesThatStretch) {
+  constexpr double kDigits = 1e-9;  // of the values
+  for (const auto& [stiffness, lag, without] : {std::array<double, 3>{1e3, 3.832944802, 3.879841178},
+                                                {1e4, 3.891203607, 3.895935284},
+                                                {1e6, 3.897657289, 3.897704651}}) {
+    Scene scene = rotating_cantilever(4.0);
+    scene.sections[0].axial_stiffness = stiffness;
+    StabilityFixture at(scene);
+    const std::vector<VibrationMode> modes = vibration_modes(at.problem(), at.equilibrium(1.0), 1.0, 1);
+    EXPECT_NEAR(modes[0].rate.imag(), lag, kDigits);
+    EXPECT_GT(std::abs(modes[0].rate.imag() - without), 1e3 * kDigits);
+    EXPECT_LT(std::abs(modes[0].rate.real()), kDigits);
+  }
+}
+
+/// A heavy spot on a shaft without mass, alike in all directions across, in the frame of the shaft: omega_0 -+ Omega,
+/// which Coriolis forces hold where the stiffness omega_0^2 - Omega^2 of both motions is negative (de Laval).
+TEST(Vibration, CoriolisForcesHoldAShaftBeyondItsCriticalSpeed) {
+  constexpr double kDigits = 1e-8;
+  for (const double ratio : {0.5, 2.5}) {
+    Scene scene = column(4, 8, euler_columns()[4].supports);
+    scene.points.push_back({"middle", {0.5, 0, 0}});
+    scene.members = {line("left", "clamp", "middle", 4, 4), line("right", "middle", "tip", 4, 4)};
+    scene.sections[0].bending_stiffness = {1.0, 1.0};
+    scene.point_masses = {{"middle", 1.0}};
+    scene.point_loads.clear();
+    const double still = std::sqrt(192.0);
+    scene.rotating_frames = {{{0, 0, 0}, {ratio * still, 0, 0}}};
+    StabilityFixture at(scene);
+    const std::vector<VibrationMode> modes = vibration_modes(at.problem(), at.equilibrium(1.0), 1.0, 2);
+    ASSERT_EQ(modes.size(), 2u);
+    EXPECT_NEAR(modes[0].rate.imag(), std::abs(1.0 - ratio) * still, kDigits * still);
+    EXPECT_NEAR(modes[1].rate.imag(), (1.0 + ratio) * still, kDigits * still);
+    EXPECT_EQ(at.count(1.0).negative, ratio > 1.0 ? 2 : 0);
+    for (const VibrationMode& mode : modes) EXPECT_LT(std::abs(mode.rate.real()), kDigits * still);
+  }
+}
+
 TEST(Vibration, RefusesWhatHasNoMass) {
   BeamProblem massless(column(2, 2), this_rank(), {});
   EXPECT_THROW(vibration_modes(massless, massless.model.reference_state(), 0.0, 1), LinearSolverError);

@@ -18,7 +18,7 @@ void expect_balanced(const Simulation& simulation) {
 Vec joint_moment(const Simulation& simulation, int joint) {
   const Model model(simulation.scene(), this_rank(), {});
   MixedVector rows = model.create_vector();
-  element_rows(model, simulation.state(), simulation.load_factor(), true, rows);
+  element_rows(model, simulation.state(), simulation.load_factor(), ElementLoads::with_centrifugal, rows);
   return rows_of(rows.vertex(), model.mesh().joints[joint].slave, kMomentPart);
 }
 

@@ -47,6 +47,8 @@ extern const BoundList<Joint> kJointParameters;
 
 /// The list "Gravity".
 ListSpec gravity_spec();
+/// The list "Rotating Frame".
+ListSpec rotating_frame_spec();
 /// Adds the lists of all other loads.
 void add_load_lists(ListSpec& spec);
 
@@ -96,6 +98,7 @@ class ConditionReader {
   void divide_at(const std::string& member, const std::array<double, 2>& range, const InputPlace& place);
   void read_gravity();
   void read_weight(const List& list, const InputPlace& place);
+  void read_rotating_frame();
   void read_eigenstrains();
 
   /// Adds one of the kinds of scene/what_acts.hpp.

@@ -80,6 +80,27 @@ BoundList<DistributedLoad> gravity_parameters() {
   return gravity;
 }
 
+/// As it was written.
+struct RotatingFrameDraft : RotatingFrame {
+  Vector3 axis{};
+  double speed = 0.0;
+};
+
+BoundList<RotatingFrameDraft> rotating_frame_parameters() {
+  BoundList<RotatingFrameDraft> frame(
+      "A frame that turns steadily, in which the structure is at rest: centrifugal forces on all masses (Density of "
+      "Material, or Mass, of sections, with their inertia; Point Masses), and Coriolis forces in Modes. Supports, dead "
+      "loads and Gravity turn with the frame.");
+  frame.bind(&RotatingFrameDraft::point, vector3("Point").by_default(), "A point of the axis [length].");
+  frame.bind(&RotatingFrameDraft::axis, vector3("Axis").required(),
+             "Direction of the axis, in global axes: {0, 0, 1}, of any length.");
+  frame.bind(&RotatingFrameDraft::speed, real("Angular Velocity").required(),
+             "About the axis, right-handed [radian / time], the unit of time being that of Density or Mass. It grows "
+             "with the load factor, and forces with its square.");
+  bind_schedule(frame, "The angular velocity grows");
+  return frame;
+}
+
 BoundList<DistributedLoad> distributed_load_parameters() {
   BoundList<DistributedLoad> load("A load per unit of undeformed length along a member, or a part of it.");
   load.bind(&DistributedLoad::member, text("Member").required(), "Name of the member" + kWildcard);
@@ -155,6 +176,7 @@ const BoundList<PointMass> kPointMassParameters = point_mass_parameters();
 const BoundList<DistributedLoad> kDistributedLoadParameters = distributed_load_parameters();
 const BoundList<DistributedLoad> kGravityParameters = gravity_parameters();
 const BoundList<EigenstrainDraft> kEigenstrainParameters = eigenstrain_parameters();
+const BoundList<RotatingFrameDraft> kRotatingFrameParameters = rotating_frame_parameters();
 
 }  // namespace
 
@@ -340,6 +362,26 @@ void ConditionReader::read_weight(const List& list, const InputPlace& place) {
   if (!is_any)
     throw place.error("no section has a mass; allowed: \"Density\" in \"Material\", or \"Mass\", of some section");
   scene_.gravity = std::max(scene_.gravity, vector_algebra::norm(gravity.force));
+}
+
+ListSpec rotating_frame_spec() { return kRotatingFrameParameters.spec; }
+
+void ConditionReader::read_rotating_frame() {
+  if (!scene_list_.isSublist("Rotating Frame")) return;
+  const List& list = scene_list_.sublist("Rotating Frame");
+  const InputPlace place = place_["Rotating Frame"];
+  RotatingFrameDraft frame = kRotatingFrameParameters.read(list);
+  const double length = vector_algebra::norm(frame.axis);
+  if (length == 0.0) throw place["Axis"].error("value {0, 0, 0} has no direction; allowed: any other vector");
+  frame.velocity = vector_algebra::scaled(frame.speed / length, frame.axis);
+  check_schedule<RotatingFrame>(frame, list, place);
+  const bool has_mass =
+      std::any_of(scene_.sections.begin(), scene_.sections.end(), [](const Section& s) { return s.mass > 0.0; }) ||
+      !scene_.point_masses.empty();
+  if (!has_mass)
+    throw place.error(
+        "nothing has a mass; allowed: \"Density\" in \"Material\", or \"Mass\", of some section, or \"Point Masses\"");
+  scene_.rotating_frames.push_back(frame);
 }
 
 void ConditionReader::read_eigenstrains() {

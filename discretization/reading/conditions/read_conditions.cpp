@@ -36,6 +36,7 @@ void add_condition_lists(ListSpec& spec) {
                                                    1)),
       Presence::optional);
   spec.add_list("Gravity", gravity_spec(), Presence::optional);
+  spec.add_list("Rotating Frame", rotating_frame_spec(), Presence::optional);
   spec.add_list(
       "Supports",
       ListSpec("Supports; at least one here or by Import.").with_named_lists("support", kSupportParameters.spec));
@@ -56,6 +57,7 @@ std::vector<std::string> ConditionReader::read() {
   read_joints();
   read_loads();
   place_["Gravity"].attempt([this] { read_gravity(); });
+  place_["Rotating Frame"].attempt([this] { read_rotating_frame(); });
   if (place_.source().has_mistakes()) return {};
   check_stages();
   check_amplitudes();
