@@ -517,8 +517,8 @@ std::vector<MixedVector> RestShapeFinder::self_stresses(int count) {
 
 MixedVector RestShapeFinder::strains_of(const MixedVector& forces) const {
   MixedVector with = model_.create_vector(), strains = model_.create_vector();
-  element_rows(model_, with_forces(drawn_, forces), 0.0, false, with);
-  element_rows(model_, drawn_, 0.0, false, strains);
+  element_rows(model_, with_forces(drawn_, forces), 0.0, ElementLoads::none, with);
+  element_rows(model_, drawn_, 0.0, ElementLoads::none, strains);
   strains.update(-1.0, with, 1.0);
   Kokkos::deep_copy(strains.vertex(), 0.0);
   const KernelView<double*> rows = strains.writable_interior(true);

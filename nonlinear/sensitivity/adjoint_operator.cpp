@@ -241,7 +241,7 @@ void AdjointOperator::take_out_cap(Adjoint& adjoint) {
 /// Moments that are held turn with the spin of their vertex by half a cross product, theory (44).
 void AdjointOperator::add_turning(const DofVector& held, const KernelView<double*>& rows) const {
   MixedVector spatial = model_.create_vector();
-  element_rows(model_, state_, point_.load_factor, true, spatial);
+  element_rows(model_, state_, point_.load_factor, ElementLoads::with_centrifugal, spatial);
   for (const auto& energy : model_.external()) energy->add_rows(state_, point_.load_factor, spatial.vertex());
   const KernelView<const double*> motion = MixedVector::view_of(held);
   for (int v = 0; v < model_.structure().owned_vertices; ++v) {

@@ -42,7 +42,7 @@ struct StateRows {
 
 StateRows rows_at(const Model& model, const State& state, double load_factor) {
   StateRows rows(model);
-  element_rows(model, state, load_factor, true, rows.spatial);
+  element_rows(model, state, load_factor, ElementLoads::with_centrifugal, rows.spatial);
   for (const auto& energy : model.external()) energy->add_rows(state, load_factor, rows.spatial.vertex());
   model.constraints().set(state, load_factor, MixedVector::view_of(rows.constraints));
   return rows;
@@ -297,6 +297,8 @@ std::vector<QuantityGradient> gradients_of(BeamProblem& problem, const State& st
                                            const GradientRequest& request) {
   if (problem.model.map()->getComm()->getSize() > 1)
     throw InputError("gradients are computed by one process alone; allowed: a run without mpirun");
+  if (!problem.model.scene().rotating_frames.empty())
+    throw InputError("gradients of structures in a rotating frame are not computed; allowed: a scene without it");
   return Gradients(problem, state, load_factor, request).all();
 }
 
