@@ -30,6 +30,10 @@ int verify_command(const Arguments& arguments);
 /// Throws InputError where a command is given another file than it draws: the table of a batch, a scene.
 void require_run(const std::string& command, const std::filesystem::path& file);
 
+/// Folder of the scripts and of the parts of pages: beside the program in a build folder, in the package for Python where
+/// it is installed.
+std::filesystem::path plots_folder();
+
 /// Help on the whole program, or on one subcommand; empty when there is none of that name.
 std::string help_text(const std::string& command = "");
 

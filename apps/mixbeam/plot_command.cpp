@@ -68,20 +68,20 @@ std::string suitable_python(const std::string& folder) {
       if (!runs(std::string("import ") + module)) lacks.push_back(module);
     found += "; " + python + " lacks " + quoted_list(lacks);
   }
-  throw InputError("pictures and pages need Python with numpy, matplotlib and h5py" +
+  throw InputError("pictures and reports need Python with numpy, matplotlib and h5py" +
                    (found.empty() ? "; there is neither \"/usr/bin/python3\" nor \"python3\" in PATH" : found) +
                    " (Debian: apt-get install python3-matplotlib python3-h5py); packages in ~/.local and PYTHONPATH do "
                    "not count");
 }
 
-/// Folder of the scripts: beside the program in a build folder, in the package for Python where it is installed.
-std::filesystem::path script_folder(const std::filesystem::path& program) {
+}  // namespace
+
+std::filesystem::path plots_folder() {
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe");
   const std::filesystem::path beside = program.parent_path() / "plots";
   if (std::filesystem::exists(beside)) return beside;
   return program.parent_path().parent_path() / "lib/python3/dist-packages/mixbeam/plots";
 }
-
-}  // namespace
 
 void require_run(const std::string& command, const std::filesystem::path& file) {
   const std::string name = file.stem().string(), batch = "-batch", allowed = "; allowed: results of mixbeam run";
@@ -104,7 +104,7 @@ int run_script(const Arguments& arguments, const std::string& name) {
                      " RESULTS.h5, or SCENE.yaml");
   require_run(arguments.values[0], arguments.values[1]);
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe");
-  const std::filesystem::path script = script_folder(program) / name;
+  const std::filesystem::path script = plots_folder() / name;
   if (!std::filesystem::exists(script)) throw InputError("the script " + script.string() + " is missing");
   setenv("MPLBACKEND", "Agg", 1);
   setenv("MIXBEAM_PROGRAM", program.c_str(), 1);

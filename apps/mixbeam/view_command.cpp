@@ -148,7 +148,7 @@ std::vector<fs::path> files_of(const fs::path& result, const std::optional<std::
 
 /// Writes the page, and prints its path.
 void write_view(const CommandLine& line) {
-  const fs::path result(*line.scene_file), parts = fs::read_symlink("/proc/self/exe").parent_path() / "plots/viewer";
+  const fs::path result(*line.scene_file), parts = plots_folder() / "viewer";
   const int renew = line.watch ? kRenewed : 0;
   std::string text;
   fs::path beside = result;
