@@ -150,11 +150,13 @@ RestShape found_rest_shape(const Application& app) {
 
 }  // namespace
 
-void take_rest_shape(Application& app, const std::string& name) {
+void take_rest_shape(Application& app, const std::string& name, int jobs) {
   if (!app.xml.list->isSublist(kInverse)) return;
   const ParameterSource& source = app.xml.source;
   if (app.mesh_is_free)
     throw source.error({kInverse}, "given, but the scene names no mesh; allowed: with \"Elements\" of members");
+  if (jobs > 1)
+    throw source.error({kInverse}, "given with --jobs " + std::to_string(jobs) + "; allowed: one case after the other");
   const RestShape shape = found_rest_shape(app);
   const ListSpec& root = mixbeam_root_spec();
   const XmlParameters scene = parse_parameters(app.xml.text, source.file(), root);
@@ -165,6 +167,9 @@ void take_rest_shape(Application& app, const std::string& name) {
   replace_file(file, xml_text(*scene.list), false);
   tell(app, shape, file);
   read_scene_file(app, read_parameters(file.string(), root, Mistakes::kept), mixbeam_definition(), root);
+  // displacements are rounding errors, of which nobody wants the accuracy
+  if (app.solver.analysis.error_estimate == ErrorEstimation::automatic)
+    app.solver.analysis.error_estimate = ErrorEstimation::off;
 }
 
 void refuse_rest_shape(const Application& app) {

@@ -9,8 +9,9 @@ namespace mixbeam {
 
 /// Where the scene has the list "Inverse": finds the rest shape, writes its tables, the natural curves and the scene
 /// with them to the folder of the results, under names that begin with `name`, and reads that scene in place of the
-/// first one. Throws InputError and ConvergenceError.
-void take_rest_shape(Application& app, const std::string& name);
+/// first one. `jobs`: processes that read the scene, of which one alone may write. Throws InputError and
+/// ConvergenceError.
+void take_rest_shape(Application& app, const std::string& name, int jobs);
 
 /// Of programs that solve a scene as it stands. Throws InputError where it has the list "Inverse".
 void refuse_rest_shape(const Application& app);

@@ -43,7 +43,7 @@ void set_up(Application& app, const CommandLine& line) {
   const std::filesystem::path scene(*line.scene_file);
   app.output = line.output ? std::filesystem::path(*line.output) : std::filesystem::path("results") / scene.stem();
   on_first_rank(app.communicator, [&app] { prepare_output_folder(app.output); });
-  take_rest_shape(app, scene.stem().string());
+  take_rest_shape(app, scene.stem().string(), line.jobs);
   warn_of_scene(app);
   if (app.xml.source.line({"Study"}) > 0)
     app.out() << "The list \"Study\" belongs to a benchmark program; it is ignored.\n";

@@ -185,6 +185,8 @@ class RestShapeFinder {
   /// Rows of N and M that lose the elastic strains of these forces.
   MixedVector strains_of(const MixedVector& forces) const;
   void add_forces(const MixedVector& forces);
+  /// Of the present state, whether its forces are more than rounding.
+  bool carries_forces() const;
 
  private:
   MixedVector rows_of(const ResidualScales* scales) const;
@@ -478,6 +480,11 @@ MixedVector RestShapeFinder::any_strains(int number) const {
   return rows;
 }
 
+bool RestShapeFinder::carries_forces() const {
+  const ResidualScales& scales = linear_->tangent().point().scales;
+  return forces_of(state_).maximum_norm() > kSettled * model_.structure().length * scales.force;
+}
+
 double length_of(const MixedVector& forces) { return std::sqrt(forces.inner_product(forces)); }
 
 /// Takes out of `vector` what orthonormal ones hold of it. Returns their factors.
@@ -580,8 +587,8 @@ std::vector<double> factors_for(const RestShapeFinder& finder, const std::vector
     triangle.back().push_back(extend(basis, std::move(answer)));
     if (triangle.back().back() == 0.0)
       throw place["Loops"].error(
-          "value \"closed\", but rigid members keep forces of loops from having any part in the "
-          "rest shape; allowed: \"least energy\"");
+          "value \"closed\", but forces of loops have no part in the rest shape where members are rigid; allowed: "
+          "\"least energy\"");
   }
   std::vector<double> factors = project_out(basis, stress);
   for (size_t i = factors.size(); i-- > 0;) {
@@ -599,6 +606,7 @@ void close_loops(RestShapeFinder& finder, UnloadedStructure unloaded, bool close
     throw place["Loops"].error("value \"closed\", but loops leave " + std::to_string(shape.redundancy) +
                                " forces free; allowed: up to " + std::to_string(kMostRedundant) +
                                ", or \"least energy\"");
+  if (!finder.carries_forces()) return;
   const std::vector<MixedVector> own = closes ? finder.self_stresses(shape.redundancy) : std::vector<MixedVector>();
   double before = std::numeric_limits<double>::infinity();
   for (int iteration = 0; iteration <= kMostClosures; ++iteration) {
@@ -618,8 +626,7 @@ void close_loops(RestShapeFinder& finder, UnloadedStructure unloaded, bool close
     finder.add_forces(change);
   }
   throw ConvergenceError(
-      "the rest shape: no forces of the loops are found that leave the structure free of stress when its loads are "
-      "gone; "
+      "the rest shape: no forces of the loops are found that leave the structure free of stress without its loads; "
       "\"Loops\" = \"least energy\" asks for none");
 }
 
@@ -640,8 +647,7 @@ void judge(const Scene& scene, const State& state, const SolverParameters& param
   shape.residual = rows.maximum_norm();
   if (!(shape.residual <= kAcceptedResidual))
     throw ConvergenceError(
-        "the rest shape: no forces of the members balance the loads in the drawn shape (largest "
-        "scaled residual " +
+        "the rest shape: no forces of the members balance the loads in the drawn shape (largest scaled residual " +
         rounded(shape.residual, 3) + "); a mechanism has none");
   if (const auto stability = Stability(problem).ask({state, static_cast<double>(scene.stages)}, How::inertia)) {
     shape.negative = stability->negative;
