@@ -267,6 +267,35 @@ void RunReport::print_modes(std::ostream& out) const {
   }
 }
 
+void RunReport::print_gradients(std::ostream& out) const {
+  if (!last_.gradients) return;
+  const RecordedGradients& all = *last_.gradients;
+  for (const RecordedGradient& one : all.quantities) {
+    out << "  gradient of " << one.quantity << formatted(" = %.10g\n", one.value);
+    for (std::size_t i = 0; i < std::min(all.numbers.size(), kMostLines); ++i)
+      out << formatted("  %18.10g  by ", one.derivative[i]) << all.numbers[i] << "\n";
+    print_left_out(out, all.numbers.size());
+  }
+}
+
+std::vector<std::vector<CsvCell>> RunReport::gradients() const {
+  std::vector<std::vector<CsvCell>> rows;
+  if (!last_.gradients) return rows;
+  for (const RecordedGradient& one : last_.gradients->quantities)
+    for (std::size_t i = 0; i < one.derivative.size(); ++i)
+      rows.push_back({one.quantity, one.value, last_.gradients->numbers[i], one.derivative[i]});
+  return rows;
+}
+
+void RunReport::add_gradients(Application& app, const std::string& run) const {
+  if (!last_.gradients) return;
+  if (!last_.gradients->not_found.empty())
+    return app.summary.fail(run + ": gradients", "found", "list \"Gradient\"", last_.gradients->not_found);
+  for (const RecordedGradient& one : last_.gradients->quantities)
+    for (std::size_t i = 0; i < one.derivative.size(); ++i)
+      app.summary.gradients.push_back({run, one.quantity, one.value, last_.gradients->numbers[i], one.derivative[i]});
+}
+
 /// The least load that the path or, where it does not say, linear buckling about its last prestressed state tells.
 std::string RunReport::collapse_text() const {
   if (!collapse_.empty()) return collapse_;
@@ -524,6 +553,7 @@ void RunReport::print(std::ostream& out) const {
                    without_rounding(last_.strain_energy, scale), without_rounding(last_.force_energy, scale),
                    without_rounding(last_.moment_energy, scale));
   print_quantities(out);
+  print_gradients(out);
   if (last_.stresses) print_stresses(out, *last_.stresses);
   print_errors(out);
   const bool balanced = force_error_ <= balance_tolerance_ && moment_error_ <= balance_tolerance_;

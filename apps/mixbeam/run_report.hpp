@@ -2,6 +2,7 @@
 #pragma once
 
 #include "apps/common/run/application.hpp"
+#include "apps/common/tables/csv_table.hpp"
 
 namespace mixbeam {
 
@@ -40,6 +41,11 @@ class RunReport {
   /// Adds the quantities to the summary of the run, and a check for each that has a limit.
   void add_quantities(Application& app, const std::string& run) const;
 
+  /// Adds the gradients at the end to the summary of the run.
+  void add_gradients(Application& app, const std::string& run) const;
+  /// Rows of a table: quantity, value, path of the number, derivative.
+  std::vector<std::vector<CsvCell>> gradients() const;
+
   /// Adds what stresses and strains of the last step warn of to the summary of the run.
   void add_stresses(Application& app, const std::string& run) const;
 
@@ -57,6 +63,7 @@ class RunReport {
   void print_jumps(std::ostream& out) const;
   void print_errors(std::ostream& out) const;
   void print_quantities(std::ostream& out) const;
+  void print_gradients(std::ostream& out) const;
   void print_reactions(std::ostream& out) const;
   void follow(int step, double load_factor, const double* values);
   std::string place_of(std::size_t column) const;

@@ -83,6 +83,7 @@ void write_limits_and_places(const Application& app, const RunReport& report, st
       limits.push_back({check.name, check.value, check.reference, check.pass ? "yes" : "NO"});
   for (const auto& [quantity, place] : report.places()) places.push_back({quantity, place});
   write_beside(file, "limits", {"limit", "value", "allowed", "passed"}, limits);
+  write_beside(file, "gradients", {"quantity", "value", "number", "derivative"}, report.gradients());
   write_beside(file, "places", {"quantity", "place at the end"}, places);
 }
 
@@ -148,6 +149,10 @@ RunEnd run_case(Application& app, const std::string& load_case, const std::files
   if (!combination.empty()) recording.properties["combination"] = combination;
   if (!app.mesh_note.empty()) recording.properties[kMeshProperty] = app.mesh_note;
   if (!app.quantities.empty()) recording.quantities = &app.quantities;
+  if (app.gradient)
+    recording.gradients = [&app, load_case](const Simulation& simulation) {
+      return gradients_or_reason(simulation, *app.gradient, app.quantities, app.xml, load_case);
+    };
   recording.resume = resume;
   recording.writing = writing;
   recording.stop = [&app] { return app.is_asked_to_stop(); };
@@ -175,6 +180,7 @@ RunEnd run_case(Application& app, const std::string& load_case, const std::files
   report.add_stresses(app, name);
   report.add_errors(app, name);
   report.add_quantities(app, name);
+  report.add_gradients(app, name);
   write_limits_and_places(app, report, checks, file);
   report.check_balance(app, name);
   const bool between_meshes = accurate && accurate->end == AccuracyEnd::interrupted;

@@ -171,6 +171,29 @@ py::list natural_modes_of(const SolvedRun& run, int count, int step, bool in_pla
   return result;
 }
 
+/// {quantity: (value, {path of a number: derivative}, stiffness, compliance, natural)}
+py::dict gradient_table(const SolvedRun& run, const std::vector<std::string>& of, const std::vector<std::string>& by,
+                        bool by_element, int step) {
+  const Application& app = run.app();
+  RecordedGradients found = in_turn([&] {
+    const GradientParameters asked{of, by, by_element};
+    require_known(asked, app.xml, app.quantities, app.scene);
+    try {
+      return gradients_at(run.at(step), asked, app.quantities, app.xml, app.load_case);
+    } catch (const LinearSolverError& error) {
+      throw ConvergenceError(error.what());
+    }
+  });
+  py::dict all;
+  for (RecordedGradient& one : found.quantities) {
+    py::dict derivatives;
+    for (std::size_t i = 0; i < found.numbers.size(); ++i) derivatives[py::str(found.numbers[i])] = one.derivative[i];
+    all[py::str(one.quantity)] = py::make_tuple(one.value, derivatives, table(std::move(one.stiffness), 6),
+                                                table(std::move(one.compliance), 6), table(std::move(one.natural), 6));
+  }
+  return all;
+}
+
 py::object error_estimate_of(const SolvedRun& run, int step) {
   const ErrorEstimate estimate = in_turn([&] { return run.at(step).estimate_error(); });
   if (!estimate.exists()) return py::str(estimate.not_estimated);
@@ -235,6 +258,7 @@ void bind_run(py::module_& module) {
       .def("critical_points", critical_points_of)
       .def("buckling_modes", buckling_modes_of)
       .def("natural_modes", natural_modes_of)
+      .def("gradients", gradient_table)
       .def("error_estimate", error_estimate_of)
       .def("value_errors", value_errors_of)
       .def("checks", checks_of)

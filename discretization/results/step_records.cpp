@@ -122,6 +122,23 @@ void write_error_estimate(hid_t step, const RecordedErrorEstimate& estimate) {
   write_values(group, "sections", estimate.sections);
 }
 
+void write_gradients(hid_t step, const RecordedGradients& gradients) {
+  const auto group = hdf5::create_group(step, "gradients");
+  if (!gradients.not_found.empty()) return hdf5::write_attribute(group, "not_found", gradients.not_found);
+  write_lines(group, "numbers", gradients.numbers);
+  int number = 0;
+  for (const RecordedGradient& one : gradients.quantities) {
+    const auto own = hdf5::create_group(group, std::to_string(number++));
+    hdf5::write_attribute(own, "quantity", one.quantity);
+    hdf5::write_attribute(own, "value", one.value);
+    hdf5::write_dataset(own, "derivative", one.derivative, 1);
+    if (one.stiffness.empty()) continue;
+    hdf5::write_dataset(own, "stiffness", one.stiffness, 6);
+    hdf5::write_dataset(own, "compliance", one.compliance, 6);
+    hdf5::write_dataset(own, "natural", one.natural, 6);
+  }
+}
+
 template <class Mode>
 void write_modes(hid_t file, const char* name, const std::vector<Mode>& modes) {
   if (modes.empty()) return;
@@ -160,6 +177,7 @@ void write_step(hid_t file, const StepRecord& record) {
   write_stability(group, record);
   if (record.jump) visit_fields(*record.jump, Writing{hdf5::create_group(group, kJump)});
   if (record.error_estimate) write_error_estimate(group, *record.error_estimate);
+  if (record.gradients) write_gradients(group, *record.gradients);
   if (!record.state.empty()) {
     const auto state = write_state(group, record.state);
     visit_fields(record.point, Writing{state});

@@ -69,6 +69,7 @@ StepRecord without_rows(const StepRecord& record) {
   kept.vibration = record.vibration;
   for (RecordedVibrationMode& mode : kept.vibration) mode.mode.clear();
   if (record.error_estimate) kept.error_estimate = summary_of<ErrorSummary>(*record.error_estimate);
+  kept.gradients = record.gradients;
   kept.state = without_rows(record.state);
   return kept;
 }

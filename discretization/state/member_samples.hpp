@@ -225,6 +225,20 @@ struct EstimatedValue {
   double relative() const { return error == 0.0 ? 0.0 : error / std::abs(value); }
 };
 
+/// Derivatives of a number by numbers of the scene, and by those of each element of the mesh: six each, of N1, N2, N3,
+/// M1, M2, M3.
+struct RecordedGradient {
+  std::string quantity{};
+  double value = 0.0;
+  std::vector<double> derivative{};                          ///< (number)
+  std::vector<double> stiffness{}, compliance{}, natural{};  ///< (element, 6); empty unless asked for
+};
+struct RecordedGradients {
+  std::string not_found{};             ///< why there are none; empty where there are
+  std::vector<std::string> numbers{};  ///< their paths
+  std::vector<RecordedGradient> quantities{};
+};
+
 /// See ErrorEstimate (nonlinear/accuracy/error_estimate.hpp).
 struct ErrorSummary {
   std::string not_estimated{};  ///< why there is none; empty where there is one
@@ -293,6 +307,7 @@ struct StepRecord : StepSummary {
   std::vector<RecordedBucklingMode> buckling{};           ///< in at most one record of a run: nearest to zero first
   std::vector<RecordedVibrationMode> vibration{};         ///< where asked for: lowest first
   std::optional<RecordedErrorEstimate> error_estimate{};  ///< at the end of the path, where asked for
+  std::optional<RecordedGradients> gradients{};           ///< likewise
   StateShare state{};                                     ///< for resuming; empty: this record cannot be resumed from
   std::shared_ptr<const Acting> acting{};                 ///< what acts on the structure; of the first record of a run
 };

@@ -16,6 +16,8 @@ namespace {
 /// three solves as a rule; structures that share forces by stiffness take as many as there are ways of sharing.
 constexpr double kCapLeftInAdjoint = 1e-14;
 constexpr int kMostCapSolvesOfAdjoint = 200;
+/// Beyond it a gradient has fewer than nine digits: closed frames that are exactly rigid carry any stress of their own.
+constexpr double kMostCapLeftInAdjoint = 1e-9;
 /// Of the usual cap, with which the derivative of an elastica has an error of rounding of 1e-10: of this one 1e-12.
 constexpr double kCapOfAdjoint = 1e-2;
 /// Rounding of a solve beyond which it is refined, and refused: share of the sum of the terms of a row.
@@ -232,6 +234,8 @@ void AdjointOperator::take_out_cap(Adjoint& adjoint) {
         next.update(1.0, of, -1.0);
         return true;
       });
+  if (!(left_out.left <= kMostCapLeftInAdjoint * beta))
+    throw LinearSolverError("the adjoint equations were not solved: rigid members share forces that nothing determines");
   for (size_t k = 0; k < left_out.y.size(); ++k) {
     adjoint.field.update(left_out.y[k], responses[k].field, 1.0);
     for (size_t i = 0; i < adjoint.free.size(); ++i) adjoint.free[i] += left_out.y[k] * responses[k].free[i];

@@ -2,6 +2,7 @@
 /// tabulates and plots) and nothing else.
 #pragma once
 
+#include "apps/common/run/scene_gradients.hpp"
 #include "apps/common/run/summary.hpp"
 #include "discretization/checks/expected_values.hpp"
 #include "discretization/parameters/xml_reader.hpp"
@@ -30,9 +31,11 @@ struct Recording {
   std::map<std::string, std::string> properties{};  ///< in the file, besides those of program and machine
   RunObserver observer{};
   std::function<void(const StepRecord& record)> record_observer{};
-  std::function<bool()> stop{};                 ///< see PathControl
-  std::function<void()> restart{};              ///< what was observed so far does not count: another mesh follows
-  const QuantitySet* quantities = nullptr;      ///< followed besides the motion of points
+  std::function<bool()> stop{};             ///< see PathControl
+  std::function<void()> restart{};          ///< what was observed so far does not count: another mesh follows
+  const QuantitySet* quantities = nullptr;  ///< followed besides the motion of points
+  /// Of the state at the end of the path; none: they are not asked for.
+  std::function<RecordedGradients(const Simulation&)> gradients{};
   std::vector<RecordedBucklingMode> motions{};  ///< of the undeformed structure, beside its buckling modes
   const StoredRun* resume = nullptr;            ///< continues after its last step, in its file
   WritingOptions writing{};
@@ -60,7 +63,8 @@ class Application {
   std::string mesh_note{};  ///< how that mesh was chosen; empty where the scene names one
   SolverParameters solver;
   std::vector<ExpectedValue> expected;
-  QuantitySet quantities{};      ///< of the scene; empty: none are asked for
+  QuantitySet quantities{};                      ///< of the scene; empty: none are asked for
+  std::optional<GradientParameters> gradient{};  ///< of these, where they are asked for
   std::string load_case{};       ///< of the scene that is being solved; expected values of other cases wait
   std::filesystem::path output;  ///< existing folder
   bool quiet = false;            ///< no progress lines

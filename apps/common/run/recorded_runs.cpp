@@ -127,6 +127,8 @@ class Application::Recorder {
                                                [&](const ModeSearch& search) { searches_.report(search); });
     judge_by_modes(step);
     if (recording_.quantities != nullptr) follow_quantities(running, report, step);
+    if (recording_.gradients && running.is_end_of_path(running.load_factor()))
+      step.gradients = recording_.gradients(running);
     if ((report.step == 0 || running.is_between_stages()) && parameters_.analysis.buckling_modes > 0)
       step.buckling = running.buckling_modes(parameters_.analysis.buckling_modes, recording_.points_per_element);
     step.buckling.insert(step.buckling.end(), recording_.motions.begin(), recording_.motions.end());

@@ -51,7 +51,10 @@ ListSpec root_spec(const ApplicationDefinition& definition) {
   ListSpec root("Scene file of " + definition.name +
                 ". [Name] is a ParameterList, Name: a Parameter; <name> stands for names of your own.");
   root.add_list("Scene", scene_spec(), Presence::required);
-  if (definition.answers_quantities) root.add_list("Quantities", quantities_spec(), Presence::optional);
+  if (definition.answers_quantities) {
+    root.add_list("Quantities", quantities_spec(), Presence::optional);
+    root.add_list("Gradient", gradient_spec(), Presence::optional);
+  }
   if (definition.finds_rest_shapes) root.add_list("Inverse", rest_shape_spec(), Presence::optional);
   root.add_list("Expected", expected_values_spec(definition.own_quantities), Presence::defaulted);
   root.add_list("Analysis", analysis_spec(), Presence::defaulted);
@@ -175,6 +178,15 @@ void check_accuracy_of(const Application& app) {
         "and \"Material\", or with \"Stress Points\"");
 }
 
+/// Gradients are those of a state at a load factor that stays.
+void check_gradient(const Application& app) {
+  if (app.gradient && app.solver.analysis.control)
+    throw app.xml.source.error({"Gradient"},
+                               R"(given with "Control" in "Analysis"; allowed: paths by the load factor)");
+  if (app.gradient && app.communicator->getSize() > 1)
+    throw app.xml.source.error({"Gradient"}, "given, and the run has several processes; allowed: one");
+}
+
 /// In a formula the name of a variable stands for its value, so a quantity that it could mean must have another one.
 void check_names_in_formulas(const Application& app, const std::vector<Quantity>& quantities) {
   if (!app.xml.list->sublist("Scene").isSublist("Variables")) return;
@@ -257,11 +269,14 @@ void read_lists(Application& app, const ApplicationDefinition& definition) {
     app.solver.analysis.error_estimate = ErrorEstimation::off;
   }
   if (root.isSublist("Quantities")) source.attempt([&] { read_quantities_of(app); });
+  if (root.isSublist("Gradient") && !source.has_mistakes())
+    source.attempt([&] { app.gradient = read_gradient(app.xml, app.quantities, app.scene); });
   app.expected = read_expected_values(root.sublist("Expected"), source, definition.own_quantities, {"Expected"},
                                       app.quantities.names());
   check_expected_values(app.expected, app.scene, source);
   source.require_none();
   check_accuracy_of(app);
+  check_gradient(app);
   check_critical_points_are_found(app);
   check_jumps(app);
 }

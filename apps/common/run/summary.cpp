@@ -61,6 +61,11 @@ inline constexpr auto kFields<FollowedQuantity> =
                field("arc_length", &FollowedQuantity::arc_length),
                field("side", &FollowedQuantity::side)};
 template <>
+inline constexpr auto kFields<FoundDerivative> =
+    std::tuple{field("run", &FoundDerivative::run), field("quantity", &FoundDerivative::quantity),
+               field("value", &FoundDerivative::value), field("number", &FoundDerivative::number),
+               field("derivative", &FoundDerivative::derivative)};
+template <>
 inline constexpr auto kFields<QuantityEnvelope> =
     std::tuple{field("name", &QuantityEnvelope::name), field("largest", &QuantityEnvelope::largest),
                field("largest_in", &QuantityEnvelope::largest_in), field("smallest", &QuantityEnvelope::smallest),
@@ -329,6 +334,7 @@ void Summary::write_json(const std::filesystem::path& path) const {
     if (!quantity.member.empty()) continue;
     for (const char* of_place : {"arc_length", "side"}) json["quantities"].back().erase(of_place);
   }
+  if (!gradients.empty()) json["gradients"] = json_of<nlohmann::ordered_json>(gradients, false);
   if (!envelope.empty()) json["envelope"] = json_of<nlohmann::ordered_json>(envelope, false);
   if (!estimated_errors.empty()) json["estimated_errors"] = json_of<nlohmann::ordered_json>(estimated_errors, false);
   if (!chosen_meshes.empty()) json["chosen_meshes"] = json_of<nlohmann::ordered_json>(chosen_meshes, false);
@@ -344,10 +350,15 @@ void Summary::write_json(const std::filesystem::path& path) const {
 // CBOR keeps every bit of a number, and those that are not finite.
 std::string Summary::packed() const {
   const auto sent = [](const auto& list) { return json_of<nlohmann::json>(list, true); };
-  const nlohmann::json json = {{"load_steps", load_steps},       {"newton_iterations", newton_iterations},
-                               {"warnings", warnings},           {"ends", sent(ends)},
-                               {"quantities", sent(quantities)}, {"errors", sent(estimated_errors)},
-                               {"meshes", sent(chosen_meshes)},  {"seconds", seconds},
+  const nlohmann::json json = {{"load_steps", load_steps},
+                               {"newton_iterations", newton_iterations},
+                               {"warnings", warnings},
+                               {"ends", sent(ends)},
+                               {"quantities", sent(quantities)},
+                               {"gradients", sent(gradients)},
+                               {"errors", sent(estimated_errors)},
+                               {"meshes", sent(chosen_meshes)},
+                               {"seconds", seconds},
                                {"checks", sent(checks_)}};
   std::string bytes;
   nlohmann::json::to_cbor(json, bytes);
@@ -361,6 +372,7 @@ void Summary::append(const std::string& packed) {
   take(json["warnings"], warnings);
   take(json["ends"], ends);
   take(json["quantities"], quantities);
+  take(json["gradients"], gradients);
   take(json["errors"], estimated_errors);
   take(json["meshes"], chosen_meshes);
   take(json["checks"], checks_);

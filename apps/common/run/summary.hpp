@@ -90,6 +90,14 @@ struct FollowedQuantity {
   std::string not_estimated{};
 };
 
+/// Derivative of a quantity with respect to a number of the scene, at the end of a run.
+struct FoundDerivative {
+  std::string run, quantity;
+  double value = 0.0;
+  std::string number;  ///< its path
+  double derivative = 0.0;
+};
+
 /// Largest and smallest value of a quantity at the ends of several runs, and in which of them.
 struct QuantityEnvelope {
   std::string name;
@@ -126,6 +134,7 @@ class Summary {
   std::string unchecked;              ///< why nothing is checked, where it is not for want of expected values
   std::vector<EndOfRun> ends;
   std::vector<FollowedQuantity> quantities;
+  std::vector<FoundDerivative> gradients;
   std::vector<QuantityEnvelope> envelope;
   std::map<std::string, int> stable_cases;  ///< of a batch: how many cases end with each of the words
   std::vector<EstimatedErrors> estimated_errors;

@@ -403,6 +403,16 @@ class Run:
             table[step, :len(modes)] = [mode.omega for mode in before]
         return self.load_factors, table
 
+    def gradient(self, of, by=(), step=-1, by_element=False):
+        """Gradients of quantities in a step, at its load factor: {name: value, by, stiffness, compliance, natural}. `of`: names or
+        patterns of numbers of the scene's quantities; `by`: paths of numbers of the scene, or patterns ("Sections/*/EI2",
+        "Points/tip[0]"), of which `by` tells the derivatives {path: derivative}. `by_element`: arrays (elements, 6) of derivatives
+        by EA, GA2, GA3, GIt, EI2, EI3 of each element, by their inverses, by natural strains."""
+        texts = [[one] if isinstance(one, str) else list(one) for one in (of, by)]
+        found = self._core.gradients(*texts, by_element, self._number(step))
+        names = ("value", "by", "stiffness", "compliance", "natural")
+        return {quantity: SimpleNamespace(**dict(zip(names, numbers))) for quantity, numbers in found.items()}
+
     def error_estimate(self, step=-1):
         """Estimated discretization errors: {name: (error, size of the quantity)}; a text: why there are none."""
         return self._core.error_estimate(self._number(step))

@@ -1,0 +1,274 @@
+#include "apps/common/run/scene_gradients.hpp"
+
+#include "discretization/parameters/access.hpp"
+#include "discretization/parameters/binding.hpp"
+#include "discretization/parameters/xml_reader.hpp"
+#include "discretization/reading/read_scene.hpp"
+#include "discretization/reading/variables.hpp"
+#include "discretization/scene/load_cases.hpp"
+#include "discretization/text/message_text.hpp"
+#include "discretization/text/number_text.hpp"
+#include "nonlinear/linear/linear_solver.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mixbeam {
+
+namespace {
+
+/// Steps of differences over the size of a number, of points over the length of the shortest member: with eighth order
+/// truncation and rounding are both 1e-14.
+constexpr double kStepOfNumber = 0.005, kStepOfPoint = 0.002;
+/// Each costs eight evaluations of the equations.
+constexpr std::size_t kMostNumbers = 10'000;
+
+BoundList<GradientParameters> gradient_parameters() {
+  BoundList<GradientParameters> gradient(
+      "Gradients of quantities with respect to numbers of the scene, at the end of the path at its load factor: one "
+      "solution for each quantity, a few evaluations for each number, no further run.");
+  gradient.bind(&GradientParameters::of, array("Of", ParameterType::text_array).required(),
+                "Names of quantities, as the list Quantities gives them (\"tip.y\"), or patterns: " + kWildcards + ".");
+  gradient.bind(
+      &GradientParameters::by, array("With Respect To", ParameterType::text_array).by_default(),
+      "Paths of numbers below the list Scene (\"Sections/*/EI2\", \"Points/tip[0]\", \"Variables/L\"), or patterns "
+      "of each name in them; without [...] all numbers of an array.");
+  gradient.bind(&GradientParameters::by_element, boolean("By Element").by_default(),
+                "Also with respect to stiffnesses, compliances and natural strains of each element by itself.");
+  return gradient;
+}
+
+const BoundList<GradientParameters> kGradientParameters = gradient_parameters();
+
+/// "Points/tip[1]": names of lists and of the parameter, and the component, -1 where it is a single number.
+struct NumberPath {
+  std::vector<std::string> names{};
+  int component = -1;
+
+  std::string text() const {
+    std::string all;
+    for (const std::string& name : names) all += (all.empty() ? "" : "/") + name;
+    return component < 0 ? all : all + "[" + std::to_string(component) + "]";
+  }
+};
+
+/// -1 in place of a component where the text has none.
+NumberPath split_path(std::string text) {
+  NumberPath path;
+  const std::size_t bracket = text.rfind('[');
+  if (bracket != std::string::npos && text.back() == ']' &&
+      parse_number(text.substr(bracket + 1, text.size() - bracket - 2), path.component).empty())
+    text.resize(bracket);
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find('/', begin), text.size());
+    path.names.push_back(trimmed(text.substr(begin, end - begin)));
+    begin = end + 1;
+  }
+  if (path.names.size() > 1 && path.names.front() == "Scene") path.names.erase(path.names.begin());
+  return path;
+}
+
+/// Numbers of a parameter; none where it holds no real numbers.
+std::vector<double> numbers_in(const Teuchos::ParameterEntry& entry) {
+  if (entry.isType<double>()) return {Teuchos::getValue<double>(entry)};
+  if (!entry.isType<Teuchos::Array<double>>()) return {};
+  const auto& values = Teuchos::getValue<Teuchos::Array<double>>(entry);
+  return {values.begin(), values.end()};
+}
+
+const Teuchos::ParameterEntry& entry_of(const Teuchos::ParameterList& scene, const NumberPath& path) {
+  const Teuchos::ParameterList* here = &scene;
+  for (std::size_t i = 0; i + 1 < path.names.size(); ++i) here = &here->sublist(path.names[i]);
+  return *here->getEntryPtr(path.names.back());
+}
+
+/// Adds the numbers of a parameter that a path means; defaults only where they are named.
+void add_numbers(const Teuchos::ParameterEntry& entry, const NumberPath& wanted, const NumberPath& found,
+                 std::vector<NumberPath>& paths) {
+  if (entry.isDefault() && has_wildcard(wanted.names.back())) return;
+  const std::vector<double> values = numbers_in(entry);
+  const bool is_array = !entry.isType<double>();
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const int component = is_array ? static_cast<int>(i) : -1;
+    if ((wanted.component >= 0 && wanted.component != component) || !std::isfinite(values[i])) continue;
+    paths.push_back({found.names, component});
+  }
+}
+
+/// Walks down the lists whose names fit.
+void find_numbers(const Teuchos::ParameterList& list, const NumberPath& wanted, const NumberPath& above,
+                  std::vector<NumberPath>& paths) {
+  const std::size_t depth = above.names.size();
+  const bool is_last = depth + 1 == wanted.names.size();
+  for (const std::string& name : names_meant(wanted.names[depth], names_of(list))) {
+    if (list.isSublist(name) == is_last) continue;
+    NumberPath here = above;
+    here.names.push_back(name);
+    if (is_last)
+      add_numbers(*list.getEntryPtr(name), wanted, here, paths);
+    else
+      find_numbers(list.sublist(name), wanted, here, paths);
+  }
+}
+
+std::vector<NumberPath> numbers_meant(const Teuchos::ParameterList& scene, const std::string& text) {
+  std::vector<NumberPath> paths;
+  find_numbers(scene, split_path(text), {}, paths);
+  return paths;
+}
+
+/// Each once, in the order in which they are asked for.
+std::vector<NumberPath> all_numbers(const Teuchos::ParameterList& scene, const GradientParameters& asked) {
+  std::vector<NumberPath> all;
+  std::vector<std::string> known;
+  for (const std::string& text : asked.by)
+    for (const NumberPath& path : numbers_meant(scene, text)) {
+      if (std::find(known.begin(), known.end(), path.text()) != known.end()) continue;
+      known.push_back(path.text());
+      all.push_back(path);
+    }
+  return all;
+}
+
+std::vector<std::string> names_of_values(const QuantitySet& quantities) {
+  std::vector<std::string> names;
+  for (const QuantitySet::Column& column : quantities.columns())
+    if (column.is_value) names.push_back(column.name);
+  return names;
+}
+
+/// Columns that are meant, each once.
+std::vector<std::size_t> columns_meant(const QuantitySet& quantities, const std::vector<std::string>& texts) {
+  const std::vector<std::string> names = names_of_values(quantities);
+  std::vector<std::size_t> columns;
+  for (const std::string& text : texts)
+    for (const std::string& name : names_meant(text, names))
+      for (std::size_t i = 0; i < quantities.columns().size(); ++i)
+        if (quantities.columns()[i].name == name && std::count(columns.begin(), columns.end(), i) == 0)
+          columns.push_back(i);
+  return columns;
+}
+
+/// Sizes of what a number may be that is zero now, and so are its neighbours.
+double size_of_zero(const NumberPath& path, const Simulation& at) {
+  const ResidualScales scales = scales_of(at.model(), at.state(), at.load_factor());
+  const double length = at.model().structure().length;
+  const std::string& list = path.names.front();
+  const std::string& name = path.names.back();
+  const double per_length = list == "Distributed Loads" ? 1.0 / length : 1.0;
+  if (name == "Force") return per_length * scales.force;
+  if (name == "Moment" || name == "Couple") return per_length * scales.moment;
+  if (name == "Prescribed Displacement") return length;
+  if (name == "Curvature") return 1.0 / length;
+  return 1.0;
+}
+
+double step_of(const NumberPath& path, const Teuchos::ParameterEntry& entry, const Simulation& at) {
+  const std::vector<double>& lengths = at.model().mesh().member_length;
+  const double shortest = *std::min_element(lengths.begin(), lengths.end());
+  if (path.names.front() == "Points") return kStepOfPoint * shortest;
+  double size = 0.0;
+  for (const double value : numbers_in(entry))
+    if (std::isfinite(value)) size = std::max(size, std::abs(value));
+  if (size > 0.0) return kStepOfNumber * size;
+  return path.names.front() == "Members" && path.component >= 0 ? kStepOfPoint * shortest
+                                                                : kStepOfNumber * size_of_zero(path, at);
+}
+
+/// The scene with another number, on the mesh of the one that was solved.
+std::shared_ptr<const Scene> scene_with(const XmlParameters& xml, const NumberPath& path, double more,
+                                        const Scene& solved, const std::string& load_case) {
+  Teuchos::ParameterList list(xml.list->sublist("Scene"));
+  auto& entry = const_cast<Teuchos::ParameterEntry&>(entry_of(list, path));
+  const double value = numbers_in(entry)[static_cast<std::size_t>(std::max(0, path.component))];
+  set_number(entry, path.component, value + more);
+  try {
+    Scene scene = scene_of_case(read_scene(list, xml.source), load_case);
+    if (scene.members.size() == solved.members.size())
+      for (std::size_t i = 0; i < scene.members.size(); ++i) {
+        scene.members[i].order = solved.members[i].order;
+        scene.members[i].elements = solved.members[i].elements;
+        if (scene.members[i].stations.empty()) scene.members[i].stations = solved.members[i].stations;
+      }
+    return std::make_shared<const Scene>(std::move(scene));
+  } catch (const InputError& error) {
+    throw InputError("the gradient with respect to \"" + path.text() + "\": " + error.what());
+  }
+}
+
+}  // namespace
+
+ListSpec gradient_spec() { return kGradientParameters.spec; }
+
+GradientParameters read_gradient(XmlParameters& xml, const QuantitySet& quantities, const Scene& scene) {
+  const GradientParameters asked = kGradientParameters.read(xml.list->sublist("Gradient"));
+  require_known(asked, xml, quantities, scene);
+  return asked;
+}
+
+void require_known(const GradientParameters& asked, const XmlParameters& xml, const QuantitySet& quantities,
+                   const Scene& scene) {
+  const ParameterPath path = {"Gradient"};
+  const auto refuse = [&](const std::string& name, const std::string& why) {
+    throw xml.source.error(child(path, name), why);
+  };
+  const std::vector<std::string> names = names_of_values(quantities);
+  for (const std::string& text : asked.of)
+    if (names_meant(text, names).empty())
+      refuse("Of", "value \"" + excerpt(text) + "\" is no number that a quantity has; allowed: " +
+                       (names.empty() ? "nothing, the scene has no list \"Quantities\"" : quoted_list(names)));
+  for (const std::string& text : asked.by)
+    if (numbers_meant(xml.list->sublist("Scene"), text).empty())
+      refuse("With Respect To", "value \"" + excerpt(text) +
+                                    "\" is no path of a finite real number of the list \"Scene\"; allowed: paths as "
+                                    "\"Sections/NAME/EI2\" or \"Points/NAME[0]\", patterns of them");
+  if (const std::size_t count = all_numbers(xml.list->sublist("Scene"), asked).size(); count > kMostNumbers)
+    refuse("With Respect To", "it means " + std::to_string(count) + " numbers; allowed: up to " +
+                                  std::to_string(kMostNumbers) + ", and \"By Element\" for those of elements");
+  if (asked.by.empty() && !asked.by_element)
+    throw xml.source.error(path, R"(it asks for nothing; allowed: "With Respect To" or "By Element")");
+  if (!scene.imperfection_modes.empty())
+    throw xml.source.error(path,
+                           "given, but the geometry has modes laid on it; allowed: scenes without such imperfections");
+}
+
+RecordedGradients gradients_at(const Simulation& simulation, const GradientParameters& asked,
+                               const QuantitySet& quantities, const XmlParameters& xml, const std::string& load_case) {
+  const Teuchos::ParameterList& list = xml.list->sublist("Scene");
+  GradientRequest request{quantities, columns_meant(quantities, asked.of), {}, asked.by_element};
+  RecordedGradients recorded;
+  for (const NumberPath& path : all_numbers(list, asked)) {
+    recorded.numbers.push_back(path.text());
+    request.numbers.push_back({path.text(), step_of(path, entry_of(list, path), simulation), [&, path](double more) {
+                                 return scene_with(xml, path, more, simulation.scene(), load_case);
+                               }});
+  }
+  for (const QuantityGradient& gradient : simulation.gradients(request)) {
+    RecordedGradient& one = recorded.quantities.emplace_back();
+    one.quantity = gradient.quantity;
+    one.value = gradient.value;
+    one.derivative = gradient.by_number;
+    for (const ElementDerivatives& element : gradient.elements) {
+      one.stiffness.insert(one.stiffness.end(), element.stiffness.begin(), element.stiffness.end());
+      one.compliance.insert(one.compliance.end(), element.compliance.begin(), element.compliance.end());
+      one.natural.insert(one.natural.end(), element.natural.begin(), element.natural.end());
+    }
+  }
+  return recorded;
+}
+
+RecordedGradients gradients_or_reason(const Simulation& simulation, const GradientParameters& asked,
+                                      const QuantitySet& quantities, const XmlParameters& xml,
+                                      const std::string& load_case) {
+  RecordedGradients none;
+  try {
+    return gradients_at(simulation, asked, quantities, xml, load_case);
+  } catch (const InputError& error) {
+    none.not_found = error.what();
+  } catch (const LinearSolverError& error) {
+    none.not_found = error.what();
+  }
+  return none;
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,43 @@
+/// The list "Gradient" of a scene: which quantities are differentiated with respect to which of its numbers.
+#pragma once
+
+#include "discretization/parameters/source.hpp"
+#include "discretization/parameters/spec.hpp"
+#include "discretization/quantities/quantity_set.hpp"
+#include "nonlinear/run/simulation.hpp"
+
+#include <Teuchos_ParameterList.hpp>
+
+#include <string>
+#include <vector>
+
+namespace mixbeam {
+
+struct XmlParameters;
+
+/// As it was written.
+struct GradientParameters {
+  std::vector<std::string> of{};  ///< names or patterns of numbers that quantities have
+  std::vector<std::string> by{};  ///< paths of numbers of the scene, or patterns of these
+  bool by_element = false;
+};
+
+/// Declaration of the list "Gradient".
+ListSpec gradient_spec();
+
+/// Reads the list and looks for all that it names. Throws InputError.
+GradientParameters read_gradient(XmlParameters& xml, const QuantitySet& quantities, const Scene& scene);
+/// Throws InputError at the list "Gradient" for what a scene does not have.
+void require_known(const GradientParameters& asked, const XmlParameters& xml, const QuantitySet& quantities,
+                   const Scene& scene);
+
+/// At the present state of a simulation of a scene that `xml` tells, `load_case` of it. Throws InputError,
+/// LinearSolverError.
+RecordedGradients gradients_at(const Simulation& simulation, const GradientParameters& asked,
+                               const QuantitySet& quantities, const XmlParameters& xml, const std::string& load_case);
+/// The same where a run must go on: RecordedGradients::not_found in place of an error.
+RecordedGradients gradients_or_reason(const Simulation& simulation, const GradientParameters& asked,
+                                      const QuantitySet& quantities, const XmlParameters& xml,
+                                      const std::string& load_case);
+
+}  // namespace mixbeam

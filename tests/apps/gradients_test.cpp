@@ -1,0 +1,71 @@
+/// The list "Gradient" as a user meets it: terminal, table, summary, result file, refusals.
+#include "mixbeam_files.hpp"
+
+#include <cmath>
+
+namespace mixbeam::gradients_test {
+namespace {
+
+constexpr int kOk = 0, kCheckFailed = 1, kBadInput = 2;
+/// Derivative of the tip's deflection by the force: elliptic integrals, F L^2 / EI = 10.
+constexpr double kOfForce = 0.0105359712168047, kTolerance = 1e-11;
+
+class GradientList : public ::testing::Test {
+ protected:
+  Ended run(const std::string& lists) {
+    const std::string elastica = text_of(fs::path(MIXBEAM_SOURCE_DIR) / "apps/gallery/elastica.xml");
+    write_text(folder_ / "scene.xml", with(elastica, lists));
+    return run_process(program("mixbeam"), {"run", "scene.xml", "--output", "out", "--quiet", "--summary", "sum.json"},
+                       folder_.path());
+  }
+  Ended asking(const std::string& gradient) {
+    return run(
+        "{Quantities: {tip: {Quantity: displacement, Point: tip}, count: {Quantity: negative eigenvalues}}, "
+        "Gradient: {" +
+        gradient + "}}");
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(GradientList, StandsInTableFileAndSummary) {
+  const Ended ended =
+      asking("Of: [tip.y], With Respect To: ['Point Loads/*/Force[1]', Sections/*/EI3], By Element: true");
+  ASSERT_EQ(ended.exit_code, kOk) << ended.err << ended.out;
+  expect_in(ended.out, {"gradient of tip.y", "by Point Loads/weight/Force[1]"});
+  expect_in(text_of(folder_ / "sum.json"), {"\"gradients\"", "\"Sections/strip/EI3\""});
+  std::istringstream lines(text_of(folder_ / "out/scene-gradients.csv"));
+  std::string line;
+  std::getline(lines, line);
+  EXPECT_EQ(line, "quantity,value,number,derivative");
+  for (const double wanted : {kOfForce, 10.0 * kOfForce}) {  // of F and of EI: one number, F / EI
+    std::getline(lines, line);
+    EXPECT_NEAR(std::stod(line.substr(line.rfind(',') + 1)), wanted, 10.0 * kTolerance) << line;
+  }
+  const auto contents = contents_of(folder_ / "out/scene.h5");
+  ASSERT_TRUE(contents);
+  for (const char* name : {"numbers", "0/derivative", "0/stiffness", "0/compliance", "0/natural"})
+    EXPECT_EQ(contents->count(std::string("steps/000001/gradients/") + name), 1U) << name;
+}
+
+TEST_F(GradientList, RefusesWhatTheSceneDoesNotHave) {
+  const std::vector<std::pair<std::string, std::string>> wrong = {
+      {"Of: [top], With Respect To: [Sections/*/EI3]", R"(value "top" is no number that a quantity has)"},
+      {"Of: [tip.x], With Respect To: [Sections/strip/EJ]", R"(value "Sections/strip/EJ" is no path)"},
+      {"Of: [tip.x]", "it asks for nothing"}};
+  for (const auto& [gradient, message] : wrong) {
+    const Ended ended = asking(gradient);
+    EXPECT_EQ(ended.exit_code, kBadInput) << gradient;
+    expect_in(ended.err, {message, "allowed"});
+  }
+}
+
+/// The results stay.
+TEST_F(GradientList, WithoutAnswerIsACheckThatFailed) {
+  const Ended ended = asking("Of: [count], With Respect To: [Sections/*/EI3]");
+  EXPECT_EQ(ended.exit_code, kCheckFailed);
+  expect_in(ended.out, {"gradients", R"("negative eigenvalues" has no derivative)"});
+  EXPECT_EQ(contents_of(folder_ / "out/scene.h5")->count("steps/000001"), 1U);
+}
+
+}  // namespace
+}  // namespace mixbeam::gradients_test
