@@ -60,6 +60,7 @@ struct LoadPiece {
   bool is_jump = false;
   /// The whole stage, in which all amplitudes change at constant rates: a path needs no clock.
   bool is_plain = false;
+  bool is_part = false;  ///< of what is plain, cut where a state is asked for
 
   /// Of the parameter of a path, see LoadClock.
   double end() const { return is_plain ? to : from + 1.0; }

@@ -6,8 +6,10 @@
 #include "discretization/scene/names.hpp"
 #include "discretization/scene/scene.hpp"
 #include "discretization/text/message_text.hpp"
+#include "discretization/text/number_text.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 namespace mixbeam {
@@ -39,6 +41,9 @@ BoundList<ModesParameters> modes_parameters() {
   modes.bind(&ModesParameters::every_step, text("At").by_default(),
              "States about which the structure vibrates: that at the end of the path, or each converged one.",
              {{"end", false}, {"every step", true}});
+  modes.bind(&ModesParameters::load_factors, array("Load Factors", ParameterType::real_array).at_least(0.0),
+             "Load factors about whose states the structure vibrates, too: the path stops at each, where it first gets "
+             "there.");
   modes.bind(&ModesParameters::in_plane, boolean("In Plane").by_default(),
              "Of a scene in a plane: leave out the modes that leave it.");
   return modes;
@@ -138,7 +143,31 @@ void require_rest(const AnalysisParameters& parameters, const ParameterSource& s
                        "value true with \"Rotating Frame\"; allowed: false (its modes are those in space)");
 }
 
+constexpr size_t kMostLoadFactors = 1000;
+/// Load factors that differ by less are one: the path stops there to rounding.
+constexpr double kSameFactor = 1e-12;
+
+void require_load_factors(const AnalysisParameters& parameters, const Scene& scene, const ParameterSource& source,
+                          const ParameterPath& path) {
+  const std::vector<double>& given = parameters.modes.load_factors;
+  const std::string range = "0 to " + std::to_string(scene.stages);
+  if (!given.empty() && parameters.control)
+    throw source.error(path, "given with \"Control\", where the load factor is an unknown; allowed: \"At\" alone");
+  if (given.size() > kMostLoadFactors)
+    throw source.error(
+        path, "has " + std::to_string(given.size()) + " entries; allowed: up to " + std::to_string(kMostLoadFactors));
+  for (const double one : given)
+    if (!(one <= scene.stages))
+      throw source.error(path, "value " + shortest(one) + " is no load factor of the path; allowed: " + range);
+}
+
 }  // namespace
+
+bool asks_for_modes(const ModesParameters& modes, double load_factor, bool end_of_path) {
+  if (modes.number == 0 || modes.every_step || end_of_path) return modes.number > 0;
+  return std::any_of(modes.load_factors.begin(), modes.load_factors.end(),
+                     [&](double asked) { return std::abs(load_factor - asked) <= kSameFactor * asked; });
+}
 
 ListSpec analysis_spec() { return kAnalysisParameters.spec; }
 
@@ -152,6 +181,7 @@ AnalysisParameters read_analysis_parameters(Teuchos::ParameterList& list, const 
     throw source.error(control, "given, but the scene has " + std::to_string(scene.stages) + " stages; allowed: one");
   if (parameters.control) require_loads(scene, source, control);
   parameters.branch_point = read_branch_point(list, scene, source, path);
+  require_load_factors(parameters, scene, source, child(child(path, "Modes"), "Load Factors"));
   if (!scene.rotating_frames.empty()) require_rest(parameters, source, path);
   if (parameters.branch != Branch::primary && !parameters.stability.value_or(true))
     throw source.error(child(path, "Branch"), "given, but bifurcations are not looked for with \"Stability\" = false");

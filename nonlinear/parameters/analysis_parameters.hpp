@@ -8,6 +8,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace mixbeam {
 
@@ -38,9 +39,13 @@ enum class StressesOf { automatic, every_step, none };
 /// Natural modes about converged states.
 struct ModesParameters {
   int number = 0;
-  bool every_step = false;  ///< at the end of the path alone otherwise
-  bool in_plane = false;    ///< of a scene in a plane: without the motions that leave it
+  bool every_step = false;             ///< at the end of the path alone otherwise
+  std::vector<double> load_factors{};  ///< likewise, where the path first has them; it stops there
+  bool in_plane = false;               ///< of a scene in a plane: without the motions that leave it
 };
+
+/// Whether modes are asked for about a state of the path.
+bool asks_for_modes(const ModesParameters& modes, double load_factor, bool end_of_path);
 
 struct AnalysisParameters {
   /// Count the negative eigenvalues of every converged state and locate critical points. Not said: for all but the

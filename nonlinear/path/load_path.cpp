@@ -7,6 +7,7 @@
 #include "nonlinear/path/thresholds.hpp"
 #include "nonlinear/stability/stability.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace mixbeam {
@@ -58,20 +59,31 @@ int finished_stages(const PathControl& control) {
   return control.resume->step > 0 && is_end_of_stage(load_factor, stage) && !jumps_next ? stage : stage - 1;
 }
 
-/// Where loads turn or jump there is an end; with fixed steps each that is asked for ends a piece too.
+/// Load factors at which states are asked for: by modes and, where pieces are cut anyway, by fixed steps.
+std::vector<double> ends_asked_for(int stage, bool is_plain, const SolverParameters& parameters) {
+  std::vector<double> ends = parameters.analysis.modes.load_factors;
+  const bool is_fixed = parameters.load_path.method == LoadPathMethod::fixed && (!is_plain || !ends.empty());
+  for (int i = 1; i < parameters.load_path.steps && is_fixed; ++i)
+    ends.push_back(stage - 1.0 + static_cast<double>(i) / parameters.load_path.steps);
+  std::sort(ends.begin(), ends.end());
+  return ends;
+}
+
+/// Where loads turn or jump there is an end, and where a state is asked for.
 std::vector<LoadPiece> pieces_of_stage(int stage, const BeamProblem& problem, const SolverParameters& parameters) {
-  if (parameters.analysis.control || !problem.model.clock().have_formulas()) {
-    LoadPiece whole{stage - 1.0, 1.0 * stage};
-    whole.is_plain = true;
-    return {whole};
-  }
-  std::vector<LoadPiece> pieces = problem.model.clock().pieces(stage);
-  if (parameters.load_path.method != LoadPathMethod::fixed || pieces.front().is_plain) return pieces;
+  LoadPiece whole{stage - 1.0, 1.0 * stage};
+  whole.is_plain = true;
+  std::vector<LoadPiece> pieces{whole};
+  if (parameters.analysis.control) return pieces;
+  if (problem.model.clock().have_formulas()) pieces = problem.model.clock().pieces(stage);
+  const std::vector<double> ends = ends_asked_for(stage, pieces.front().is_plain, parameters);
+  if (ends.empty()) return pieces;
   std::vector<LoadPiece> divided;
   for (LoadPiece piece : pieces) {
     const double to = piece.to;
-    for (int i = 1; i < parameters.load_path.steps && !piece.is_jump; ++i) {
-      const double end = stage - 1.0 + static_cast<double>(i) / parameters.load_path.steps;
+    piece.is_part = piece.is_plain;
+    for (const double end : ends) {
+      if (piece.is_jump) break;
       if (end <= piece.from * (1.0 + kSameLoadFactor) || end >= to * (1.0 - kSameLoadFactor)) continue;
       piece.to = end;
       divided.push_back(piece);
@@ -92,6 +104,7 @@ bool follow_stage(const Teuchos::RCP<BeamProblem>& problem, const SolverParamete
     ~Running() { clock.run(std::nullopt); }
   } running{clock};
   clock.run(range.piece);
+  recorder.enter_piece(range.piece);
   problem->forget_tangents();  // as where a path is resumed
   const bool is_own =
       parameters.analysis.snap == Snap::jump || parameters.load_path.method == LoadPathMethod::automatic;

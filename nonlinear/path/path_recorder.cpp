@@ -101,8 +101,8 @@ void PathRecorder::converged(const ConvergedStep& step) {
   if (looks_at_end_ && is_end_of_stage(report.load_factor, stage_))
     report.stability = Stability(*problem_).ask({step.state, report.load_factor}, How::iteration);
   report.point = point(step, report.stability);
-  if (piece) {
-    report.point.piece = piece->from;
+  if (piece || part_ != kNoPart) {
+    report.point.piece = piece ? piece->from : part_;
     report.point.parameter = step.load_factor;
   }
   report.history = record_.history;

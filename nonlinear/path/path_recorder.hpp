@@ -61,6 +61,7 @@ class PathRecorder {
   const std::function<void(const DescentProgress&)>& descent_observer() const { return control_.descends; }
 
   void enter_stage(int stage, int attempts);
+  void enter_piece(const LoadPiece& piece) { part_ = piece.is_part ? piece.from : kNoPart; }
   void leave_stage();
   /// Attempts made in this stage so far, the one that is about to be reported as converged included.
   void set_attempts(int attempts) { attempts_made_ = attempts; }
@@ -98,6 +99,8 @@ class PathRecorder {
   int counted_ = 0;
   int critical_points_ = 0, jumps_ = 0;  ///< on the whole path so far
   double parameter_ = 0.0;
+  static constexpr double kNoPart = -1.0;
+  double part_ = kNoPart;                ///< where the part of a plain stage begins that is followed
   std::vector<CriticalPoint> passed_{};  ///< since the last step that was reported, as jump_
   std::optional<RecordedJump> jump_{};
   bool started_ = false, branched_ = false;

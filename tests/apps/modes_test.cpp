@@ -67,6 +67,29 @@ TEST_F(Modes, SupportsMayBeMissingWhereNothingActs) {
                  {"Supports", "no support"});
 }
 
+/// Of a column under a dead load and one whose load grows by a formula, without and with fixed steps: the path stops at
+/// load factors that are listed, and nowhere else are there modes but at its end.
+TEST_F(Modes, AreAtTheLoadFactorsAskedFor) {
+  const std::string asked = "Number: 1, In Plane: true, Load Factors: [0.6, 0, 0.3]";
+  for (const std::string amplitude : {"", ", Amplitude: t^2"})
+    for (const std::string solver : {"", "Solver: {Load Path: {Method: fixed, Steps: 2}}\n"}) {
+      const Ended ended = run(scene(
+          kMass, kClamp + "  Point Loads: {push: {Point: tip, Force: [-2, 0, 0]" + amplitude + "}}\n", asked, solver));
+      EXPECT_EQ(ended.exit_code, 0) << ended.out << ended.err;
+      std::vector<double> with_modes;
+      const FileContents contents = contents_of(folder_ / "results" / "scene.h5").value_or(FileContents{});
+      for (int step = 0; step < 100; ++step) {
+        std::string name = "steps/000000";
+        name.replace(name.size() - std::to_string(step).size(), std::string::npos, std::to_string(step));
+        if (contents.count(name + "/vibration/0@frequency") > 0) with_modes.push_back(attribute(name + "@load_factor"));
+      }
+      ASSERT_EQ(with_modes.size(), 4U) << amplitude << solver;
+      for (size_t i = 0; i < 4; ++i) EXPECT_DOUBLE_EQ(with_modes[i], (std::array<double, 4>{0.0, 0.3, 0.6, 1.0})[i]);
+    }
+  expect_refused(scene(kMass, kClamp, "Number: 1, Load Factors: [0.5, 2]"),
+                 {"\"Analysis / Modes / Load Factors\"", "no load factor of the path"});
+}
+
 TEST_F(Modes, RefusesWhatHasNoMeaning) {
   expect_refused(scene("", kClamp, "Number: 1"), {"\"Scene / Sections / rod / Mass\"", "missing"});
   expect_refused(scene(", Mass: -1", kClamp, "Number: 1"), {"\"Scene / Sections / rod / Mass\"", "-1"});

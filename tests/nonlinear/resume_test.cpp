@@ -122,6 +122,21 @@ TEST(Resume, StepsWithFailures) {
   }
 }
 
+/// A path that stops at load factors that are asked for.
+TEST(Resume, PartsOfAStage) {
+  for (LoadPathMethod method : {LoadPathMethod::automatic, LoadPathMethod::fixed}) {
+    SolverParameters parameters;
+    parameters.load_path.method = method;
+    parameters.load_path.steps = 2;
+    parameters.analysis.modes.load_factors = {0.3, 1.4};
+    Simulation whole(two_stages(), parameters, this_rank());
+    std::vector<double> at;
+    for (const Step& step : steps_of(whole)) at.push_back(step.report.load_factor);
+    for (const double asked : {0.3, 1.0, 1.4, 2.0}) EXPECT_EQ(std::count(at.begin(), at.end(), asked), 1) << asked;
+    expect_resumable_everywhere(two_stages(), parameters);
+  }
+}
+
 /// A sheet of struts that is bent out of its plane; large enough for two levels.
 Scene sheet() {
   constexpr int kSide = 30;
@@ -177,6 +192,9 @@ TEST(Resume, PathThroughLimitPoints) {
   EXPECT_EQ(limit_points, 2);
   EXPECT_GT(steps_along_path, 5);
   expect_resumable_everywhere(snapping_frame(), {});
+  SolverParameters in_parts;  // the path goes back below where its first part ended
+  in_parts.analysis.modes.load_factors = {0.5};
+  expect_resumable_everywhere(snapping_frame(), in_parts);
 }
 
 TEST(Resume, BranchBehindABifurcation) {

@@ -122,7 +122,7 @@ class Application::Recorder {
     StepRecord step = running.record(report, recording_.points_per_element, points_);
     follow_reactions(points_, step);
     if (const ModesParameters& modes = parameters_.analysis.modes;
-        modes.number > 0 && (modes.every_step || running.is_end_of_path(running.load_factor())))
+        asks_for_modes(modes, running.load_factor(), running.is_end_of_path(running.load_factor())))
       step.vibration = running.vibration_modes(modes.number, modes.in_plane, recording_.points_per_element,
                                                [&](const ModeSearch& search) { searches_.report(search); });
     judge_by_modes(step);
