@@ -9,6 +9,7 @@
 #include "discretization/text/member_error.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/text_file.hpp"
+#include "kernels/execution/execution_space.hpp"
 #include "nonlinear/linear/linear_solver.hpp"
 #include "nonlinear/run/rest_shape.hpp"
 
@@ -26,6 +27,8 @@ using List = Teuchos::ParameterList;
 const std::string kInverse = "Inverse";
 /// Stations of a natural curve in each element, for splines through them.
 constexpr int kStationsOfElement = 4;
+/// Displacement over size of the structure: far above what Newton's method leaves.
+constexpr double kArrived = 1e-6;
 /// Forces relative to those under loads: far above what Newton's method leaves.
 constexpr double kNoStress = 1e-8;
 
@@ -107,6 +110,11 @@ void write_members(const Application& app, const RestShape& shape, const std::st
   }
 }
 
+void warn(Application& app, const std::string& text) {
+  app.summary.warnings.push_back(text);
+  app.out() << "warning: " << text << "\n";
+}
+
 void tell(Application& app, const RestShape& shape, const std::filesystem::path& scene) {
   double longer = 0.0;
   const Mesh mesh = build_mesh(app.scene);
@@ -124,20 +132,31 @@ void tell(Application& app, const RestShape& shape, const std::filesystem::path&
   app.out() << "Rest shape: " << scene.string() << "\n";
   for (const auto& [word, value] : numbers) app.out() << "  " << word << formatted(" %.6g\n", value);
   if (!shape.stable.empty()) app.out() << "  drawn state stable: " << shape.stable << "\n";
-  const auto warn = [&app](const std::string& text) {
-    app.summary.warnings.push_back(text);
-    app.out() << "warning: " << text << "\n";
-  };
   if (shape.negative > 0)
-    warn("the drawn shape is an unstable equilibrium (negative eigenvalues: " + std::to_string(shape.negative) +
-         "): the structure leaves it");
+    warn(app, "the drawn shape is an unstable equilibrium (negative eigenvalues: " + std::to_string(shape.negative) +
+                  "): the structure leaves it");
   if (shape.redundancy > 0 && !(shape.stress_left <= kNoStress))
-    warn("the structure has loops, and with these natural strains it keeps stress without its loads: " +
-         formatted("%.3g", shape.stress_left) + " of the forces that it has under them (\"Loops\" = \"closed\": none)");
+    warn(app, "the structure has loops, and with these natural strains it keeps stress without its loads: " +
+                  formatted("%.3g", shape.stress_left) +
+                  " of the forces that it has under them (\"Loops\" = \"closed\": none)");
+}
+
+/// From a drawn shape that is unstable a path may lead elsewhere.
+void watch_end(Application& app, const std::string& load_case) {
+  app.watch = [&app, load_case](const Simulation& run, const StepReport& step) {
+    if (app.load_case != load_case || !run.is_end_of_path(step.load_factor)) return;
+    double missed = 0.0;
+    for (const auto& [point, vertex] : run.model().mesh().vertex_of_point)
+      missed = std::max(missed, vector_algebra::norm(run.displacement(point)));
+    if (!(missed <= kArrived * characteristic_length(run.model().mesh())))
+      warn(app, "the run from the rest shape ends in another equilibrium, " + formatted("%.3g", missed) +
+                    " away from the drawn shape");
+  };
 }
 
 RestShape found_rest_shape(const Application& app) {
   const ParameterSource& source = app.xml.source;
+  set_number_of_threads(app.threads_for(app.scene, app.solver));
   try {
     return find_rest_shape(app.scene, read_rest_shape_parameters(app.xml.list->sublist(kInverse)), app.solver,
                            app.communicator, InputPlace(source, {kInverse}));
@@ -157,6 +176,7 @@ void take_rest_shape(Application& app, const std::string& name, int jobs) {
     throw source.error({kInverse}, "given, but the scene names no mesh; allowed: with \"Elements\" of members");
   if (jobs > 1)
     throw source.error({kInverse}, "given with --jobs " + std::to_string(jobs) + "; allowed: one case after the other");
+  const std::string load_case = app.xml.list->sublist(kInverse).get<std::string>("Case", "");
   const RestShape shape = found_rest_shape(app);
   const ListSpec& root = mixbeam_root_spec();
   const XmlParameters scene = parse_parameters(app.xml.text, source.file(), root);
@@ -167,6 +187,7 @@ void take_rest_shape(Application& app, const std::string& name, int jobs) {
   replace_file(file, xml_text(*scene.list), false);
   tell(app, shape, file);
   read_scene_file(app, read_parameters(file.string(), root, Mistakes::kept), mixbeam_definition(), root);
+  watch_end(app, load_case);
   // displacements are rounding errors, of which nobody wants the accuracy
   if (app.solver.analysis.error_estimate == ErrorEstimation::automatic)
     app.solver.analysis.error_estimate = ErrorEstimation::off;

@@ -280,9 +280,8 @@ void RestShapeFinder::settle() {
     before = left;
   }
   throw ConvergenceError(
-      "the rest shape: no forces in the members balance the loads in the drawn shape, as in a mechanism, or shear "
-      "turns "
-      "sections without end");
+      "the rest shape: no forces of members balance the loads in the drawn shape (a mechanism has none), or turns of "
+      "sections by shear do not settle");
 }
 
 void RestShapeFinder::find(bool is_redundant, const InputPlace& place) {
@@ -673,6 +672,7 @@ RestShape find_rest_shape(const Scene& all_cases, const RestShapeParameters& wan
   if (comm->getSize() > 1) throw place.error("given under mpirun; allowed: one process");
   const Scene scene = scene_of_case(all_cases, wanted.load_case);
   check_offered(scene, place);
+  if (parameters.analysis.control) throw place.error("given beside \"Control\"; allowed: loads of a known size");
   RestShape shape;
   shape.stage = stage_of_loads(scene, place);
   RestShapeFinder finder(scene, wanted, parameters, comm);
