@@ -17,6 +17,8 @@ NOT_STABLE = {"false": (0, (4, 2)), "neutral": (0, (4, 1.5, 1, 1.5)), "unknown":
 OF_JUMPS = ("jump.energy_released", "jump.motion", "jump.largest_displacement")  # zero between: no curves
 OF_SYMBOLS = {"u": "displacement", r"\theta": "rotation", "R": "reaction force", "M": "reaction moment"}
 LIKE = 0.5          # cosine of two mode shapes below which they are different motions
+MULTIPLES = 6       # of the angular velocity of a frame that are drawn
+NO_GROWTH = 1e-9    # of the largest frequency: rounding
 STILL = 1e-9        # what changed less than this share of its scale (size, largest force) stood still
 
 
@@ -100,8 +102,11 @@ def _jumps(view):
 
 
 def frequencies_figure(view, steps):
-    """Frequencies of natural modes and their rates of growth over the load factor; crosses: flutter."""
-    factor = np.array([step.load_factor for step in steps])
+    """Frequencies of natural modes and their rates of growth over the load factor, or over the angular velocity of a frame with
+    its multiples (Campbell); crosses: flutter."""
+    factor, speed = np.array([step.load_factor for step in steps]), _speed(view)
+    if speed is not None:
+        factor = speed(factor)
     curves = followed_modes([step.natural_modes() for step in steps])
     canvas, (upper, lower) = style.figure(7.0, 6.4, 2, 1, sharex=True)
     for number, (at, modes) in enumerate(curves):
@@ -111,14 +116,29 @@ def frequencies_figure(view, steps):
     for point in view.run.critical_points():
         if point.kind == "flutter":
             marker, color = MARKERS["flutter"]
-            upper.plot(point.load_factor, point.omega, marker, color=color, markersize=8, zorder=5, label=f"flutter at {point.load_factor:.6g}")
+            upper.plot(speed(point.load_factor) if speed is not None else point.load_factor, point.omega, marker, color=color, markersize=8, zorder=5, label=f"flutter at {point.load_factor:.6g}")
     if upper.get_legend_handles_labels()[1]:
         upper.legend(loc="best")
     upper.set(ylabel=r"frequency $\omega$", ylim=(0.0, None))
-    lower.set(xlabel="load factor", ylabel="rate of growth")
+    lower.set(xlabel=r"angular velocity $\Omega$" if speed is not None else "load factor", ylabel="rate of growth")
+    for multiple in range(1, MULTIPLES + 1) if speed is not None else ():
+        upper.plot(factor, multiple * factor, ":", color=style.GREY, linewidth=0.8, zorder=1, gid=f"multiple {multiple}")
     lower.axhline(0.0, color=style.GREY, linewidth=0.7, zorder=1)
+    largest = max((mode["omega"] for _, modes in curves for mode in modes), default=0.0)
+    if all(abs(mode["growth"]) <= NO_GROWTH * largest for _, modes in curves for mode in modes):
+        lower.set_ylim(-1e-3 * largest or -1.0, 1e-3 * largest or 1.0)
     canvas.suptitle(f"{view.scene_words}: natural modes over the path", fontsize=13)
     return canvas
+
+
+def _speed(view):
+    """The angular velocity of the only frame as a function of the load factor; None: none, or an Amplitude says it."""
+    frames = view.run.acting().get("rotating_frames")
+    if not frames or len(frames["begins"]) != 1 or frames["begins"][0] < 0.0:
+        return None
+    size, begins = np.linalg.norm(frames["velocity"][0]), frames["begins"][0]
+    most = np.inf if begins + 1.0 >= view.run.stages() else 1.0
+    return lambda factor: size * np.clip(factor - begins, 0.0, most)
 
 
 def followed_modes(steps):

@@ -43,6 +43,10 @@ def write_inputs(page, run, of_case=False):
             rows[_vector(loads["force"][i]), _vector(loads["moment"][i]), _turns(loads, i), _begin(loads, i)].append(point)
         page.table(_head(("point load at", "force", "moment", "turns with the section", "acts from"), units),
                    [(_names(points), *row) for row, points in rows.items()])
+    frames = acting.get("rotating_frames")
+    if frames:
+        page.table(_head(("point of the axis of the rotating frame", "angular velocity", "turns from"), {"point of the axis of the rotating frame": length}),
+                   [(_vector(at), _vector(velocity), _begin(frames, i)) for i, (at, velocity) in enumerate(zip(frames["position"], frames["velocity"]))])
     _along(page, run, acting.get("line_loads"), ("force per length", "couple per length"), ("force", "couple"), "line load on", units)
     _along(page, run, acting.get("eigenstrains"), ("strain", "curvature"), ("strain", "curvature"), "eigenstrain of", units)
 

@@ -29,6 +29,7 @@ ACTING = {"supports": {**PLACED, "axes": (9,), "fixed": (6,), "stiffness": (6,),
           "point_loads": {**PLACED, "force": (3,), "moment": (3,), "follower": ()},
           "line_loads": {**ALONG, "force": (27,), "couple": (27,), "follower": ()},
           "eigenstrains": {**ALONG, "strain": (27,), "curvature": (27,)},
+          "rotating_frames": {"position": (3,), "velocity": (3,), "begins": ()},
           "sections": {"name": TEXT, "shape": TEXT, "dimensions": (36,), "strength": (9,)}, "members": {"section": ()}}
 LAYOUTS = (h5py.h5d.COMPACT, h5py.h5d.CONTIGUOUS, h5py.h5d.CHUNKED)
 DRAWN_AS = "drawn as "  # before the shape of a section that is given by stiffnesses

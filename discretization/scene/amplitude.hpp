@@ -75,6 +75,8 @@ class LoadClock {
   explicit LoadClock(const Scene& scene);
 
   bool have_formulas() const { return !amplitudes_.empty(); }
+  /// Whether loads may cancel each other: a single amplitude in a piece does not.
+  bool have_several() const { return amplitudes_.size() > 1; }
   /// In their order; those of different amplitudes at one place are one.
   const std::vector<LoadTurn>& turns() const { return turns_; }
   std::vector<LoadPiece> pieces(Stage stage) const;

@@ -296,8 +296,8 @@ StepSigns StepJudge::signs_of_ends(const PathPiece& piece, const StepTest& test,
   if (signs.counts_change || !signs.has_tangents) return signs;
   signs.motion = measure_.motion(piece.moved.x);
   if (signs.motion <= path_limit.no_motion) {
-    // Loads of many formulas that cancel each other at both ends need not do so in between.
-    signs.loads_move = loads().have_formulas() && !loads_move_nothing(piece);
+    // Loads of several formulas that cancel each other at both ends need not do so in between.
+    signs.loads_move = loads().have_several() && !loads_move_nothing(piece);
     return signs;
   }
   signs.loads_turn = !loads().is_straight(piece.start.load_factor, piece.end.load_factor);

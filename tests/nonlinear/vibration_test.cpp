@@ -57,6 +57,17 @@ TEST(Vibration, HingedColumnUnderItsLoad) {
                 kColumn * std::pow(kPi, 4));
 }
 
+/// Where each of Euler's columns buckles, by its own law of load and frequency, omega is zero.
+TEST(Vibration, FrequenciesVanishWhereColumnsBuckle) {
+  constexpr double kVanishes = 1e-8;  // of omega^2 without load
+  for (const ColumnEnds& ends : euler_columns()) {
+    const Scene scene = with_mass(column(4, 16, ends.supports));
+    const double still = squares_at(scene, 0.0, 1)[0];
+    EXPECT_NEAR(squares_at(scene, ends.critical, 1)[0], 0.0, kVanishes * still) << ends.name;
+    EXPECT_GT(std::abs(squares_at(scene, (1.0 - 1e-6) * ends.critical, 1)[0]), 10.0 * kVanishes * still) << ends.name;
+  }
+}
+
 /// Beyond its critical load the column has one negative omega^2.
 TEST(Vibration, UnstableStatesHaveNegativeSquares) {
   const Scene scene = with_mass(column(4, 8, euler_columns()[2].supports));

@@ -433,6 +433,9 @@ bool is_end_of_some_step(const SolverParameters& parameters, double load_factor)
   const auto is_whole = [](double number) {
     return std::abs(number - std::round(number)) <= kRounding * (1.0 + number);
   };
+  const std::vector<double>& asked = parameters.analysis.modes.load_factors;
+  const auto is_here = [&](double one) { return std::abs(one - load_factor) <= kRounding; };
+  if (std::any_of(asked.begin(), asked.end(), is_here)) return true;
   return is_whole(load_factor) || is_whole((load_factor - std::floor(load_factor)) / regular_step(parameters));
 }
 
@@ -444,7 +447,8 @@ void require_reachable(const Application& app, const std::vector<std::string>& c
     const std::string allowed = app.solver.analysis.control
                                     ? "none, for with \"Control\" a path ends at a displacement, whatever the load"
                                     : "ends of stages, and in \"Solver / Load Path\" with \"Method\" = \"fixed\" the "
-                                      "multiples of 1 / \"Steps\", else those of \"Maximum Step\"";
+                                      "multiples of 1 / \"Steps\", else those of \"Maximum Step\"; \"Load Factors\" of "
+                                      "\"Modes\"";
     throw app.xml.source.error({"Expected", value.name, "Load Factor"},
                                "value " + shortest(*value.load_factor) +
                                    "; a run would find that no load step ended there; allowed: " + allowed);
