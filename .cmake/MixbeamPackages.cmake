@@ -120,12 +120,13 @@ else()
   set(commands "")
   list(TRANSFORM mixbeam_levels PREPEND "${CMAKE_BINARY_DIR}/levels/" OUTPUT_VARIABLE folders)
   list(POP_FRONT folders base)
+  list(JOIN folders "$<SEMICOLON>" further)
   foreach(level IN LISTS mixbeam_levels)
     set(folder "${CMAKE_BINARY_DIR}/levels/${level}")
     list(APPEND commands
          COMMAND "${CMAKE_COMMAND}" -S "${CMAKE_SOURCE_DIR}" -B "${folder}" -G "${CMAKE_GENERATOR}" --log-level=NOTICE
                  -DCMAKE_BUILD_TYPE=Release -DMIXBEAM_INSTRUCTIONS=${level} -DBUILD_TESTING=OFF
-                 "-DMIXBEAM_FURTHER_LEVELS=${folders}"
+                 "-DMIXBEAM_FURTHER_LEVELS=${further}"
          COMMAND "${CMAKE_COMMAND}" --build "${folder}" --target packaged)
   endforeach()
   add_custom_target(package ${commands}

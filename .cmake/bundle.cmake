@@ -30,7 +30,8 @@ file(WRITE "${prefix}/bin/mixbeam-mpirun" [=[
 #!/bin/sh
 # mpirun of the libraries of this package: mixbeam-mpirun -n 2 mixbeam run SCENE
 libraries=$(cd "$(dirname "$(readlink -f "$0")")/../lib/mixbeam" && pwd)
-export OPAL_PREFIX="$libraries/mpi" LD_LIBRARY_PATH="$libraries${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}"
+export PMIX_MCA_pcompress_base_silence_warning=1 OPAL_PREFIX="$libraries/mpi" LD_LIBRARY_PATH="$libraries${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}"
+command -v ssh >/dev/null || export OMPI_MCA_plm=isolated # which it asks for even where this machine is the only one
 exec "$libraries/mpi/orterun" "$@"
 ]=])
 file(CHMOD "${prefix}/bin/mixbeam-mpirun" PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE
@@ -57,10 +58,19 @@ foreach(library IN LISTS found)
   list(APPEND originals "${original}")
   list(APPEND copies "${libraries}/${name}")
 endforeach()
-# The loader looks where the program or module says; a path of a library's own would keep it from that.
-file(GLOB copied_plugins "${libraries}/mpi/${plugin_folder}/*.so")
-foreach(copy IN LISTS copies copied_plugins ITEMS "${libraries}/mpi/orterun")
+# The loader looks where the program or module says; a path of a library's own would keep it from that. What a plugin needs
+# it would not find there in a process of Python: plugins keep their place for a path.
+foreach(copy IN LISTS copies ITEMS "${libraries}/mpi/orterun")
   file(RPATH_REMOVE FILE "${copy}")
+endforeach()
+file(RELATIVE_PATH from_plugins "${libraries}/mpi/${plugin_folder}" "${libraries}")
+file(GLOB copied_plugins "${libraries}/mpi/${plugin_folder}/*.so")
+foreach(copy IN LISTS copied_plugins)
+  set(path "")
+  file(READ_ELF "${copy}" RUNPATH path)
+  if(path)
+    file(RPATH_CHANGE FILE "${copy}" OLD_RPATH "${path}" NEW_RPATH "$ORIGIN/${from_plugins}")
+  endif()
 endforeach()
 
 # --- Licences -----------------------------------------------------------------------------------------------------------

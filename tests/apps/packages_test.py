@@ -76,7 +76,7 @@ class Installed(unittest.TestCase):
         level = self.run_here(self.program, "--version").split(", ", 2)[2].strip()
         self.assertNotIn("instruction set", self.run_here(self.program, "resume", "held/elastica.h5"))
         other = f"""import h5py
-with h5py.File("held/elastica.h5", "r+") as file:
+with h5py.File("held/elastica.h5") as file:
     held = file["properties"].attrs["instructions"]
     assert (held if isinstance(held, str) else held.decode()) == {level!r}, held"""
         self.run_here("/usr/bin/python3", "-c", other)
