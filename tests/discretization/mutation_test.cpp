@@ -109,6 +109,7 @@ Scene:
       Temperature: 100
       Expansion Coefficient: 1.2e-05
       Curvature Formula: ["0", "0", exp(-s)]
+      Start Turn: [0, 0, 0.01]
       Stage: 2
 Expected:
   force at the foot:

@@ -249,6 +249,58 @@ TEST(RestShape, OfLoopsIsFreeOfStressWithoutLoads) {
   }
 }
 
+/// Deformed members as splines through their samples, with the tangents of their ends.
+Scene drawn_as_deformed(const Simulation& run, int order, int elements) {
+  Scene scene = run.scene();
+  const auto end_tangent = [](const TriadQuaternion& q) {
+    const Vec3<double> tangent =
+        rotation_matrix(Quaternion<double>{q[0], q[1], q[2], q[3]}) * Vec3<double>{{1.0, 0.0, 0.0}};
+    return Vector3{tangent[0], tangent[1], tangent[2]};
+  };
+  const std::vector<MemberSamples> samples = run.samples(13);
+  for (std::size_t m = 0; m < scene.members.size(); ++m) {
+    Member& member = scene.members[m];
+    member.order = order;
+    member.elements = elements;
+    member.curve.shape = CurveShape::spline;
+    const MemberSamples& of = samples[m];
+    for (std::size_t i = 1; i + 1 < of.size(); ++i)
+      if (of.arc_length[i] > of.arc_length[i - 1]) member.curve.through.push_back(of.position[i]);
+    member.curve.end_tangents = {end_tangent(of.triad.front()), end_tangent(of.triad.back())};
+  }
+  for (Point& point : scene.points) point.position = run.position(point.name);
+  return scene;
+}
+
+// A portal of straight members, made without force, is deformed by its loads; drawn so, its rest shape is straight.
+// Inextensible: natural strains and stiffnesses refer to drawn lengths.
+TEST(RestShape, ClosedIsTheInverseOfARun) {
+  Scene portal;
+  portal.name = "portal";
+  portal.sections = {section(kRigid, kRigid, 1.0, 1.0)};
+  portal.points = {{"a", {0, 0, 0}}, {"b", {0, 1, 0}}, {"c", {1, 1, 0}}, {"d", {1, 0, 0}}};
+  portal.members = {line("left", "a", "b", 8, 16), line("beam", "b", "c", 8, 16), line("right", "c", "d", 8, 16)};
+  portal.supports = {clamp("a"), clamp("d")};
+  portal.point_loads = {dead_load("b", {2, -2, 0}), dead_load("c", {0, -2, 0})};
+  const Simulation run = solved(portal);
+  EXPECT_GE(run.displacement("b")[0], 0.1);
+  const Scene drawn = drawn_as_deformed(run, 4, 24);
+  const Mesh mesh = build_mesh(drawn);
+  const auto bent = [&](LoopForces loops) {
+    const RestShape shape = rest_shape(drawn, {loops, true});
+    double largest = 0.0;
+    for (std::size_t m = 0; m < shape.members.size(); ++m) {
+      const std::vector<NaturalStation> curve = natural_curve(mesh.members[m], shape.members[m], 2);
+      for (const NaturalStation& station : curve)
+        largest = std::max(largest, distance(station.triad[0], curve.front().triad[0]));
+    }
+    return largest;
+  };
+  constexpr double kIdentity = 1e-9, kBentByLeastEnergy = 1e-4;
+  EXPECT_LE(bent(LoopForces::closed), kIdentity);
+  EXPECT_GE(bent(LoopForces::least_energy), kBentByLeastEnergy);
+}
+
 // An inextensible beam between walls: its axial force has no part in its natural strains.
 TEST(RestShape, OfRigidLoopsIsNotClosed) {
   Scene scene = straight_rod(1.0, 3, 4);
