@@ -7,6 +7,7 @@
 #include "discretization/scene/what_acts.hpp"
 #include "discretization/state/sampling.hpp"
 #include "kernels/chains/level.hpp"
+#include "kernels/vibration/vibration.hpp"
 #include "nonlinear/accuracy/error_estimate.hpp"
 #include "nonlinear/multilevel/network_solver.hpp"
 
@@ -51,13 +52,21 @@ constexpr double kSampleBytes = 212.0, kFileBytesOfSample = 296.0, kFileBytesOfP
 /// An element: orders, and whether its section is coupled or varies along the member.
 struct Kind {
   int order = 1, force_points = 1;
-  bool general = false;
+  bool general = false, rotating = false;
 
   InteriorLayout interior() const { return {order, force_points}; }
   /// Numbers of its tangent, and of what recovers its interior.
   double tangent() const {
+    if (rotating) return kFullTangent + vibrating();
     if (general) return kFullTangent + kResponseColumns * interior().increments();
     return kSymmetricTangent + ResponseLayout{order, force_points}.size();
+  }
+  /// Numbers of a VibratingBlock and its rows.
+  double vibrating() const {
+    const VibrationLayout layout{order, force_points};
+    const double motions = layout.motions(), inside = layout.interior(), stresses = layout.stresses();
+    return kMassNumbers * (order + 1.0) + (stresses + layout.velocities() + motions) * motions +
+           3.0 * (general ? stresses * stresses : stresses) + (inside + 12.0) * inside + interior().increments();
   }
   /// Bytes of it with the vertex behind it while a path is followed, without samples. A plane takes less by a seventh.
   double bytes() const {
@@ -70,7 +79,7 @@ struct Kind {
   /// The same of the elements that the error estimate puts in its place: of one order more, or two.
   double estimate_bytes() const {
     if (order == kMaximumOrder) return 2.0 * bytes();
-    return Kind{order + 1, force_points + (force_points > order ? 2 : 1), general}.bytes();
+    return Kind{order + 1, force_points + (force_points > order ? 2 : 1), general, rotating}.bytes();
   }
 };
 
@@ -220,7 +229,7 @@ Needs needs_of(const Scene& scene, const SolverParameters& parameters) {
   double run = 0.0, estimate = 0.0, stability = 0.0, samples = 0.0, state = 0.0;
   for (const Member& member : scene.members) {
     const Kind kind = {member.order, force_point_count(member.order, member.force_integration),
-                       has_general_section(scene, member)};
+                       has_general_section(scene, member), !scene.rotating_frames.empty()};
     const long long elements = elements_of(member);
     const double n = static_cast<double>(elements);
     needs.elements += elements;
