@@ -97,6 +97,7 @@ install(SCRIPT .cmake/bundle.cmake COMPONENT bundle EXCLUDE_FROM_ALL)
 
 # --- Packages -----------------------------------------------------------------------------------------------------------
 if(MIXBEAM_FURTHER_LEVELS)
+  set(Python_EXECUTABLE /usr/bin/python3) # as in apps/python
   find_package(Python REQUIRED COMPONENTS Interpreter)
   math(EXPR next_minor "${Python_VERSION_MINOR} + 1")
   set(CPACK_PACKAGE_NAME mixbeam)

@@ -1,6 +1,7 @@
 """Installs into an empty folder and works from there, in an environment without the build folder: packages_test.py BUILD."""
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -80,6 +81,15 @@ with h5py.File("held/elastica.h5") as file:
     held = file["properties"].attrs["instructions"]
     assert (held if isinstance(held, str) else held.decode()) == {level!r}, held"""
         self.run_here("/usr/bin/python3", "-c", other)
+
+    def test_resuming_on_another_instruction_set_says_so(self):
+        other = self.folder / "other"
+        shutil.copytree(self.prefix, other)
+        library, name = other / "lib/mixbeam/libmixbeam.so", self.run_here(self.program, "--version").split(", ")[2].encode()
+        library.write_bytes(library.read_bytes().replace(name + b"\0", name.swapcase() + b"\0"))  # its word for the set it was built for
+        scene = self.prefix / "share/mixbeam/gallery/elastica.xml"
+        self.run_here(other / "bin/mixbeam", "run", scene, "-o", "elsewhere")
+        self.assertIn("Written with the instruction set", self.run_here(self.program, "resume", "elsewhere/elastica.h5"))
 
     def test_the_python_module(self):
         text = f"""import mixbeam
