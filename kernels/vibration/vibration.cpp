@@ -150,10 +150,8 @@ struct VibrationLoop {
       carried(frame, e, tables, in, kinematics).add_second_variation({momentum, kMotions}, {matrix, kMotions});
     }
     const double length = block.reference(e, 0);
-    if (has_inertia) {
-      scale_velocities(&vibrating.mass(e, 0), K + 1, tables.moment_weight, length, kMotions, momentum);
-      std::copy_n(matrix, kMotions * kMotions, &vibrating.geometric(e, 0));
-    }
+    if (has_inertia) scale_velocities(&vibrating.mass(e, 0), K + 1, tables.moment_weight, length, kMotions, momentum);
+    std::copy_n(matrix, kMotions * kMotions, &vibrating.geometric(e, 0));
     set_compliance(e, length);
     add_stiffness(of_element(vibrating, vibrating.compliance, e), strain, matrix);
     for (int v = 0; v < velocities && shift != 0.0; ++v)
@@ -168,12 +166,17 @@ struct VibrationLoop {
   }
 
  private:
+  /// Adds them to the stored H too where the block has no inertia.
   void add_loads(const ElementMatrices<K>& matrices, const ElementInput<double>& in, int e, double* matrix) const {
-    if (!vibrating.transposed) return matrices.add_loads(in, fields(e), {matrix, kMotions});
+    if (vibrating.momentum.extent(0) > 0) return matrices.add_loads(in, fields(e), {matrix, kMotions});
     double loads[kMotions * kMotions] = {};
     matrices.add_loads(in, fields(e), {loads, kMotions});
     for (int i = 0; i < kMotions; ++i)
-      for (int j = 0; j < kMotions; ++j) matrix[i * kMotions + j] += loads[j * kMotions + i];
+      for (int j = 0; j < kMotions; ++j) {
+        const double load = vibrating.transposed ? loads[j * kMotions + i] : loads[i * kMotions + j];
+        matrix[i * kMotions + j] += load;
+        vibrating.geometric(e, i * kMotions + j) += load;
+      }
   }
   ElementFields<> fields(int e) const {
     ElementFields<> result;
@@ -290,6 +293,7 @@ VibratingBlock allocate_static_block(const ElementBlock& block) {
   const int count = block.count, n = layout.interior(), m = layout.motions(), s = layout.stresses();
   const int numbers = block.general_section ? s * s : s;
   made.strain = KernelView<double**>("mixbeam::vibration::strain", count, s * m);
+  made.geometric = KernelView<double**>("mixbeam::vibration::geometric", count, m * m);
   made.compliance = KernelView<double**>("mixbeam::vibration::compliance", count, numbers);
   made.own = KernelView<double**>("mixbeam::vibration::own", count, numbers);
   made.excess = KernelView<double**>("mixbeam::vibration::excess", count, numbers);
@@ -308,7 +312,6 @@ VibratingBlock allocate_vibrating_block(const ElementBlock& block) {
   const int count = block.count, m = layout.motions();
   made.mass = KernelView<double**>("mixbeam::vibration::mass", count, kMassNumbers * (block.order + 1));
   made.momentum = KernelView<double**>("mixbeam::vibration::momentum", count, layout.velocities() * m);
-  made.geometric = KernelView<double**>("mixbeam::vibration::geometric", count, m * m);
   return made;
 }
 
@@ -416,6 +419,26 @@ void stiffness_forms(const VibratingBlock& vibrating, const KernelView<const dou
     add_product(&vibrating.geometric(e, 0), n, n, n, 1.0, motions, bent);
     for (int i = 0; i < n; ++i) sum += motions[i] * bent[i];
     forms(vibrating.block.first_element + e) = sum;
+  });
+}
+
+void subtract_equations(const VibratingBlock& vibrating, const KernelView<const double* [6]>& vertex,
+                        const KernelView<const double*>& increment, const KernelView<double*>& rows,
+                        const KernelView<double* [12]>& vertex_rows) {
+  for_each_of("mixbeam::vibration::equations", vibrating, [=](int e, const VibrationLayout layout) {
+    const int n = layout.motions();
+    const double* stress = increment.data() + vibrating.block.increments_at()(e);
+    double motions[kMostMotions], by_stress[kMostStresses], forces[kMostMotions] = {};
+    std::copy_n(stress + layout.stresses(), layout.interior(), motions);
+    load_ends(vibrating, vertex, e, motions + layout.interior());
+    double* out = rows.data() + vibrating.block.increments_at()(e);
+    add_product(&vibrating.strain(e, 0), layout.stresses(), n, n, 1.0, motions, out);
+    of_element(vibrating, vibrating.own, e).multiply(stress, by_stress);
+    for (int s = 0; s < layout.stresses(); ++s) out[s] -= by_stress[s];
+    add_transposed_product(&vibrating.strain(e, 0), layout.stresses(), n, n, stress, forces);
+    add_product(&vibrating.geometric(e, 0), n, n, n, 1.0, motions, forces);
+    for (int i = 0; i < layout.interior(); ++i) out[layout.stresses() + i] -= forces[i];
+    for (int i = 0; i < 12; ++i) vertex_rows(vibrating.block.first_element + e, i) = -forces[layout.interior() + i];
   });
 }
 

@@ -30,7 +30,7 @@ struct VibratingBlock {
 
 /// Room for the elements of a block; `mass` is to be filled.
 VibratingBlock allocate_vibrating_block(const ElementBlock& block);
-/// Room without mass, momenta and H: for solutions with the stiffness alone (shift zero).
+/// Room without mass and momenta, for solutions with the stiffness alone (shift zero): H has B in it.
 VibratingBlock allocate_static_block(const ElementBlock& block);
 
 /// Condenses K + shift M at a state. `structure`: sections with the cap, line fields. `tangent`: (local element,
@@ -75,6 +75,11 @@ void recover_motion(const VibratingBlock& vibrating, const KernelView<const doub
 /// (2 dN . D dx - dN . S dN + dx . H dx) of each local element, S the true compliance: stationary at a mode.
 void stiffness_forms(const VibratingBlock& vibrating, const KernelView<const double* [6]>& vertex,
                      const KernelView<const double*>& increment, const KernelView<double*>& forms);
+/// Takes a motion with its stresses from interior rows: r + D dx - S dN and f - D^T dN - (H + B) dx, S the true
+/// compliance, of a static block; the latter of both vertices, without f, as (local element, 12).
+void subtract_equations(const VibratingBlock& vibrating, const KernelView<const double* [6]>& vertex,
+                        const KernelView<const double*>& increment, const KernelView<double*>& rows,
+                        const KernelView<double* [12]>& vertex_rows);
 /// Rows of the stresses that the excess of the capped compliance makes of their increment, zero in all others.
 void excess_rows(const VibratingBlock& vibrating, const KernelView<const double*>& increment,
                  const KernelView<double*>& rows);

@@ -23,6 +23,10 @@ constexpr double kCapOfAdjoint = 1e-2;
 /// Rounding of a solve beyond which it is refined, and refused: share of the sum of the terms of a row.
 constexpr double kRefinedAdjoint = 1e-15, kRefusedAdjoint = 1e-9;
 
+/// Refinements of a whole solution: one of short members, two of 1e5 elements; each must halve what is left.
+constexpr int kMostRefinements = 3;
+constexpr double kWorthRefining = 0.5;
+
 std::vector<double> values_of(const DofMatrix& matrix) {
   const auto local = matrix.getLocalMatrixHost();
   return {local.values.data(), local.values.data() + local.values.extent(0)};
@@ -235,7 +239,8 @@ void AdjointOperator::take_out_cap(Adjoint& adjoint) {
         return true;
       });
   if (!(left_out.left <= kMostCapLeftInAdjoint * beta))
-    throw LinearSolverError("the adjoint equations were not solved: rigid members share forces that nothing determines");
+    throw LinearSolverError(
+        "the adjoint equations were not solved: rigid members share forces that nothing determines");
   for (size_t k = 0; k < left_out.y.size(); ++k) {
     adjoint.field.update(left_out.y[k], responses[k].field, 1.0);
     for (size_t i = 0; i < adjoint.free.size(); ++i) adjoint.free[i] += left_out.y[k] * responses[k].free[i];
@@ -255,28 +260,50 @@ void AdjointOperator::add_turning(const DofVector& held, const KernelView<double
   }
 }
 
+/// Computes the rest -q_x - R_x^T t of rows -q_x after an adjoint, with the true compliance.
+MixedVector AdjointOperator::left_of(const MixedVector& rows, const Adjoint& adjoint) const {
+  MixedVector left = rows.clone(true), elements = model_.create_vector();
+  const KernelView<const double* [6]> motion = model_.local_increment(adjoint.field);
+  const KernelView<double*> interior = left.writable_interior(true), vertex = left.vertex();
+  for (const VibratingBlock& block : blocks_)
+    subtract_equations(block, motion, adjoint.field.interior(), interior, vertex_rows_);
+  gather(elements.vertex());
+  add_transposed(outside_, adjoint.field.vertex_dofs(), -1.0, vertex);
+  for (size_t i = 0; i < vertex.extent(0); ++i) vertex(i) += elements.vertex()(i);
+  return left;
+}
+
+/// Condensed equations of long chains lose digits that those of elements have: repeated as long as it gains some.
+void AdjointOperator::refine(const MixedVector& rows, Adjoint& adjoint) {
+  double before = norm_of(adjoint.field);
+  for (int pass = 0; pass < kMostRefinements; ++pass) {
+    Adjoint more = respond(left_of(rows, adjoint));
+    take_out_cap(more);
+    const double size = norm_of(more.field);
+    if (!(size <= kWorthRefining * before)) return;
+    adjoint.field.update(1.0, more.field, 1.0);
+    for (size_t i = 0; i < adjoint.free.size(); ++i) adjoint.free[i] += more.free[i];
+    before = size;
+  }
+}
+
+/// Whether all that acts in rows is in those of elements and loads: free motions of joints and of supports that hold
+/// a part of the rotations, or spring against them, depend on the state.
+bool AdjointOperator::knows_all_rows() const {
+  const Conditions& conditions = model_.conditions();
+  return conditions.joints.empty() &&
+         std::all_of(conditions.supports.begin(), conditions.supports.end(), [](const VertexSupport& support) {
+           return support.rotation_kind != SupportRotation::vector && norm(support.rotation_stiffness) == 0.0;
+         });
+}
+
 /// q_x + R_x^T t at vertices that supports hold. `rows`: -q_x, but for what supports hold of it, which t has.
 std::vector<double> AdjointOperator::held_rows(const MixedVector& rows, const Adjoint& adjoint) const {
-  MixedVector total = rows.clone(true), excess = rows.clone(false), condensed = model_.create_vector();
-  excess_rows(adjoint.field, excess);
-  total.update(1.0, excess, 1.0);
-  condense_interior(total, condensed.vertex());
-  const KernelView<const double* [6]> motion = model_.local_increment(adjoint.field);
-  for_each_element(model_.structure(), [&](const ElementView& element) {
-    const double* matrix = &elements_(element.local(), 0);
-    for (int i = 0; i < 12; ++i) {
-      double sum = 0.0;
-      for (int j = 0; j < 12; ++j) sum += matrix[12 * i + j] * motion(element.vertex(j / 6), j % 6);
-      vertex_rows_(element.local(), i) = sum;
-    }
-  });
-  MixedVector elements = model_.create_vector();
-  gather(elements.vertex());
-  add_transposed(outside_, adjoint.field.vertex_dofs(), 1.0, elements.vertex());
-  std::vector<double> held(elements.vertex().extent(0), 0.0);
+  const MixedVector left = left_of(rows, adjoint);
+  std::vector<double> held(left.vertex().extent(0), 0.0);
   for (const VertexSupport& support : model_.conditions().supports)
-    for (size_t i = vertex_row(support.vertex, 0); i < vertex_row(support.vertex, 6); ++i)
-      held[i] = elements.vertex()(i) - condensed.vertex()(i) - rows.vertex()(i);
+    for (size_t i = vertex_row(support.vertex, 0); i < vertex_row(support.vertex, kVertexDofs); ++i)
+      held[i] = -left.vertex()(i);
   return held;
 }
 
@@ -313,6 +340,7 @@ Adjoint AdjointOperator::solve(const StateDerivative& quantity) {
   Adjoint adjoint = respond(std::move(rows));
   if (!quantity.held().empty()) add_held_motion(held, adjoint);
   take_out_cap(adjoint);
+  if (knows_all_rows()) refine(own, adjoint);
   adjoint.held = held_rows(own, adjoint);
   return adjoint;
 }

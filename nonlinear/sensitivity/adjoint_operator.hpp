@@ -57,6 +57,9 @@ class AdjointOperator {
   void add_transposed(const Entries& matrix, const DofVector& motion, double factor,
                       const KernelView<double*>& rows) const;
   void add_turning(const DofVector& held, const KernelView<double*>& rows) const;
+  MixedVector left_of(const MixedVector& rows, const Adjoint& adjoint) const;
+  void refine(const MixedVector& rows, Adjoint& adjoint);
+  bool knows_all_rows() const;
   std::vector<double> held_rows(const MixedVector& rows, const Adjoint& adjoint) const;
 
   const Model& model_;
