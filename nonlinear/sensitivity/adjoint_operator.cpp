@@ -18,14 +18,24 @@ constexpr double kCapLeftInAdjoint = 1e-14;
 constexpr int kMostCapSolvesOfAdjoint = 200;
 /// Beyond it a gradient has fewer than nine digits: closed frames that are exactly rigid carry any stress of their own.
 constexpr double kMostCapLeftInAdjoint = 1e-9;
-/// Of the usual cap, with which the derivative of an elastica has an error of rounding of 1e-10: of this one 1e-12.
+/// Of the usual cap, where nothing is refined: that leaves 1e-10 of rounding in the derivative of an elastica, this one
+/// 1e-12.
 constexpr double kCapOfAdjoint = 1e-2;
 /// Rounding of a solve beyond which it is refined, and refused: share of the sum of the terms of a row.
 constexpr double kRefinedAdjoint = 1e-15, kRefusedAdjoint = 1e-9;
 
-/// Refinements of a whole solution: one of short members, two of 1e5 elements; each must halve what is left.
-constexpr int kMostRefinements = 3;
-constexpr double kWorthRefining = 0.5;
+/// Refinements of a whole solution: three as a rule, each of which takes what is left to its share, as far as rounding.
+constexpr int kMostRefinements = 6;
+constexpr double kFastRefinement = 1e-2, kRefined = 1e-14;
+
+/// Whether all that acts in rows is in those of elements and loads: free motions of joints and of supports that hold
+/// a part of the rotations, or spring against them, depend on the state.
+bool knows_all_rows(const Conditions& conditions) {
+  return conditions.joints.empty() &&
+         std::all_of(conditions.supports.begin(), conditions.supports.end(), [](const VertexSupport& support) {
+           return support.rotation_kind != SupportRotation::vector && norm(support.rotation_stiffness) == 0.0;
+         });
+}
 
 std::vector<double> values_of(const DofMatrix& matrix) {
   const auto local = matrix.getLocalMatrixHost();
@@ -38,9 +48,11 @@ AdjointOperator::AdjointOperator(BeamProblem& problem, const State& state, doubl
     : model_(problem.model),
       state_(state),
       transposed_(transposed),
+      knows_all_rows_(knows_all_rows(model_.conditions())),
       residual_(model_.create_vector()),
       point_(mixed_residual(model_, state, load_factor, residual_)),
-      tangent_(model_, point_, cap_for(model_, point_.scales, kCapOfAdjoint), TangentKind{true, false}),
+      tangent_(model_, point_, cap_for(model_, point_.scales, knows_all_rows_ ? 1.0 : kCapOfAdjoint),
+               TangentKind{true, false}),
       elements_("mixbeam::adjoint::elements", model_.structure().local_elements(), kFullTangent),
       vertex_rows_("mixbeam::adjoint::rows", model_.structure().local_elements()),
       system_(model_),
@@ -273,28 +285,23 @@ MixedVector AdjointOperator::left_of(const MixedVector& rows, const Adjoint& adj
   return left;
 }
 
-/// Condensed equations of long chains lose digits that those of elements have: repeated as long as it gains some.
-void AdjointOperator::refine(const MixedVector& rows, Adjoint& adjoint) {
-  double before = norm_of(adjoint.field);
+/// Condensed equations of long chains lose digits that those of elements have, and a cap that shifts no forces goes
+/// with them. Returns whether the adjoint has converged: where forces are shared by stiffness it does not without
+/// GMRES.
+bool AdjointOperator::refine(const MixedVector& rows, bool with_gmres, Adjoint& adjoint) {
+  const double whole = norm_of(adjoint.field);
+  double before = whole;
   for (int pass = 0; pass < kMostRefinements; ++pass) {
     Adjoint more = respond(left_of(rows, adjoint));
-    take_out_cap(more);
+    if (with_gmres) take_out_cap(more);
     const double size = norm_of(more.field);
-    if (!(size <= kWorthRefining * before)) return;
+    if (!(size <= kFastRefinement * before)) return size <= kRefined * whole;
     adjoint.field.update(1.0, more.field, 1.0);
     for (size_t i = 0; i < adjoint.free.size(); ++i) adjoint.free[i] += more.free[i];
+    if (size <= kRefined * whole) return true;
     before = size;
   }
-}
-
-/// Whether all that acts in rows is in those of elements and loads: free motions of joints and of supports that hold
-/// a part of the rotations, or spring against them, depend on the state.
-bool AdjointOperator::knows_all_rows() const {
-  const Conditions& conditions = model_.conditions();
-  return conditions.joints.empty() &&
-         std::all_of(conditions.supports.begin(), conditions.supports.end(), [](const VertexSupport& support) {
-           return support.rotation_kind != SupportRotation::vector && norm(support.rotation_stiffness) == 0.0;
-         });
+  return false;
 }
 
 /// q_x + R_x^T t at vertices that supports hold. `rows`: -q_x, but for what supports hold of it, which t has.
@@ -339,8 +346,10 @@ Adjoint AdjointOperator::solve(const StateDerivative& quantity) {
   turn_signs(model_.structure(), rows);
   Adjoint adjoint = respond(std::move(rows));
   if (!quantity.held().empty()) add_held_motion(held, adjoint);
-  take_out_cap(adjoint);
-  if (knows_all_rows()) refine(own, adjoint);
+  if (!knows_all_rows_ || !refine(own, false, adjoint)) {
+    take_out_cap(adjoint);
+    if (knows_all_rows_) refine(own, true, adjoint);
+  }
   adjoint.held = held_rows(own, adjoint);
   return adjoint;
 }

@@ -58,13 +58,12 @@ class AdjointOperator {
                       const KernelView<double*>& rows) const;
   void add_turning(const DofVector& held, const KernelView<double*>& rows) const;
   MixedVector left_of(const MixedVector& rows, const Adjoint& adjoint) const;
-  void refine(const MixedVector& rows, Adjoint& adjoint);
-  bool knows_all_rows() const;
+  bool refine(const MixedVector& rows, bool with_gmres, Adjoint& adjoint);
   std::vector<double> held_rows(const MixedVector& rows, const Adjoint& adjoint) const;
 
   const Model& model_;
   State state_;
-  bool transposed_;
+  bool transposed_, knows_all_rows_;
   MixedVector residual_;
   EvaluationPoint point_;
   Tangent tangent_;
