@@ -298,7 +298,7 @@ bool AdjointOperator::refine(const MixedVector& rows, bool with_gmres, Adjoint& 
     if (!(size <= kFastRefinement * before)) return size <= kRefined * whole;
     adjoint.field.update(1.0, more.field, 1.0);
     for (size_t i = 0; i < adjoint.free.size(); ++i) adjoint.free[i] += more.free[i];
-    if (size <= kRefined * whole) return true;
+    if (size * size <= kRefined * whole * before) return true;  // as the next one would be
     before = size;
   }
   return false;
