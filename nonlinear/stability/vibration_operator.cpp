@@ -145,7 +145,7 @@ VibrationOperator::Response VibrationOperator::respond(const double* momenta, co
   masses_.excess_rows(found.motion, excess);
   const double first = norm_of(excess);
   if (!(first > 0.0) || !std::isfinite(first)) return found;
-  const double allowed = (symmetric_ && !masses_.is_damped() ? kCapLeft : kCapLeftWithoutSymmetry) * first;
+  const double allowed = (symmetric_ && !has_forces_of_velocity() ? kCapLeft : kCapLeftWithoutSymmetry) * first;
   double left = first;
   while (!corrects_slowly_ && left > allowed) {
     Response more = solve_interior(excess);
