@@ -42,6 +42,7 @@ void set_up_batch(Application& app, const CommandLine& line) {
   if (!app.xml.list->isSublist("Batch"))
     throw app.xml.source.error(
         {"Batch"}, "missing " + app.xml.source.list_word() + "; needed: the cases, by \"Table\" or \"Vary\"");
+  if (app.gradient) app.out() << "The list \"Gradient\" belongs to mixbeam run; a batch finds no gradients.\n";
   const std::filesystem::path scene(*line.scene_file);
   app.output = line.output ? std::filesystem::path(*line.output) : std::filesystem::path("results") / scene.stem();
   prepare_output_folder(app.output);
