@@ -3,6 +3,7 @@
 #pragma once
 
 #include "kernels/condensation/condensed_layout.hpp"
+#include "kernels/loops/block.hpp"
 #include "kernels/vibration/element_matrices.hpp"
 
 namespace mixbeam {
