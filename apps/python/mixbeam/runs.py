@@ -227,7 +227,7 @@ class Run:
     def __init__(self, core, file=None):
         self._core = self._told = core  # what the states are asked for, and what the program has said of the run
         self.file = Path(file) if file else None  # result file; None: nothing was written
-        self._results = None
+        self._results = self._file = None
         for name, values in core.path().items():
             setattr(self, f"{name}s" if name == "load_factor" else name, values)  # of each step
         self.step_numbers = self.__dict__.pop("step")
@@ -438,20 +438,22 @@ class Run:
     def results(self):
         """The result file as apps/plots reads it; of a run without one, a file that goes away with this object. Raises InputError
         where the file is no longer that of this run."""
-        self._core.require_same_file()
+        file = self._result_file()
         if self._results is None:
-            self._results = self._open_results()
+            with plotting.modules() as plots:
+                self._results = plots.call(plots.load("results").Run, file)
         return self._results
 
-    def _open_results(self):
-        file = self.file
-        if file is None:
+    def _result_file(self):
+        self._core.require_same_file()
+        if self._file is None:
+            self._file = self.file
+        if self._file is None:
             folder = tempfile.mkdtemp(prefix="mixbeam-")
             weakref.finalize(self, shutil.rmtree, folder, ignore_errors=True)
-            file = Path(folder) / f"{self.scene.name.replace('/', '_')}.h5"
-            self.write(file)
-        with plotting.modules() as plots:
-            return plots.call(plots.load("results").Run, file)
+            self._file = Path(folder) / f"{self.scene.name.replace('/', '_')}.h5"
+            self.write(self._file)
+        return self._file
 
     def plot(self, picture="shape", **options):
         """A picture, shown by notebooks, with save(file): shape, fields, section_forces, diagrams, along, curve,
@@ -460,7 +462,7 @@ class Run:
 
     def view(self):
         """The page of `mixbeam view`, shown inline by notebooks, with save(file)."""
-        return plotting.view([self.results.path])
+        return plotting.view([self._result_file()])
 
 
 class MemberResults:
