@@ -1,5 +1,6 @@
 #include "apps/mixbeam/case_scenes.hpp"
 
+#include "apps/common/run/number_path.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "discretization/parameters/access.hpp"
 #include "discretization/reading/read_scene.hpp"
@@ -16,28 +17,6 @@
 namespace mixbeam {
 
 namespace {
-
-/// "Point Loads/tip/Force[1]" without its component, which is -1 where there is none.
-struct SplitPath {
-  std::vector<std::string> names{};
-  int component = -1;
-};
-
-SplitPath split(const std::string& text) {
-  SplitPath result;
-  std::string path = text;
-  const std::size_t bracket = path.rfind('[');
-  if (bracket != std::string::npos && path.back() == ']' &&
-      parse_number(path.substr(bracket + 1, path.size() - bracket - 2), result.component).empty())
-    path.resize(bracket);
-  for (std::size_t begin = 0; begin <= path.size();) {
-    const std::size_t end = std::min(path.find('/', begin), path.size());
-    result.names.push_back(trimmed(path.substr(begin, end - begin)));
-    begin = end + 1;
-  }
-  if (result.names.size() > 1 && result.names.front() == "Scene") result.names.erase(result.names.begin());
-  return result;
-}
 
 InputError refused(const BatchColumn& column, const std::string& problem) {
   return column.refusal("\"" + excerpt(column.parameter) + "\": " + problem);
@@ -88,7 +67,7 @@ void CaseScenes::evaluate_cells(Batch& batch) const {
     Teuchos::ParameterList scene = app_.xml.list->sublist("Scene");
     std::vector<Place> places;
     for (const BatchColumn& column : batch.columns) {
-      const SplitPath path = split(column.parameter);
+      const NumberPath path = number_path(column.parameter);
       places.push_back(path.names.front() == "Expected" ? Place{} : find_in(scene, path.names, path.component, column));
     }
     for (std::size_t i = 0; i < places.size(); ++i)
@@ -152,7 +131,7 @@ double CaseScenes::expected(const OwnExpectation& own, std::size_t index) const 
 }
 
 CaseScenes::Place CaseScenes::find(const BatchColumn& column, std::size_t index) {
-  const SplitPath path = split(column.parameter);
+  const NumberPath path = number_path(column.parameter);
   if (path.names.front() != "Expected")
     return find_in(app_.xml.list->sublist("Scene"), path.names, path.component, column);
   std::vector<std::string> names;

@@ -1,5 +1,6 @@
 #include "apps/common/run/scene_gradients.hpp"
 
+#include "apps/common/run/number_path.hpp"
 #include "discretization/parameters/access.hpp"
 #include "discretization/parameters/binding.hpp"
 #include "discretization/parameters/xml_reader.hpp"
@@ -39,34 +40,6 @@ BoundList<GradientParameters> gradient_parameters() {
 }
 
 const BoundList<GradientParameters> kGradientParameters = gradient_parameters();
-
-/// "Points/tip[1]": names of lists and of the parameter, and the component, -1 where it is a single number.
-struct NumberPath {
-  std::vector<std::string> names{};
-  int component = -1;
-
-  std::string text() const {
-    std::string all;
-    for (const std::string& name : names) all += (all.empty() ? "" : "/") + name;
-    return component < 0 ? all : all + "[" + std::to_string(component) + "]";
-  }
-};
-
-/// -1 in place of a component where the text has none.
-NumberPath split_path(std::string text) {
-  NumberPath path;
-  const std::size_t bracket = text.rfind('[');
-  if (bracket != std::string::npos && text.back() == ']' &&
-      parse_number(text.substr(bracket + 1, text.size() - bracket - 2), path.component).empty())
-    text.resize(bracket);
-  for (std::size_t begin = 0; begin <= text.size();) {
-    const std::size_t end = std::min(text.find('/', begin), text.size());
-    path.names.push_back(trimmed(text.substr(begin, end - begin)));
-    begin = end + 1;
-  }
-  if (path.names.size() > 1 && path.names.front() == "Scene") path.names.erase(path.names.begin());
-  return path;
-}
 
 /// Numbers of a parameter; none where it holds no real numbers.
 std::vector<double> numbers_in(const Teuchos::ParameterEntry& entry) {
@@ -113,7 +86,7 @@ void find_numbers(const Teuchos::ParameterList& list, const NumberPath& wanted, 
 
 std::vector<NumberPath> numbers_meant(const Teuchos::ParameterList& scene, const std::string& text) {
   std::vector<NumberPath> paths;
-  find_numbers(scene, split_path(text), {}, paths);
+  find_numbers(scene, number_path(text), {}, paths);
   return paths;
 }
 

@@ -1,0 +1,41 @@
+/// The path of a number of a scene, as tables of a batch and lists of gradients name it.
+#pragma once
+
+#include "discretization/text/message_text.hpp"
+#include "discretization/text/number_text.hpp"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+namespace mixbeam {
+
+/// "Points/tip[1]": names of lists and of the parameter, and the component, -1 where the path has none.
+struct NumberPath {
+  std::vector<std::string> names{};
+  int component = -1;
+
+  std::string text() const {
+    std::string all;
+    for (const std::string& name : names) all += (all.empty() ? "" : "/") + name;
+    return component < 0 ? all : all + "[" + std::to_string(component) + "]";
+  }
+};
+
+/// Reads a path, in which "Scene" may come first.
+inline NumberPath number_path(std::string text) {
+  NumberPath path;
+  const std::size_t bracket = text.rfind('[');
+  if (bracket != std::string::npos && text.back() == ']' &&
+      parse_number(text.substr(bracket + 1, text.size() - bracket - 2), path.component).empty())
+    text.resize(bracket);
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find('/', begin), text.size());
+    path.names.push_back(trimmed(text.substr(begin, end - begin)));
+    begin = end + 1;
+  }
+  if (path.names.size() > 1 && path.names.front() == "Scene") path.names.erase(path.names.begin());
+  return path;
+}
+
+}  // namespace mixbeam
