@@ -23,6 +23,8 @@ constexpr double kRowsAndLevers = 2.0;
 
 /// Lines of a table on the terminal; the files hold everything.
 constexpr std::size_t kMostLines = 12;
+/// Columns of frequencies that fit into a line.
+constexpr int kMostTracks = 5;
 /// Those that were asked for.
 constexpr std::size_t kMostQuantities = 100;
 
@@ -200,6 +202,14 @@ void RunReport::add(const StepRecord& record) {
     critical_.push_back(without_rows(point));
   }
   if (record.jump) jumps_.push_back(*record.jump);
+  follow(Searched{record.step, record.load_factor, last_.vibration});
+}
+
+void RunReport::follow(Searched searched) {
+  const bool is_known = !searched_.empty() && searched.step <= searched_.back().step;  // resumed at its end
+  if (searched.modes.empty() || is_known) return;
+  for (const RecordedVibrationMode& mode : searched.modes) tracks_ = std::max(tracks_, mode.track);
+  searched_.push_back(std::move(searched));
 }
 
 void RunReport::add(const StoredRun& run) {
@@ -209,6 +219,7 @@ void RunReport::add(const StoredRun& run) {
   for (std::size_t i = 0; i < run.steps().size(); ++i) {
     for (const RecordedCriticalPoint& point : run.critical_points(i)) critical_.push_back(without_rows(point));
     if (const std::optional<RecordedJump> jump = run.jump(i)) jumps_.push_back(*jump);
+    follow(Searched{run.steps()[i].step, run.steps()[i].load_factor, run.vibration()[i]});
   }
 }
 
@@ -265,6 +276,53 @@ void RunReport::print_modes(std::ostream& out) const {
                 : "")
         << (mode.confirmed ? "\n" : "  not confirmed\n");
   }
+}
+
+const RecordedVibrationMode* RunReport::Searched::of(int track) const {
+  const auto found =
+      std::find_if(modes.begin(), modes.end(), [&](const RecordedVibrationMode& mode) { return mode.track == track; });
+  return found == modes.end() ? nullptr : &*found;
+}
+
+/// Lines evenly spread over the path, the first and the last among them.
+void RunReport::print_frequencies(std::ostream& out) const {
+  if (searched_.size() < 2 || tracks_ == 0) return;
+  const int columns = std::min(tracks_, kMostTracks);
+  out << "  frequencies over the path, omega (omega / 2 pi) of each motion\n  load factor";
+  for (int track = 1; track <= columns; ++track) out << formatted(" %24s", ("motion " + std::to_string(track)).c_str());
+  out << (columns < tracks_ ? formatted("  ... and %d more in the files\n", tracks_ - columns) : "\n");
+  const std::size_t lines = std::min(searched_.size(), kMostLines), last = searched_.size() - 1;
+  for (std::size_t line = 0; line < lines; ++line) {
+    const Searched& searched = searched_[line * last / (lines - 1)];
+    out << formatted("  %11.6g", searched.load_factor);
+    for (int track = 1; track <= columns; ++track) {
+      const RecordedVibrationMode* mode = searched.of(track);
+      out << formatted(" %24s", mode == nullptr ? "-" : formatted("%.7g (%.6g)", mode->omega, mode->frequency).c_str());
+    }
+    out << "\n";
+  }
+  print_left_out(out, searched_.size());
+}
+
+std::vector<std::string> RunReport::frequency_columns() const {
+  std::vector<std::string> columns{"step", "load_factor"};
+  for (const char* unit : {"omega_", "frequency_"})
+    for (int track = 1; track <= tracks_; ++track) columns.push_back(unit + std::to_string(track));
+  return columns;
+}
+
+std::vector<std::vector<CsvCell>> RunReport::frequencies() const {
+  std::vector<std::vector<CsvCell>> rows;
+  if (searched_.size() < 2 || tracks_ == 0) return rows;
+  for (const Searched& searched : searched_) {
+    std::vector<CsvCell>& row = rows.emplace_back(std::vector<CsvCell>{searched.step, searched.load_factor});
+    for (const auto number : {&RecordedVibrationMode::omega, &RecordedVibrationMode::frequency})
+      for (int track = 1; track <= tracks_; ++track) {
+        const RecordedVibrationMode* mode = searched.of(track);
+        row.push_back(mode == nullptr ? CsvCell("") : CsvCell(mode->*number));
+      }
+  }
+  return rows;
 }
 
 void RunReport::print_gradients(std::ostream& out) const {
@@ -548,6 +606,7 @@ void RunReport::print(std::ostream& out) const {
   print_left_out(out, points);
   print_reactions(out);
   print_modes(out);
+  print_frequencies(out);
   const double scale = bending_ / length_;
   out << formatted("  strain energy %.10g (forces %.10g, moments %.10g)\n",
                    without_rounding(last_.strain_energy, scale), without_rounding(last_.force_energy, scale),

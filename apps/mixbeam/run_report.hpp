@@ -46,6 +46,11 @@ class RunReport {
   /// Rows of a table: quantity, value, path of the number, derivative.
   std::vector<std::vector<CsvCell>> gradients() const;
 
+  /// Table of natural frequencies over the path, a column for each motion and unit; without rows where modes were
+  /// searched for once.
+  std::vector<std::vector<CsvCell>> frequencies() const;
+  std::vector<std::string> frequency_columns() const;
+
   /// Adds what stresses and strains of the last step warn of to the summary of the run.
   void add_stresses(Application& app, const std::string& run) const;
 
@@ -58,6 +63,7 @@ class RunReport {
  private:
   void print_buckling(std::ostream& out) const;
   void print_modes(std::ostream& out) const;
+  void print_frequencies(std::ostream& out) const;
   std::string collapse_text() const;
   void print_critical_points(std::ostream& out) const;
   void print_jumps(std::ostream& out) const;
@@ -95,6 +101,16 @@ class RunReport {
   std::vector<Buckling> buckling_;
   std::string farthest_;  ///< the largest displacement of the last step and its place
   std::string collapse_;  ///< the first critical point at which the path turns unstable, in words
+  /// Natural modes of a step, without rows.
+  struct Searched {
+    int step = 0;
+    double load_factor = 0.0;
+    std::vector<RecordedVibrationMode> modes;
+    const RecordedVibrationMode* of(int track) const;
+  };
+  void follow(Searched searched);
+  std::vector<Searched> searched_;
+  int tracks_ = 0;
   double force_error_ = 0.0, moment_error_ = 0.0;
   double balance_tolerance_ = 0.0;
 };

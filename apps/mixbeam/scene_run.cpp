@@ -84,6 +84,7 @@ void write_limits_and_places(const Application& app, const RunReport& report, st
   for (const auto& [quantity, place] : report.places()) places.push_back({quantity, place});
   write_beside(file, "limits", {"limit", "value", "allowed", "passed"}, limits);
   write_beside(file, "gradients", {"quantity", "value", "number", "derivative"}, report.gradients());
+  write_beside(file, "frequencies", report.frequency_columns(), report.frequencies());
   write_beside(file, "places", {"quantity", "place at the end"}, places);
 }
 

@@ -16,7 +16,6 @@ MARKERS = {"limit point": ("o", style.ORANGE), "bifurcation": ("D", style.PURPLE
 NOT_STABLE = {"false": (0, (4, 2)), "neutral": (0, (4, 1.5, 1, 1.5)), "unknown": (0, (1, 1.2)), "jump": "none"}  # dashes
 OF_JUMPS = ("jump.energy_released", "jump.motion", "jump.largest_displacement")  # zero between: no curves
 OF_SYMBOLS = {"u": "displacement", r"\theta": "rotation", "R": "reaction force", "M": "reaction moment"}
-LIKE = 0.5          # cosine of two mode shapes below which they are different motions
 MULTIPLES = 6       # of the angular velocity of a frame that are drawn
 NO_GROWTH = 1e-9    # of the largest frequency: rounding
 STILL = 1e-9        # what changed less than this share of its scale (size, largest force) stood still
@@ -142,26 +141,14 @@ def _speed(view):
 
 
 def followed_modes(steps):
-    """[(numbers of steps, modes there)] of curves over the path: a mode continues that of the step before to which it is most like
-    by the cosine of their displacements; what is like none begins a curve."""
-    curves, last = [], []
+    """[(numbers of steps, modes there)] of the motions of a path; files of earlier versions do not tell which mode continues which."""
+    curves = {}
     for at, modes in enumerate(steps):
-        shapes = [mode["mode"].ravel() / (np.linalg.norm(mode["mode"]) or 1.0) for mode in modes]
-        likeness = sorted(((abs(shape @ before), i, j) for i, shape in enumerate(shapes) for j, (before, _) in enumerate(last)), reverse=True)
-        curve_of, taken = {}, set()
-        for cosine, i, j in likeness:
-            if cosine >= LIKE and i not in curve_of and j not in taken:
-                curve_of[i] = last[j][1]
-                taken.add(j)
-        last = []
-        for i, mode in enumerate(modes):
-            if i not in curve_of:
-                curves.append(([], []))
-                curve_of[i] = len(curves) - 1
-            curves[curve_of[i]][0].append(at)
-            curves[curve_of[i]][1].append(mode)
-            last.append((shapes[i], curve_of[i]))
-    return curves
+        for number, mode in enumerate(modes, 1):
+            curve = curves.setdefault(mode["track"] or number, ([], []))
+            curve[0].append(at)
+            curve[1].append(mode)
+    return [curves[track] for track in sorted(curves)]
 
 
 def _mark_jump(axes, x, y):

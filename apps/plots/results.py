@@ -282,9 +282,10 @@ class Step:
         return [(mode.attribute("load_factor"), self._selection.of(mode, "mode")) for mode in self._group.numbered("buckling")]
 
     def natural_modes(self):
-        """[{"eigenvalue": omega^2, "omega", "growth", "mode": displacements (n, 3)}] of the vibrations about this state, where a
-        run was asked for them."""
+        """[{"eigenvalue": omega^2, "omega", "growth", "track", "mode": displacements (n, 3)}] of the vibrations about this state,
+        where a run was asked for them; modes of the same track (from 1 on; 0: not known) are the same motion along the path."""
         return [{"mode": self._selection.of(mode, "mode"), "growth": mode.attribute("growth", default=0.0),
+                 "track": mode.attribute("track", int, default=0),
                  **{name: mode.attribute(name) for name in ("eigenvalue", "omega")}} for mode in self._group.numbered("vibration")]
 
     @property

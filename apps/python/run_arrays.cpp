@@ -163,10 +163,11 @@ py::list buckling_modes_of(const SolvedRun& run, int count, int step) {
   return result;
 }
 
-py::list natural_modes_of(const SolvedRun& run, int count, int step, bool in_plane) {
+/// `tracks`: of the states that were asked for before.
+py::list natural_modes_of(const SolvedRun& run, int count, int step, bool in_plane, ModeTracks* tracks) {
   py::list result;
   for (RecordedVibrationMode& mode :
-       in_turn([&] { return run.at(step).vibration_modes(count, in_plane, kPointsByOrder); }))
+       in_turn([&] { return run.at(step).vibration_modes(count, in_plane, kPointsByOrder, {}, tracks); }))
     result.append(dict_of(mode));
   return result;
 }
@@ -247,6 +248,7 @@ std::map<std::string, Matrix6> sections_of(const SolvedRun& run) {
 }  // namespace
 
 void bind_run(py::module_& module) {
+  py::class_<ModeTracks>(module, "ModeTracks").def(py::init<>());
   py::class_<SolvedRun, Run>(module, "SolvedRun")
       .def("path", path_of)
       .def("evaluate", evaluate)

@@ -235,14 +235,20 @@ void copy_steps(hid_t source, hid_t target, std::size_t steps, const std::vector
   write_header(target, read_header(source));
   for (const std::string& name : hdf5::link_names(source)) {
     const bool has_own_way = name == "scene" || name == "version" || name == "properties" || name == "imported" ||
-                             name == "steps" || name == "monitor" || name == kQuantitySeries || name == kQuantityUnits;
+                             name == "steps" || name == "monitor" || name == kQuantitySeries ||
+                             name == kQuantityUnits || name == kFrequencies;
     if (has_own_way) continue;
     if (name == "members") hdf5::remove_link(target, name);  // the empty one
     hdf5::copy_link(source, name, target);
   }
   const auto from = hdf5::open_group(source, "steps"), to = hdf5::open_group(target, "steps");
   const auto groups = step_groups(source);
-  for (std::size_t i = 0; i < std::min(steps, groups.size()); ++i) hdf5::copy_link(from, groups[i], to);
+  for (std::size_t i = 0; i < std::min(steps, groups.size()); ++i) {
+    hdf5::copy_link(from, groups[i], to);
+    const auto step = hdf5::open_group(from, groups[i]);
+    append_frequencies(target, static_cast<int>(hdf5::read_number(step, "step")),
+                       hdf5::read_number(step, "load_factor"), read_vibration(step));
+  }
   const auto series_group = hdf5::open_group(target, "monitor");
   for (MonitoredSeries series : monitor) {
     if (series.values.size() < steps * series.columns)

@@ -37,6 +37,11 @@ std::vector<SampledMember> read_members(hid_t file);
 void write_supports(hid_t file, const std::vector<RecordedReaction>& reactions);
 void write_acting(hid_t file, const Acting& acting);
 
+/// Table of natural frequencies over the path, a column for each motion.
+inline constexpr const char* kFrequencies = "frequencies";
+/// Adds a row to it, of a step that has modes.
+void append_frequencies(hid_t file, int step, double load_factor, const std::vector<RecordedVibrationMode>& modes);
+
 /// All of a step but its tables.
 void write_step(hid_t file, const StepRecord& record);
 /// Names of the groups of all steps, in their order.
@@ -45,6 +50,8 @@ std::vector<std::string> step_groups(hid_t file);
 PathPoint read_point(hid_t step, const std::string& name);
 RecordedStability read_stability(hid_t step);
 std::optional<RecordedJump> read_jump(hid_t step);
+/// Reads natural modes without fields at samples.
+std::vector<RecordedVibrationMode> read_vibration(hid_t step);
 /// Reads the state of a step or a critical point.
 StateSnapshot read_state(hid_t group);
 /// Reads critical points without fields at samples and monitored quantities.

@@ -157,6 +157,18 @@ void write_monitor(hid_t file, const StepRecord& record) {
     hdf5::append_rows(monitor, quantity.name, quantity.components, quantity.components.size());
 }
 
+/// Row of the table of frequencies: motions by their tracks.
+std::vector<double> row_of_tracks(const std::vector<RecordedVibrationMode>& modes,
+                                  double RecordedVibrationMode::*number) {
+  std::vector<double> row;
+  for (const RecordedVibrationMode& mode : modes) {
+    if (mode.track < 1) continue;
+    row.resize(std::max<std::size_t>(row.size(), mode.track), NAN);
+    row[mode.track - 1] = mode.*number;
+  }
+  return row;
+}
+
 RecordedCriticalPoint read_critical_point(hid_t group) {
   RecordedCriticalPoint point;
   visit_fields(point, Reading{group});
@@ -166,11 +178,23 @@ RecordedCriticalPoint read_critical_point(hid_t group) {
 
 }  // namespace
 
+void append_frequencies(hid_t file, int step, double load_factor, const std::vector<RecordedVibrationMode>& modes) {
+  const std::vector<double> omega = row_of_tracks(modes, &RecordedVibrationMode::omega);
+  if (omega.empty()) return;
+  const auto group = hdf5::has_link(file, kFrequencies) ? hdf5::open_group(file, kFrequencies)
+                                                        : hdf5::create_group(file, kFrequencies);
+  hdf5::append_rows(group, "step", {static_cast<double>(step)}, 1);
+  hdf5::append_rows(group, "load_factor", {load_factor}, 1);
+  hdf5::append_row(group, "omega", omega);
+  hdf5::append_row(group, "frequency", row_of_tracks(modes, &RecordedVibrationMode::frequency));
+}
+
 void write_step(hid_t file, const StepRecord& record) {
   const auto steps = hdf5::open_group(file, "steps");
   const auto group = hdf5::create_group(steps, step_group_name(record.step));
   write_modes(record.step == 0 ? file : static_cast<hid_t>(group), "buckling", record.buckling);
   write_modes(group, "vibration", record.vibration);
+  append_frequencies(file, record.step, record.load_factor, record.vibration);
   visit_fields<const StepSummary>(record, Writing{group});
   write_reactions(group, record);
   write_history(group, record.history);
@@ -215,6 +239,16 @@ std::optional<RecordedJump> read_jump(hid_t step) {
   RecordedJump jump;
   visit_fields(jump, Reading{hdf5::open_group(step, kJump)});
   return jump;
+}
+
+std::vector<RecordedVibrationMode> read_vibration(hid_t step) {
+  std::vector<RecordedVibrationMode> modes;
+  if (!hdf5::has_link(step, "vibration")) return modes;
+  const auto group = hdf5::open_group(step, "vibration");
+  const std::size_t count = hdf5::count_links(group);
+  for (std::size_t i = 0; i < count; ++i)
+    visit_fields(modes.emplace_back(), Reading{hdf5::open_group(group, std::to_string(i))});
+  return modes;
 }
 
 RecordedStability read_stability(hid_t step) {

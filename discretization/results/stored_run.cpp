@@ -46,6 +46,14 @@ void require_own_series(const fs::path& path, const std::vector<MonitoredSeries>
       throw InputError(path.string() + ": the time series " + name + " is missing");
 }
 
+/// Each motion has a number as soon as it has a mode: no table is wider than there are modes.
+void require_tracks(const std::string& step, const std::vector<RecordedVibrationMode>& modes, std::size_t& before) {
+  before += modes.size();
+  for (const RecordedVibrationMode& mode : modes)
+    if (mode.track > 0 && static_cast<std::size_t>(mode.track) > before)
+      throw hdf5::Error("cannot read step " + step + ": its modes have tracks that no run gives");
+}
+
 }  // namespace
 
 StoredRun::StoredRun(const fs::path& path, std::optional<int> last_step)
@@ -54,12 +62,15 @@ StoredRun::StoredRun(const fs::path& path, std::optional<int> last_step)
   reading(path, [&](hid_t file) {
     header_ = read_header(file);
     const auto steps = hdf5::open_group(file, "steps");
+    std::size_t modes = 0;
     for (const std::string& name : step_groups(file)) {
       if (last_step && std::atoi(name.c_str()) > *last_step) break;
       const auto step = hdf5::open_group(steps, name);
       groups_.push_back(name);
       steps_.push_back(read_point(step, name));
       stability_.push_back(read_stability(step));
+      vibration_.push_back(read_vibration(step));
+      require_tracks(name, vibration_.back(), modes);
     }
     try {
       monitor_ = read_monitor(file);

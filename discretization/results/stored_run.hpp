@@ -52,6 +52,8 @@ class StoredRun {
 
   /// Stability of each of steps(); "unknown" in files of versions that did not record it.
   const std::vector<RecordedStability>& stability() const { return stability_; }
+  /// Natural modes of each of steps(), without fields at samples.
+  const std::vector<std::vector<RecordedVibrationMode>>& vibration() const { return vibration_; }
   /// State of the step at this position in steps().
   StateSnapshot state(std::size_t position) const;
 
@@ -67,6 +69,7 @@ class StoredRun {
   std::vector<std::string> groups_;
   std::vector<PathPoint> steps_;
   std::vector<RecordedStability> stability_;
+  std::vector<std::vector<RecordedVibrationMode>> vibration_;
   std::vector<MonitoredSeries> monitor_;
   bool drops_the_rest_ = false, has_all_series_ = true;
   std::vector<SampledMember> members_;

@@ -199,6 +199,7 @@ struct RecordedBucklingMode {
 
 /// A natural mode of the structure about a state in equilibrium.
 struct RecordedVibrationMode {
+  int track = -1;           ///< of its motion over the path, from 1 on, see ModeTracks; below zero: followed by none
   double eigenvalue = 0.0;  ///< omega^2; below zero where the state is not stable
   double omega = 0.0;       ///< its root, zero below zero
   double frequency = 0.0;   ///< omega / (2 pi)

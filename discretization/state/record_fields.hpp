@@ -109,6 +109,7 @@ inline constexpr auto kFields<RecordedBucklingMode> =
 
 template <>
 inline constexpr auto kFields<RecordedVibrationMode> = std::tuple{
+    field("track", &RecordedVibrationMode::track, "", "number of its motion over the path", Kept::if_known),
     field("eigenvalue", &RecordedVibrationMode::eigenvalue, "1 / time^2", "omega^2; negative: the state is not stable"),
     field("omega", &RecordedVibrationMode::omega, "radian / time", "zero where omega^2 is negative"),
     field("frequency", &RecordedVibrationMode::frequency, "1 / time", "omega / (2 pi): Hz where seconds are the unit"),

@@ -253,11 +253,16 @@ std::vector<RecordedBucklingMode> Simulation::buckling_modes(int count, int poin
 }
 
 std::vector<RecordedVibrationMode> Simulation::vibration_modes(int count, bool in_plane, int points_per_element,
-                                                               const ModeSearchObserver& observer) const {
+                                                               const ModeSearchObserver& observer, ModeTracks* tracks,
+                                                               const std::vector<int>& known) const {
   std::vector<RecordedVibrationMode> recorded;
-  for (const VibrationMode& mode :
-       mixbeam::vibration_modes(*problem_, state_, load_factor_, count, in_plane, observer)) {
+  std::vector<VibrationMode> modes =
+      mixbeam::vibration_modes(*problem_, state_, load_factor_, count, in_plane, observer, tracks != nullptr);
+  const std::vector<int> numbers =
+      tracks == nullptr ? std::vector<int>(modes.size(), -1) : tracks->follow(modes, known);
+  for (const VibrationMode& mode : modes) {
     RecordedVibrationMode& record = recorded.emplace_back();
+    record.track = numbers[recorded.size() - 1];
     record.eigenvalue = mode.pair.eigenvalue;
     record.omega = mode.rate.imag();
     record.growth = mode.rate.real();

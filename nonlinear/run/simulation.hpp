@@ -9,8 +9,8 @@
 #include "nonlinear/diagnosis/force_sharing.hpp"
 #include "nonlinear/path/load_path.hpp"
 #include "nonlinear/path/path_goal.hpp"
-#include "nonlinear/stability/vibration.hpp"
 #include "nonlinear/sensitivity/gradient.hpp"
+#include "nonlinear/stability/mode_tracks.hpp"
 
 namespace mixbeam {
 
@@ -114,9 +114,12 @@ class Simulation {
   std::vector<RecordedBucklingMode> buckling_modes(int count, int points_per_element) const;
   /// omega / (2 pi) of a natural mode about state(), one of those that the parameters ask for; NaN where it has fewer.
   double natural_frequency(int mode) const;
-  /// The first `count` of vibration_modes() about state(). Of this rank's samples.
+  /// The first `count` of vibration_modes() about state(). Of this rank's samples. `tracks`: gives each its track;
+  /// null: they have none. `known`: see ModeTracks::follow().
   std::vector<RecordedVibrationMode> vibration_modes(int count, bool in_plane, int points_per_element,
-                                                     const ModeSearchObserver& observer = {}) const;
+                                                     const ModeSearchObserver& observer = {},
+                                                     ModeTracks* tracks = nullptr,
+                                                     const std::vector<int>& known = {}) const;
 
  private:
   std::array<double, 6> motion(const std::string& point) const;

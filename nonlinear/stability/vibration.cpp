@@ -32,6 +32,8 @@ constexpr double kMassless = 1e-13;
 constexpr double kOfUnsymmetric = 1e-13;
 /// Residuals up to which such a pair counts as found: near a double value rounding leaves its root.
 constexpr double kFound = 1e-7;
+/// Frequency over the size of the rate beyond which the imaginary part of a mode has digits left.
+constexpr double kOscillates = 1e-6;
 /// The cap is taken out of each solution; the usual one takes two corrections and costs no digit: omega^2 of chains of
 /// 20,000 elements is that of a cap of a hundredth to 1e-14. Counts keep the cap: it lowers omega^2 by 3e-5 there.
 constexpr double kCapOfVibration = 1.0, kGap = 2e-4;
@@ -48,8 +50,11 @@ constexpr double kResidual = 1e-8;
 class Vibration {
  public:
   Vibration(BeamProblem& problem, const State& state, double load_factor, bool in_plane,
-            const ModeSearchObserver& observer)
-      : operator_(problem, state, load_factor, in_plane), load_factor_(load_factor), observer_(observer) {}
+            const ModeSearchObserver& observer, bool with_momenta)
+      : operator_(problem, state, load_factor, in_plane),
+        load_factor_(load_factor),
+        observer_(observer),
+        with_momenta_(with_momenta) {}
 
   std::vector<VibrationMode> modes(int count) {
     if (operator_.has_forces_of_velocity()) return damped_modes(count);
@@ -200,10 +205,22 @@ class Vibration {
 
   void take_masses(VibrationMode& mode) const {
     normalize_mode(operator_.model(), mode.pair.mode);
-    const std::vector<double> momenta = operator_.momenta_of(mode.pair.mode);
+    std::vector<double> momenta = operator_.momenta_of(mode.pair.mode);
     mode.modal_mass = dot_product(momenta, momenta);
     for (int axis = 0; axis < 3; ++axis)
       mode.participation[axis] = dot_product(momenta, translation_[axis]) / mode.modal_mass;
+    if (with_momenta_) mode.momenta[0] = std::move(momenta);
+  }
+
+  /// Momenta of a complex mode, from the real parts of those of phi and s phi: motions that go round one way and the
+  /// other have the same real parts.
+  std::array<std::vector<double>, 2> complex_momenta(const std::vector<double>& own, double reference,
+                                                     const std::complex<double>& rate) const {
+    const size_t n = operator_.masses().momenta();
+    std::array<std::vector<double>, 2> parts{std::vector<double>(own.begin(), own.begin() + n), {}};
+    if (!(rate.imag() > kOscillates * std::abs(rate))) return parts;
+    for (size_t i = 0; i < n; ++i) parts[1].push_back((rate.real() * own[i] - reference * own[n + i]) / rate.imag());
+    return parts;
   }
 
   /// On (G phi, s G phi / omega_0, beta D phi), which is all that damping, Coriolis forces and inertia touch.
@@ -238,6 +255,7 @@ class Vibration {
       VibrationMode mode{{-(rate * rate).real(), damped_response(pair.vector.data(), reference)}, rate, 0.0, {}};
       mode.pair.error = pair.residual;
       take_masses(mode);
+      if (with_momenta_) mode.momenta = complex_momenta(pair.vector, reference, rate);
       found.push_back(std::move(mode));
     }
     std::stable_sort(found.begin(), found.end(), [](const VibrationMode& a, const VibrationMode& b) {
@@ -286,6 +304,7 @@ class Vibration {
   VibrationOperator operator_;
   double load_factor_;
   const ModeSearchObserver& observer_;
+  bool with_momenta_;
   std::vector<int> moving_{};
   std::array<std::vector<double>, 3> translation_{};  ///< momenta of velocity one along each axis
   SparseMatrix outside_{};                            ///< what springs, loads and constraints add to K; rank 0
@@ -294,8 +313,8 @@ class Vibration {
 }  // namespace
 
 std::vector<VibrationMode> vibration_modes(BeamProblem& problem, const State& state, double load_factor, int count,
-                                           bool in_plane, const ModeSearchObserver& observer) {
-  return Vibration(problem, state, load_factor, in_plane, observer).modes(count);
+                                           bool in_plane, const ModeSearchObserver& observer, bool with_momenta) {
+  return Vibration(problem, state, load_factor, in_plane, observer, with_momenta).modes(count);
 }
 
 }  // namespace mixbeam

@@ -18,8 +18,9 @@ struct VibrationMode {
   /// s: i omega; where omega^2 is below zero or complex, that of the motion that grows, and with the conjugate of
   /// omega^2 that of the one that decays; with C one for each conjugate pair.
   std::complex<double> rate{};
-  double modal_mass = 0.0;                ///< phi . M phi
-  std::array<double, 3> participation{};  ///< phi . M e / modal_mass, e a unit translation along x, y, z
+  double modal_mass = 0.0;                       ///< phi . M phi
+  std::array<double, 3> participation{};         ///< phi . M e / modal_mass, e a unit translation along x, y, z
+  std::array<std::vector<double>, 2> momenta{};  ///< G phi, theory (71): real and imaginary part; where asked for
 };
 
 /// Where a search for modes is.
@@ -38,9 +39,10 @@ using ModeSearchObserver = std::function<void(const ModeSearch&)>;
 /// hold.
 ///
 /// `in_plane`: of a scene in a plane, without motions that leave it. `observer`: called on every rank after each block
-/// of solutions. Collective. Throws LinearSolverError where nothing
+/// of solutions. `with_momenta`: VibrationMode::momenta are kept. Collective. Throws LinearSolverError where nothing
 /// has a mass.
 std::vector<VibrationMode> vibration_modes(BeamProblem& problem, const State& state, double load_factor, int count,
-                                           bool in_plane = false, const ModeSearchObserver& observer = {});
+                                           bool in_plane = false, const ModeSearchObserver& observer = {},
+                                           bool with_momenta = false);
 
 }  // namespace mixbeam

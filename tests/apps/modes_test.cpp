@@ -90,6 +90,42 @@ TEST_F(Modes, AreAtTheLoadFactorsAskedFor) {
                  {"\"Analysis / Modes / Load Factors\"", "no load factor of the path"});
 }
 
+/// Bending falls with the load through the frequency of torsion, pi/2 sqrt(GIt/J1), between load factors 0.5 and 0.6:
+/// its column stays that of torsion, also in a run that goes on after the crossing or before it.
+TEST_F(Modes, KeepTheirNumbersWhereFrequenciesCross) {
+  const std::string supports =
+      "  Supports:\n    hinge: {Point: wall, Fixed Displacement: [x, y, z], Fixed Rotation: [x]}\n"
+      "    slide: {Point: tip, Fixed Displacement: [y, z], Fixed Rotation: []}\n"
+      "  Point Loads: {push: {Point: tip, Force: [-9, 0, 0]}}\n";
+  const std::string text =
+      changed(scene(kMass + ", Rotary Inertia: [2e-4, 1e-4, 1e-4]", supports, "Number: 3, At: every step",
+                    "Solver: {Load Path: {Method: fixed, Steps: 5}}\n"),
+              "GIt: 1, EI2: 1, EI3: 1", "GIt: 4e-3, EI2: 1, EI3: 1.1");
+  const Ended ended = run(text);
+  ASSERT_EQ(ended.exit_code, 0) << ended.out << ended.err;
+  expect_in(ended.out, {"frequencies over the path", "motion 3"});
+  const fs::path table = folder_ / "results" / "scene-frequencies.csv";
+  const std::string whole = text_of(table);
+  const double torsion = 0.5 * 3.14159265358979323846 * std::sqrt(4e-3 / 2e-4);
+  std::istringstream lines(whole);
+  std::string line;
+  ASSERT_TRUE(std::getline(lines, line));
+  EXPECT_EQ(line, "step,load_factor,omega_1,omega_2,omega_3,frequency_1,frequency_2,frequency_3");
+  for (int step = 0; step <= 5; ++step) {
+    ASSERT_TRUE(std::getline(lines, line));
+    double number = 0.0, load_factor = 0.0, first = 0.0, second = 0.0;
+    ASSERT_EQ(std::sscanf(line.c_str(), "%lf,%lf,%lf,%lf", &number, &load_factor, &first, &second), 4) << line;
+    EXPECT_NEAR(first, torsion, 1e-8 * torsion) << line;
+    EXPECT_EQ(second < torsion, step >= 3) << line;  // the twin: by their order the columns would change places
+  }
+  for (const char* from : {"2", "4"}) {
+    const Ended resumed = run_process(program("mixbeam"),
+                                      {"resume", (folder_ / "results" / "scene.h5").string(), "--from", from}, folder_);
+    EXPECT_EQ(resumed.exit_code, 0) << resumed.err;
+    EXPECT_EQ(text_of(table), whole) << from;
+  }
+}
+
 TEST_F(Modes, RefusesWhatHasNoMeaning) {
   expect_refused(scene("", kClamp, "Number: 1"), {"\"Scene / Sections / rod / Mass\"", "missing"});
   expect_refused(scene(", Mass: -1", kClamp, "Number: 1"), {"\"Scene / Sections / rod / Mass\"", "-1"});

@@ -277,6 +277,15 @@ class Bits(InFolder):
                 self.assertTrue(same_state(run.state(step), stored.state(step)), (file, step))
             self.assertFalse(same_state(run.state(-1), run.state(0)))
 
+    def test_motions_have_the_columns_of_the_program(self):
+        import h5py
+        run = mixbeam.run(mixbeam.read(SOURCES / "apps/gallery/rotor_blade.yaml"), output="blade.h5")
+        with h5py.File("blade.h5", "r") as file:
+            load_factors, omega = file["frequencies/load_factor"][:], file["frequencies/omega"][:]
+        factors, followed = run.frequencies(run.scene.analysis.modes.number, follow=True)
+        at = [list(factors).index(factor) for factor in load_factors]
+        self.assertTrue(np.array_equal(followed[at], omega, equal_nan=True))
+
     def test_a_scene_made_here_has_the_bits_of_its_file(self):
         cantilever().write("cantilever.xml")
         self.assertEqual(program("run", "cantilever.xml", "--output", ".", "--quiet", folder=self.folder).returncode, 0)

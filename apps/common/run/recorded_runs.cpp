@@ -95,6 +95,26 @@ class Application::Recorder {
     if (recording.resume != nullptr) for_monitor([&] { monitor_->add(*recording.resume); });
   }
 
+  /// Takes up the motions of a run that goes on: the modes of its last two searches are found again.
+  void follow_tracks(const Simulation& running, const StoredRun& run) {
+    int tracks = 0;
+    std::vector<std::size_t> searched;
+    for (std::size_t i = 0; i < run.steps().size(); ++i) {
+      if (!run.vibration()[i].empty()) searched.push_back(i);
+      for (const RecordedVibrationMode& mode : run.vibration()[i]) tracks = std::max(tracks, mode.track);
+    }
+    tracks_ = ModeTracks(tracks);
+    constexpr std::size_t kSearches = 2;  // what ModeTracks remembers
+    for (std::size_t k = searched.size() - std::min(searched.size(), kSearches); k < searched.size(); ++k) {
+      const std::size_t i = searched[k];
+      std::vector<int> known;
+      for (const RecordedVibrationMode& mode : run.vibration()[i]) known.push_back(mode.track);
+      Simulation there = running;
+      there.restore(communicator_->getRank() == 0 ? run.state(i) : StateSnapshot{}, run.steps()[i].load_factor);
+      find_modes(there, known);
+    }
+  }
+
   bool has_steps() const { return has_steps_; }
   /// `estimate`: of the state, where it is known already.
   void keep(const Simulation& running, const StepReport& report, const ErrorEstimate* estimate = nullptr) {
@@ -123,8 +143,7 @@ class Application::Recorder {
     follow_reactions(points_, step);
     if (const ModesParameters& modes = parameters_.analysis.modes;
         asks_for_modes(modes, running.load_factor(), running.is_end_of_path(running.load_factor())))
-      step.vibration = running.vibration_modes(modes.number, modes.in_plane, recording_.points_per_element,
-                                               [&](const ModeSearch& search) { searches_.report(search); });
+      step.vibration = find_modes(running);
     judge_by_modes(step);
     if (recording_.quantities != nullptr) follow_quantities(running, report, step);
     if (recording_.gradients && running.is_end_of_path(running.load_factor()))
@@ -145,6 +164,12 @@ class Application::Recorder {
   }
 
  private:
+  std::vector<RecordedVibrationMode> find_modes(const Simulation& at, const std::vector<int>& known = {}) {
+    const ModesParameters& modes = parameters_.analysis.modes;
+    return at.vibration_modes(
+        modes.number, modes.in_plane, recording_.points_per_element,
+        [&](const ModeSearch& search) { searches_.report(search); }, &tracks_, known);
+  }
   void add_errors(const Simulation& running, const ErrorEstimate& estimate, StepRecord& step) const {
     step.error_estimate = running.record_error(estimate, points_);
     add_value_errors(recording_.quantities, running, estimate, step);
@@ -172,6 +197,7 @@ class Application::Recorder {
   const SolverParameters& parameters_;
   const Recording& recording_;
   std::vector<std::string> points_;
+  ModeTracks tracks_{};
   std::unique_ptr<ResultFile> results_;  ///< null: without a file
   std::optional<MonitorTable> monitor_;
   bool has_steps_ = false;
@@ -199,7 +225,9 @@ Simulation Application::record(const std::shared_ptr<const Scene>& solved, const
     if (chosen.analysis.closeness > 0) recording.properties[kCloseness] = std::to_string(chosen.analysis.closeness);
     Recorder recorder(*this, *solved, chosen, recording);
     const auto prepare = [&](Simulation& simulation) {
-      if (recording.resume != nullptr) replay(simulation, *recording.resume, recording.observer);
+      if (recording.resume == nullptr) return;
+      replay(simulation, *recording.resume, recording.observer);
+      if (chosen.analysis.modes.number > 0) recorder.follow_tracks(simulation, *recording.resume);
     };
     Simulation simulation =
         walk(solved, chosen, recording.file.stem().string(), control_of(recording), prepare,

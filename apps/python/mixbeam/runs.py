@@ -146,20 +146,6 @@ def _batch_of_scenes(scenes, case, output, threads, progress, client):
                                   for key in ("residual", "iterations", "converged", "stable", "cause")})
 
 
-def _order_by_shape(before, modes):
-    """Which of the modes continues each of those before: the most like by the cosine of displacements first."""
-    unit = lambda mode: np.ravel(mode.mode) / (np.linalg.norm(mode.mode) or 1.0)
-    cosine = np.abs(np.array([unit(mode) for mode in before]) @ np.array([unit(mode) for mode in modes]).T)
-    order = [None] * len(modes)
-    for _ in range(min(cosine.shape)):
-        old, new = np.unravel_index(np.argmax(cosine), cosine.shape)
-        if old < len(order):
-            order[old] = int(new)
-        cosine[old, :] = cosine[:, new] = -1.0
-    left = iter(sorted(set(range(len(modes))) - set(order)))
-    return [next(left) if i is None else i for i in order]
-
-
 def _shared_batch(client, scene, columns, case, output, threads):
     """Solves the rows in pieces, a few for each worker: one that is done early takes another."""
     pieces_of_worker = 4
@@ -390,17 +376,20 @@ class Run:
         `in_plane`: of a scene in a plane, without the modes that leave it."""
         if operator.index(count) < 1:
             raise InputError(f"natural modes: {count}; allowed: 1, 2, ...")
-        return [SimpleNamespace(**one) for one in self._core.natural_modes(count, self._number(step), in_plane)]
+        return [SimpleNamespace(**one) for one in self._core.natural_modes(count, self._number(step), in_plane, None)]
 
     def frequencies(self, count=10, in_plane=False, follow=False):
-        """Natural frequencies over the path: (load factors, omega (steps, count)), NaN where there are fewer. `follow`: a column
-        for each motion, which modes continue by their shape where frequencies cross."""
-        table, before = np.full((len(self), count), np.nan), None
+        """Natural frequencies over the path: (load factors, omega (steps, columns)), NaN where there is none. `follow`: a column
+        for each motion, which modes continue by their shape where frequencies cross; else the lowest ones in their order."""
+        if operator.index(count) < 1:
+            raise InputError(f"natural modes: {count}; allowed: 1, 2, ...")
+        tracks, rows = _core.ModeTracks(), []
         for step in range(len(self)):
-            modes = self.modes(count, step, in_plane)
-            order = _order_by_shape(before, modes) if follow and before else range(len(modes))
-            before = [modes[i] for i in order]
-            table[step, :len(modes)] = [mode.omega for mode in before]
+            modes = self._core.natural_modes(count, step, in_plane, tracks)
+            rows.append({mode["track"] - 1 if follow else i: mode["omega"] for i, mode in enumerate(modes)})
+        table = np.full((len(self), max([count] + [column + 1 for row in rows for column in row])), np.nan)
+        for row, found in zip(table, rows):
+            row[list(found)] = list(found.values())
         return self.load_factors, table
 
     def gradient(self, of, by=(), step=-1, by_element=False):

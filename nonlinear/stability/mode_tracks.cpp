@@ -1,0 +1,114 @@
+#include "nonlinear/stability/mode_tracks.hpp"
+
+#include "nonlinear/stability/block_krylov.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mixbeam {
+
+namespace {
+
+/// Difference of omega^2, over it, within which modes are any vectors of one space: those of a residual of 1e-8 are
+/// mixed by a hundredth there; and over the largest omega^2, of rigid motions.
+constexpr double kSharedFrequency = 1e-6, kSharedZero = 1e-12;
+/// MAC below which modes are different motions: a cosine of one half.
+constexpr double kLikeMotion = 0.25;
+/// Likenesses that differ by less are equal, and the order of frequencies decides.
+constexpr double kEquallyLike = 1e-6;
+
+/// (i, j): whether modes share a frequency, or are conjugate.
+template <class Motions>
+std::vector<std::vector<char>> shared_frequencies(const Motions& motions) {
+  double largest = 0.0;
+  for (const auto& one : motions) largest = std::max(largest, std::abs(one.squared));
+  std::vector<std::vector<char>> shared(motions.size(), std::vector<char>(motions.size()));
+  for (std::size_t i = 0; i < motions.size(); ++i)
+    for (std::size_t j = 0; j < motions.size(); ++j) {
+      const std::complex<double>&a = motions[i].squared, &b = motions[j].squared;
+      const double distance = std::min(std::abs(a - b), std::abs(a - std::conj(b)));
+      shared[i][j] = distance <= std::max(kSharedFrequency * std::abs(a), kSharedZero * largest);
+    }
+  return shared;
+}
+
+}  // namespace
+
+double ModeTracks::likeness(const Motion& a, const Motion& b) {
+  const auto product = [&](int i, int j) {
+    return a.momenta[i].size() == b.momenta[j].size() ? dot_product(a.momenta[i], b.momenta[j]) : 0.0;
+  };
+  return std::norm(std::complex<double>(product(0, 0) + product(1, 1), product(0, 1) - product(1, 0)));
+}
+
+/// (mode, motion before): MAC, and added to it that of a whole space where frequencies are shared.
+ModeTracks::Table ModeTracks::likenesses(const std::vector<Motion>& now) const {
+  const std::size_t n = now.size(), m = before_.size();
+  Table mac(n, std::vector<double>(m)), table = mac;
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j < m; ++j) mac[i][j] = likeness(now[i], before_[j]);
+  const auto with = shared_frequencies(now), with_before = shared_frequencies(before_);
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j < m; ++j) {
+      double in_space_before = 0.0, in_space = 0.0;
+      for (std::size_t k = 0; k < m; ++k) in_space_before += with_before[j][k] ? mac[i][k] : 0.0;
+      for (std::size_t k = 0; k < n; ++k) in_space += with[i][k] ? mac[k][j] : 0.0;
+      table[i][j] = mac[i][j] + std::min(1.0, std::max(in_space, in_space_before));
+    }
+  return table;
+}
+
+/// Place in before_ of the motion that each mode continues, the most like first; -1: none.
+std::vector<int> ModeTracks::continued(const std::vector<Motion>& now) const {
+  std::vector<int> place(now.size(), -1);
+  const Table table = likenesses(now);
+  std::vector<char> taken(before_.size());
+  for (;;) {
+    double most = kLikeMotion;
+    int mode = -1, motion = -1;
+    for (std::size_t i = 0; i < now.size(); ++i)
+      for (std::size_t j = 0; j < before_.size() && place[i] < 0; ++j)
+        if (!taken[j] && table[i][j] > most + kEquallyLike) {
+          most = table[i][j];
+          mode = static_cast<int>(i);
+          motion = static_cast<int>(j);
+        }
+    if (mode < 0) return place;
+    place[mode] = motion;
+    taken[motion] = 1;
+  }
+}
+
+std::vector<int> ModeTracks::follow(std::vector<VibrationMode>& modes, const std::vector<int>& known) {
+  std::vector<Motion> now;
+  for (VibrationMode& mode : modes) {
+    Motion& motion = now.emplace_back(Motion{0, -mode.rate * mode.rate, std::move(mode.momenta)});
+    double sum = 0.0;
+    for (const std::vector<double>& part : motion.momenta) sum += dot_product(part, part);
+    for (std::vector<double>& part : motion.momenta)
+      for (double& x : part) x /= std::sqrt(sum);
+  }
+  std::vector<int> place = continued(now);
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    now[i].track = i < known.size() ? known[i] : place[i] >= 0 ? before_[place[i]].track : 0;
+    if (now[i].track < 1) now[i].track = ++tracks_;
+    const auto continues = [&](const Motion& motion) { return motion.track == now[i].track; };
+    const auto found = std::find_if(before_.begin(), before_.end(), continues);
+    place[i] = found == before_.end() ? -1 : static_cast<int>(found - before_.begin());
+  }
+  // Where frequencies cross in this very state its modes are mixed: those of the state before remain.
+  const auto with = shared_frequencies(now), with_before = shared_frequencies(before_);
+  std::vector<char> crosses(now.size());
+  for (std::size_t i = 0; i < now.size(); ++i)
+    for (std::size_t k = 0; k < now.size(); ++k)
+      if (with[i][k] && place[i] >= 0 && place[k] >= 0 && !with_before[place[i]][place[k]]) crosses[i] = 1;
+  std::vector<int> tracks;
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    if (crosses[i]) now[i].momenta = before_[place[i]].momenta;
+    tracks.push_back(now[i].track);
+  }
+  before_ = std::move(now);
+  return tracks;
+}
+
+}  // namespace mixbeam
