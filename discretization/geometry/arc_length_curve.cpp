@@ -21,8 +21,9 @@ constexpr double kSmallestCosine = 0.87;     // half a radian
 constexpr int kMostHalvings = 40;            // a curve that is still not smooth there turns back
 constexpr std::size_t kMostPanels = 100000;  // a curve that turns more often is a mistake
 constexpr double kSmallestSpeed = 1e-6;      // share of the speed near by: slower is a stop
-// Arc length is inverted to this share of the panel's length: a few roundings.
-constexpr double kInversionTolerance = 1e-15;
+// Arc length is inverted until a correction is this share of the panel, which leaves its square, or this share of t:
+// rounding, in which Newton's method would go to and fro.
+constexpr double kInversionTolerance = 1e-14, kRoundingOfParameter = 1e-15;
 constexpr int kMostIterations = 60;  // bisection alone ends with fewer
 
 struct GaussRule {
@@ -131,18 +132,19 @@ const ArcLengthCurve::Panel& ArcLengthCurve::panel_at(double s) const {
 
 /// Newton's method, and bisection where it leaves the bracket.
 double ArcLengthCurve::Panel::parameter(double s) const {
-  const double size = end() - start, wanted = std::clamp(s - start, 0.0, size);
-  const double tolerance = kInversionTolerance * size;
+  const double size = whole.length, wanted = std::clamp(s - start, 0.0, size);
+  const double enough = std::max(kInversionTolerance * std::abs(last - first),
+                                 kRoundingOfParameter * std::max(std::abs(first), std::abs(last)));
   double low = first, high = last;  // in the direction of growing s
   double t = low + (high - low) * (wanted / size);
   for (int i = 0; i < kMostIterations; ++i) {
     const double error = integrate(t).length - wanted;
-    if (std::abs(error) <= tolerance) break;
+    const double correction = -forward() * error / norm(piece->velocity(t));
+    const double next = t + correction;
+    if (std::abs(correction) <= enough) return next;
     (error > 0.0 ? high : low) = t;
-    const double next = t - forward() * error / norm(piece->velocity(t));
     const bool is_inside = (next - low) * (next - high) < 0.0;
-    const double before = std::exchange(t, is_inside ? next : 0.5 * (low + high));
-    if (t == before) break;
+    t = is_inside ? next : 0.5 * (low + high);
   }
   return t;
 }
