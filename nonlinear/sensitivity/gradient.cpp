@@ -75,7 +75,7 @@ class Gradients {
         load_factor_(load_factor),
         request_(request),
         values_(values(request.quantities, model_)),
-        pinned_(pin()),
+        pinned_(pin(request.quantities)),
         operator_(problem, state, load_factor) {}
 
   std::vector<QuantityGradient> all() {
@@ -94,10 +94,9 @@ class Gradients {
     const std::vector<Reaction> reactions = mixbeam::reactions(model, state_, load_factor_);
     return quantities.values({model, state_, load_factor_, reactions, strain_energy(model, state_)});
   }
-  QuantitySet pin() const {
+  QuantitySet pin(const QuantitySet& quantities) const {
     const std::vector<Reaction> reactions = mixbeam::reactions(model_, state_, load_factor_);
-    return request_.quantities.pinned({model_, state_, load_factor_, reactions, strain_energy(model_, state_)},
-                                      values_);
+    return quantities.pinned({model_, state_, load_factor_, reactions, strain_energy(model_, state_)}, values_);
   }
 
   QuantityGradient begin(std::size_t column) {
@@ -151,10 +150,12 @@ class Gradients {
     for (std::vector<double>& values : by.values) values.assign(values_.size(), 0.0);
     for (int k = 0; k < kStencil; ++k)
       for (const double sign : {1.0, -1.0}) {
-        const Model moved(number.scene_with(sign * (k + 1) * step), model_.map()->getComm(), model_.options());
+        const double more = sign * (k + 1) * step;
+        const Model moved(number.scene_with(more), model_.map()->getComm(), model_.options());
         require_alike(moved, number);
         const StateRows rows = rows_at(moved, state_, load_factor_);
-        const std::vector<double> values = this->values(pinned_, moved);
+        const std::vector<double> values =
+            this->values(number.quantities_with ? pin(number.quantities_with(more)) : pinned_, moved);
         for (int order = 0; order < 2; ++order) {
           const double factor = sign * (order == 0 ? kEighth : kSixth)[k] / step;
           by.rows[order].add(factor, rows);

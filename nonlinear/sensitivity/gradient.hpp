@@ -19,6 +19,8 @@ struct SceneNumber {
   double step = 0.0;  ///< for differences of the equations of a state that stays as it is
   /// With that much more of it. Throws InputError for values that are not allowed.
   std::function<std::shared_ptr<const Scene>(double more)> scene_with{};
+  /// The same quantities with that much more of it in their formulas; empty: none of them has it.
+  std::function<QuantitySet(double more)> quantities_with{};
 };
 
 /// Derivatives by the numbers of one element of the mesh. Order: N1, N2, N3, M1, M2, M3.

@@ -47,6 +47,16 @@ TEST_F(GradientList, StandsInTableFileAndSummary) {
     EXPECT_EQ(contents->count(std::string("steps/000001/gradients/") + name), 1U) << name;
 }
 
+TEST_F(GradientList, FollowsVariablesIntoFormulasOfQuantities) {
+  constexpr double kTip = -0.810609024880296;  // elliptic integrals, F L^2 / EI = 10
+  const Ended ended =
+      run("{Scene: {Variables: {c: 3}}, Quantities: {tip: {Quantity: displacement, Point: tip}, f: {Quantity: formula, "
+          "Formula: c^2 * tip_y}}, Gradient: {Of: [f], With Respect To: [Variables/c]}}");
+  ASSERT_EQ(ended.exit_code, kOk) << ended.err << ended.out;
+  const std::string table = text_of(folder_ / "out/scene-gradients.csv");
+  EXPECT_NEAR(std::stod(table.substr(table.rfind(',') + 1)), 2.0 * 3.0 * kTip, kTolerance) << table;
+}
+
 TEST_F(GradientList, RefusesWhatTheSceneDoesNotHave) {
   const std::vector<std::pair<std::string, std::string>> wrong = {
       {"Of: [top], With Respect To: [Sections/*/EI3]", R"(value "top" is no number that a quantity has)"},

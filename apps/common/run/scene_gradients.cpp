@@ -4,6 +4,7 @@
 #include "discretization/parameters/access.hpp"
 #include "discretization/parameters/binding.hpp"
 #include "discretization/parameters/xml_reader.hpp"
+#include "discretization/quantities/quantity.hpp"
 #include "discretization/reading/read_scene.hpp"
 #include "discretization/reading/variables.hpp"
 #include "discretization/scene/load_cases.hpp"
@@ -24,6 +25,8 @@ constexpr double kStepOfNumber = 0.005, kStepOfPoint = 0.002;
 /// Each costs eight evaluations of the equations.
 constexpr std::size_t kMostNumbers = 10'000;
 
+const std::string kQuantities = "Quantities";
+
 BoundList<GradientParameters> gradient_parameters() {
   BoundList<GradientParameters> gradient(
       "Gradients of quantities with respect to numbers of the scene, at the end of the path at its load factor: one "
@@ -41,7 +44,8 @@ BoundList<GradientParameters> gradient_parameters() {
 
 const BoundList<GradientParameters> kGradientParameters = gradient_parameters();
 
-/// Numbers of a parameter; none where it holds no real numbers.
+}  // namespace
+
 std::vector<double> numbers_in(const Teuchos::ParameterEntry& entry) {
   if (entry.isType<double>()) return {Teuchos::getValue<double>(entry)};
   if (!entry.isType<Teuchos::Array<double>>()) return {};
@@ -54,6 +58,22 @@ const Teuchos::ParameterEntry& entry_of(const Teuchos::ParameterList& scene, con
   for (std::size_t i = 0; i + 1 < path.names.size(); ++i) here = &here->sublist(path.names[i]);
   return *here->getEntryPtr(path.names.back());
 }
+
+std::vector<std::string> names_of_values(const QuantitySet& quantities) {
+  std::vector<std::string> names;
+  for (const QuantitySet::Column& column : quantities.columns())
+    if (column.is_value) names.push_back(column.name);
+  return names;
+}
+
+QuantitySet quantities_of(const Teuchos::ParameterList& scene_list, const XmlParameters& xml, const Scene& scene) {
+  static const ListSpec spec = quantities_spec();
+  Teuchos::ParameterList list(xml.list->sublist(kQuantities));
+  Variables(scene_list, xml.source).resolve(list, spec, {kQuantities});
+  return QuantitySet(read_quantities(list, xml.source), scene, {xml.source, {kQuantities}});
+}
+
+namespace {
 
 /// Adds the numbers of a parameter that a path means; defaults only where they are named.
 void add_numbers(const Teuchos::ParameterEntry& entry, const NumberPath& wanted, const NumberPath& found,
@@ -84,11 +104,15 @@ void find_numbers(const Teuchos::ParameterList& list, const NumberPath& wanted, 
   }
 }
 
+}  // namespace
+
 std::vector<NumberPath> numbers_meant(const Teuchos::ParameterList& scene, const std::string& text) {
   std::vector<NumberPath> paths;
   find_numbers(scene, number_path(text), {}, paths);
   return paths;
 }
+
+namespace {
 
 /// Each once, in the order in which they are asked for.
 std::vector<NumberPath> all_numbers(const Teuchos::ParameterList& scene, const GradientParameters& asked) {
@@ -101,13 +125,6 @@ std::vector<NumberPath> all_numbers(const Teuchos::ParameterList& scene, const G
       all.push_back(path);
     }
   return all;
-}
-
-std::vector<std::string> names_of_values(const QuantitySet& quantities) {
-  std::vector<std::string> names;
-  for (const QuantitySet::Column& column : quantities.columns())
-    if (column.is_value) names.push_back(column.name);
-  return names;
 }
 
 /// Columns that are meant, each once.
@@ -148,13 +165,19 @@ double step_of(const NumberPath& path, const Teuchos::ParameterEntry& entry, con
                                                                 : kStepOfNumber * size_of_zero(path, at);
 }
 
-/// The scene with another number, on the mesh of the one that was solved.
-std::shared_ptr<const Scene> scene_with(const XmlParameters& xml, const NumberPath& path, double more,
-                                        const Scene& solved, const std::string& load_case) {
+/// The list "Scene" with another number.
+Teuchos::ParameterList list_with(const XmlParameters& xml, const NumberPath& path, double more) {
   Teuchos::ParameterList list(xml.list->sublist("Scene"));
   auto& entry = const_cast<Teuchos::ParameterEntry&>(entry_of(list, path));
   const double value = numbers_in(entry)[static_cast<std::size_t>(std::max(0, path.component))];
   set_number(entry, path.component, value + more);
+  return list;
+}
+
+/// The scene with another number, on the mesh of the one that was solved.
+std::shared_ptr<const Scene> scene_with(const XmlParameters& xml, const NumberPath& path, double more,
+                                        const Scene& solved, const std::string& load_case) {
+  Teuchos::ParameterList list = list_with(xml, path, more);
   try {
     Scene scene = scene_of_case(read_scene(list, xml.source), load_case);
     if (scene.members.size() == solved.members.size())
@@ -167,6 +190,16 @@ std::shared_ptr<const Scene> scene_with(const XmlParameters& xml, const NumberPa
   } catch (const InputError& error) {
     throw InputError("the gradient with respect to \"" + path.text() + "\": " + error.what());
   }
+}
+
+/// Formulas of quantities may hold variables and coordinates of points.
+std::function<QuantitySet(double)> quantities_with(const XmlParameters& xml, const NumberPath& path,
+                                                   const Scene& solved) {
+  const bool may_be_named = path.names.front() == "Variables" || path.names.front() == "Points";
+  if (!may_be_named || !xml.list->isSublist(kQuantities) ||
+      paths_of_formulas(xml.list->sublist(kQuantities), {kQuantities}).empty())
+    return {};
+  return [&xml, &solved, path](double more) { return quantities_of(list_with(xml, path, more), xml, solved); };
 }
 
 }  // namespace
@@ -212,9 +245,11 @@ RecordedGradients gradients_at(const Simulation& simulation, const GradientParam
   RecordedGradients recorded;
   for (const NumberPath& path : all_numbers(list, asked)) {
     recorded.numbers.push_back(path.text());
-    request.numbers.push_back({path.text(), step_of(path, entry_of(list, path), simulation), [&, path](double more) {
-                                 return scene_with(xml, path, more, simulation.scene(), load_case);
-                               }});
+    SceneNumber& number = request.numbers.emplace_back();
+    number.name = path.text();
+    number.step = step_of(path, entry_of(list, path), simulation);
+    number.scene_with = [&, path](double more) { return scene_with(xml, path, more, simulation.scene(), load_case); };
+    number.quantities_with = quantities_with(xml, path, simulation.scene());
   }
   for (const QuantityGradient& gradient : simulation.gradients(request)) {
     RecordedGradient& one = recorded.quantities.emplace_back();

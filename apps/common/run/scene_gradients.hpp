@@ -1,6 +1,7 @@
 /// The list "Gradient" of a scene: which quantities are differentiated with respect to which of its numbers.
 #pragma once
 
+#include "apps/common/run/number_path.hpp"
 #include "discretization/parameters/source.hpp"
 #include "discretization/parameters/spec.hpp"
 #include "discretization/quantities/quantity_set.hpp"
@@ -21,6 +22,17 @@ struct GradientParameters {
   std::vector<std::string> by{};  ///< paths of numbers of the scene, or patterns of these
   bool by_element = false;
 };
+
+/// Numbers of a parameter; none where it holds no real numbers.
+std::vector<double> numbers_in(const Teuchos::ParameterEntry& entry);
+/// Of the list "Scene".
+const Teuchos::ParameterEntry& entry_of(const Teuchos::ParameterList& scene, const NumberPath& path);
+/// Finite real numbers below the list "Scene" that a path or pattern stands for.
+std::vector<NumberPath> numbers_meant(const Teuchos::ParameterList& scene, const std::string& text);
+/// Columns that are numbers, as opposed to places of extremes.
+std::vector<std::string> names_of_values(const QuantitySet& quantities);
+/// The list "Quantities" with variables as the list "Scene" has them. Throws InputError.
+QuantitySet quantities_of(const Teuchos::ParameterList& scene_list, const XmlParameters& xml, const Scene& scene);
 
 /// Declaration of the list "Gradient".
 ListSpec gradient_spec();
