@@ -199,7 +199,8 @@ std::vector<Quantity> read_quantities(Teuchos::ParameterList& list, const Parame
     quantities.push_back(quantity);
   };
   source.collect([&] {
-    validate(list, quantities_spec(), source, path);
+    static const ListSpec spec = quantities_spec();
+    validate(list, spec, source, path);
     for (const std::string& name : names_of(list)) {
       const InputPlace place = InputPlace(source, path)[name];
       place.attempt([&] { read_one(name, place); });

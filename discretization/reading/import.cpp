@@ -318,7 +318,7 @@ bool import_blade(const Teuchos::ParameterList& import, const InputPlace& place,
 void import_entries(Teuchos::ParameterList& scene_list, ParameterSource& source, const ParameterPath& path) {
   if (!scene_list.isSublist("Import")) return;
   const Teuchos::ParameterList& import = scene_list.sublist("Import");
-  const ListSpec scene = scene_spec();
+  static const ListSpec scene = scene_spec();
   const auto import_list = [&](const std::string& name) {
     const bool is_taken = scene_list.isParameter(name) && !scene_list.isSublist(name);  // validate() says so
     if (!import.isType<std::string>(name + " File") || is_taken) return;

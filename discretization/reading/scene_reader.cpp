@@ -65,7 +65,7 @@ Scene read_scene(Teuchos::ParameterList& scene_list, const ParameterSource& sour
                  const SceneRemarks& remarks) {
   Scene scene;
   source.collect([&] {
-    const ListSpec spec = scene_spec();
+    static const ListSpec spec = scene_spec();
     Variables variables(scene_list, source, path);
     variables.resolve(scene_list, spec, path);
     validate(scene_list, spec, source, path);
