@@ -10,6 +10,7 @@
 #include "apps/mixbeam/case_groups.hpp"
 #include "apps/mixbeam/case_scenes.hpp"
 #include "apps/mixbeam/commands.hpp"
+#include "apps/mixbeam/found_scene.hpp"
 #include "apps/mixbeam/mesh_report.hpp"
 #include "apps/mixbeam/rest_shape_files.hpp"
 #include "apps/mixbeam/run_report.hpp"
@@ -38,6 +39,7 @@ std::string chosen_case(const Scene& scene, const std::optional<std::string>& wa
 void set_up_batch(Application& app, const CommandLine& line) {
   set_up_run(app, line, *line.scene_file, mixbeam_definition());
   refuse_rest_shape(app);
+  refuse_search(app);
   warn_of_scene(app);
   if (!app.xml.list->isSublist("Batch"))
     throw app.xml.source.error(

@@ -73,22 +73,6 @@ void write_curve(const std::filesystem::path& file, const std::vector<NaturalSta
 
 Teuchos::Array<double> array_of(const Vector3& v) { return {v.begin(), v.end()}; }
 
-/// Tables that the scene imports stand beside the new scene under the same names.
-void copy_imported(const ParameterSource& source, const std::filesystem::path& folder) {
-  for (const auto& [name, text] : source.files()) {
-    const std::filesystem::path relative = std::filesystem::path(name).lexically_normal();
-    if (relative.is_absolute()) continue;
-    if (*relative.begin() == "..")
-      throw source.error({kInverse}, "given, but the scene names the table \"" + excerpt(name) +
-                                         "\"; allowed: tables in its folder or below it, which are copied");
-    const std::filesystem::path copy = folder / relative;
-    std::error_code none;
-    if (std::filesystem::exists(copy, none) && text_of_file(copy.string(), "a table") == text) continue;
-    std::filesystem::create_directories(copy.parent_path(), none);
-    replace_file(copy, text, false);
-  }
-}
-
 /// The tables and curves of all members, and the list "Eigenstrains" that names them.
 void write_members(const Application& app, const RestShape& shape, const std::string& name, List& eigenstrains) {
   FileNames names;
@@ -169,6 +153,21 @@ RestShape found_rest_shape(const Application& app) {
 
 }  // namespace
 
+void copy_imported(const ParameterSource& source, const std::filesystem::path& folder, const std::string& list) {
+  for (const auto& [name, text] : source.files()) {
+    const std::filesystem::path relative = std::filesystem::path(name).lexically_normal();
+    if (relative.is_absolute()) continue;
+    if (*relative.begin() == "..")
+      throw source.error({list}, "given, but the scene names the table \"" + excerpt(name) +
+                                     "\"; allowed: tables in its folder or below it, which are copied");
+    const std::filesystem::path copy = folder / relative;
+    std::error_code none;
+    if (std::filesystem::exists(copy, none) && text_of_file(copy.string(), "a table") == text) continue;
+    std::filesystem::create_directories(copy.parent_path(), none);
+    replace_file(copy, text, false);
+  }
+}
+
 void take_rest_shape(Application& app, const std::string& name, int jobs) {
   if (!app.xml.list->isSublist(kInverse)) return;
   const ParameterSource& source = app.xml.source;
@@ -182,7 +181,7 @@ void take_rest_shape(Application& app, const std::string& name, int jobs) {
   const XmlParameters scene = parse_parameters(app.xml.text, source.file(), root);
   scene.list->remove(kInverse);
   write_members(app, shape, name, scene.list->sublist("Scene").sublist("Eigenstrains"));
-  copy_imported(source, app.output);
+  copy_imported(source, app.output, kInverse);
   const std::filesystem::path file = app.output / (name + "-forward.xml");
   replace_file(file, xml_text(*scene.list), false);
   tell(app, shape, file);

@@ -13,6 +13,10 @@ namespace mixbeam {
 /// ConvergenceError.
 void take_rest_shape(Application& app, const std::string& name, int jobs);
 
+/// Tables that a scene imports, beside a scene that is made of it, under the same names. `list`: why they are needed,
+/// for messages. Throws InputError.
+void copy_imported(const ParameterSource& source, const std::filesystem::path& folder, const std::string& list);
+
 /// Of programs that solve a scene as it stands. Throws InputError where it has the list "Inverse".
 void refuse_rest_shape(const Application& app);
 

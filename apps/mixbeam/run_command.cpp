@@ -5,6 +5,7 @@
 #include "apps/common/session/mpi_session.hpp"
 #include "apps/mixbeam/case_processes.hpp"
 #include "apps/mixbeam/commands.hpp"
+#include "apps/mixbeam/found_scene.hpp"
 #include "apps/mixbeam/mesh_report.hpp"
 #include "apps/mixbeam/rest_shape_files.hpp"
 #include "apps/mixbeam/scene_run.hpp"
@@ -44,6 +45,9 @@ void set_up(Application& app, const CommandLine& line) {
   app.output = line.output ? std::filesystem::path(*line.output) : std::filesystem::path("results") / scene.stem();
   on_first_rank(app.communicator, [&app] { prepare_output_folder(app.output); });
   take_rest_shape(app, scene.stem().string(), line.jobs);
+  if (app.search && line.jobs > 1)
+    throw app.xml.source.error(
+        {app.search->list}, "given with --jobs " + std::to_string(line.jobs) + "; allowed: one case after the other");
   warn_of_scene(app);
   if (app.xml.source.line({"Study"}) > 0)
     app.out() << "The list \"Study\" belongs to a benchmark program; it is ignored.\n";
@@ -111,6 +115,8 @@ int run_command(const Arguments& arguments) {
     watch_for_interrupts();
     return finish_runs(app, line, [&] {
       RunEnd end = RunEnd::arrived;
+      if (!take_found_numbers(app, app.output / std::filesystem::path(*line.scene_file).stem()))
+        return RunEnd::interrupted;
       choose_mesh(app);
       std::ostringstream reports;  // of several cases: the envelope comes first
       if (cases.size() > 1) app.reports = &reports;

@@ -10,7 +10,9 @@
 #include "apps/common/tables/formatted.hpp"
 #include "apps/mixbeam/batch_solver.hpp"
 #include "apps/mixbeam/commands.hpp"
+#include "apps/mixbeam/found_scene.hpp"
 #include "apps/mixbeam/mesh_report.hpp"
+#include "apps/mixbeam/rest_shape_files.hpp"
 #include "apps/mixbeam/scene_run.hpp"
 #include "discretization/results/table_file.hpp"
 #include "discretization/scene/load_cases.hpp"
@@ -97,6 +99,8 @@ std::unique_ptr<Application> StructuresRun::read(const fs::path& file) const {
   one->quiet = true;
   one->force = app_.force;
   read_scene_file(*one, file.string(), mixbeam_definition());
+  refuse_rest_shape(*one);
+  refuse_search(*one);
   describe_run(*one, mixbeam_definition().name, line_.threads);
   return one;
 }

@@ -4,6 +4,7 @@
 #include "apps/common/session/interrupt.hpp"
 #include "apps/common/session/mpi_session.hpp"
 #include "apps/mixbeam/commands.hpp"
+#include "apps/mixbeam/found_scene.hpp"
 #include "apps/mixbeam/mesh_report.hpp"
 #include "apps/mixbeam/rest_shape_files.hpp"
 #include "apps/mixbeam/scene_run.hpp"
@@ -131,6 +132,7 @@ void SolvedRun::solve(const std::string& load_case, const std::filesystem::path&
   const int code = finish_runs(app_, no_options, [&] {
     WritingOptions locked = writing;
     if (!file.empty()) locked.lock = lock_or_warn(app_, file);
+    if (!take_found_numbers(app_, file.empty() ? file : file.parent_path() / file.stem())) return RunEnd::interrupted;
     choose_mesh_once(app_);
     const RunEnd end = run_case(app_, load_case, file, locked, resume);
     if (end == RunEnd::arrived) fail_what_was_missed(app_, {load_case});

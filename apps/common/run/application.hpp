@@ -3,6 +3,7 @@
 #pragma once
 
 #include "apps/common/run/scene_gradients.hpp"
+#include "apps/common/run/scene_search.hpp"
 #include "apps/common/run/summary.hpp"
 #include "discretization/checks/expected_values.hpp"
 #include "discretization/parameters/xml_reader.hpp"
@@ -65,6 +66,7 @@ class Application {
   std::vector<ExpectedValue> expected;
   QuantitySet quantities{};                      ///< of the scene; empty: none are asked for
   std::optional<GradientParameters> gradient{};  ///< of these, where they are asked for
+  std::optional<SearchParameters> search{};      ///< of numbers of the scene, before it is solved
   std::string load_case{};       ///< of the scene that is being solved; expected values of other cases wait
   std::filesystem::path output;  ///< existing folder
   bool quiet = false;            ///< no progress lines
@@ -172,7 +174,7 @@ struct ApplicationDefinition {
   std::optional<ListSpec> batch{};          ///< declaration of the list "Batch"; none: the program takes no such list
   bool chooses_meshes = false;              ///< takes "Accuracy" of the list "Scene"
   bool answers_quantities = false;          ///< takes the list "Quantities"
-  bool finds_rest_shapes = false;           ///< takes the list "Inverse"
+  bool finds_rest_shapes = false;           ///< takes the lists "Inverse", "Identification"
   std::vector<std::string> own_quantities;  ///< of the list "Expected", besides those of points
   std::function<void(Application&)>
       single;  ///< empty: run the scene, record it to single.h5, check the expected values

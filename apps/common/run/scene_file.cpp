@@ -55,7 +55,10 @@ ListSpec root_spec(const ApplicationDefinition& definition) {
     root.add_list("Quantities", quantities_spec(), Presence::optional);
     root.add_list("Gradient", gradient_spec(), Presence::optional);
   }
-  if (definition.finds_rest_shapes) root.add_list("Inverse", rest_shape_spec(), Presence::optional);
+  if (definition.finds_rest_shapes) {
+    root.add_list("Inverse", rest_shape_spec(), Presence::optional);
+    root.add_list("Identification", identification_spec(), Presence::optional);
+  }
   root.add_list("Expected", expected_values_spec(definition.own_quantities), Presence::defaulted);
   root.add_list("Analysis", analysis_spec(), Presence::defaulted);
   root.add_list("Solver", solver_spec(), Presence::defaulted);
@@ -279,6 +282,7 @@ void read_lists(Application& app, const ApplicationDefinition& definition) {
   check_gradient(app);
   check_critical_points_are_found(app);
   check_jumps(app);
+  app.search = read_search(app);
 }
 
 }  // namespace

@@ -66,6 +66,11 @@ inline constexpr auto kFields<FoundDerivative> =
                field("value", &FoundDerivative::value), field("number", &FoundDerivative::number),
                field("derivative", &FoundDerivative::derivative)};
 template <>
+inline constexpr auto kFields<FoundNumberOfScene> =
+    std::tuple{field("parameter", &FoundNumberOfScene::parameter), field("number", &FoundNumberOfScene::number),
+               field("start", &FoundNumberOfScene::start), field("value", &FoundNumberOfScene::value),
+               field("standard_deviation", &FoundNumberOfScene::deviation)};
+template <>
 inline constexpr auto kFields<QuantityEnvelope> =
     std::tuple{field("name", &QuantityEnvelope::name), field("largest", &QuantityEnvelope::largest),
                field("largest_in", &QuantityEnvelope::largest_in), field("smallest", &QuantityEnvelope::smallest),
@@ -335,6 +340,7 @@ void Summary::write_json(const std::filesystem::path& path) const {
     for (const char* of_place : {"arc_length", "side"}) json["quantities"].back().erase(of_place);
   }
   if (!gradients.empty()) json["gradients"] = json_of<nlohmann::ordered_json>(gradients, false);
+  if (!found_numbers.empty()) json["found_numbers"] = json_of<nlohmann::ordered_json>(found_numbers, false);
   if (!envelope.empty()) json["envelope"] = json_of<nlohmann::ordered_json>(envelope, false);
   if (!estimated_errors.empty()) json["estimated_errors"] = json_of<nlohmann::ordered_json>(estimated_errors, false);
   if (!chosen_meshes.empty()) json["chosen_meshes"] = json_of<nlohmann::ordered_json>(chosen_meshes, false);

@@ -98,6 +98,12 @@ struct FoundDerivative {
   double derivative = 0.0;
 };
 
+/// A number of the scene that was searched for, with its standard deviation (NaN, infinite: see FoundNumber).
+struct FoundNumberOfScene {
+  std::string parameter, number;
+  double start = 0.0, value = 0.0, deviation = 0.0;
+};
+
 /// Largest and smallest value of a quantity at the ends of several runs, and in which of them.
 struct QuantityEnvelope {
   std::string name;
@@ -135,6 +141,7 @@ class Summary {
   std::vector<EndOfRun> ends;
   std::vector<FollowedQuantity> quantities;
   std::vector<FoundDerivative> gradients;
+  std::vector<FoundNumberOfScene> found_numbers;
   std::vector<QuantityEnvelope> envelope;
   std::map<std::string, int> stable_cases;  ///< of a batch: how many cases end with each of the words
   std::vector<EstimatedErrors> estimated_errors;

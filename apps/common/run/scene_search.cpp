@@ -1,0 +1,496 @@
+#include "apps/common/run/scene_search.hpp"
+
+#include "apps/common/run/application.hpp"
+#include "apps/common/run/expected_quantity.hpp"
+#include "apps/common/tables/formatted.hpp"
+#include "discretization/parameters/access.hpp"
+#include "discretization/parameters/binding.hpp"
+#include "discretization/parameters/parameter_file.hpp"
+#include "discretization/reading/read_scene.hpp"
+#include "discretization/reading/variables.hpp"
+#include "discretization/scene/load_cases.hpp"
+#include "discretization/text/message_text.hpp"
+#include "discretization/text/number_text.hpp"
+#include "nonlinear/linear/linear_solver.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace mixbeam {
+
+namespace {
+
+using List = Teuchos::ParameterList;
+
+const std::string kIdentification = "Identification", kParameters = "Parameters", kMeasurements = "Measurements";
+
+/// Each takes eight evaluations of the equations in each step of a search.
+constexpr std::size_t kMostSearched = 200;
+
+BoundList<SearchedNumber> searched_numbers() {
+  BoundList<SearchedNumber> number("A number of the scene that is looked for, beginning with the value that it has.");
+  number.bind(&SearchedNumber::path, text("Number").required(),
+              "Path of the number below the list Scene (\"Sections/rod/EI2\", \"Points/tip[0]\", \"Variables/EI\"), or "
+              "a pattern that stands for several, each of which is looked for.");
+  number.bind(&SearchedNumber::at_least, real("At Least"), "Lower bound; default: none.");
+  number.bind(&SearchedNumber::at_most, real("At Most"), "Upper bound; default: none.");
+  number.bind(&SearchedNumber::scale, real("Scale").above(0.0),
+              "Size of a large change; default: that of the number, else the distance of the bounds.");
+  return number;
+}
+
+/// Names of their quantity and case.
+void bind_quantity(BoundList<WantedQuantity>& wanted) {
+  wanted.bind(&WantedQuantity::quantity, text("Quantity").required(),
+              "Name of a number of the list Quantities (\"tip.y\"), at the end of the path.");
+  wanted.bind(&WantedQuantity::load_case, text("Case").by_default(), "Load case or combination in which it is taken.");
+}
+
+BoundList<WantedQuantity> measurements() {
+  BoundList<WantedQuantity> wanted("A measured value of a quantity.");
+  bind_quantity(wanted);
+  wanted.bind(&WantedQuantity::value, real("Value").required(), "As measured, in the units of the quantity.");
+  wanted.bind(
+      &WantedQuantity::deviation, real("Standard Deviation").above(0.0).required(),
+      "Of the measurement; its square is the weight in the sum of squares, and the covariance follows from it.");
+  return wanted;
+}
+
+const BoundList<SearchedNumber> kSearchedNumbers = searched_numbers();
+const BoundList<WantedQuantity> kMeasured = measurements();
+
+/// Reads what the list names, and refuses what the scene does not have.
+class SearchReader {
+ public:
+  SearchReader(const Application& app, const std::string& name)
+      : app_(app), scene_(app.xml.list->sublist("Scene")), path_{name}, list_(app.xml.list->sublist(name)) {
+    search_.list = name;
+  }
+
+  SearchParameters read() {
+    require_offered();
+    const List& numbers = list_.sublist(kParameters);
+    for (const std::string& name : names_of(numbers)) add_numbers(name, numbers.sublist(name));
+    if (search_.paths.size() > kMostSearched)
+      refuse({kParameters}, "it means " + std::to_string(search_.paths.size()) + " numbers; allowed: up to " +
+                                std::to_string(kMostSearched));
+    const List& wanted = list_.sublist(kMeasurements);
+    for (const std::string& name : names_of(wanted))
+      add_wanted(name, kMeasured.read(wanted.sublist(name)), {kMeasurements, name});
+    return search_;
+  }
+
+ private:
+  [[noreturn]] void refuse(const ParameterPath& below, const std::string& why) const {
+    ParameterPath path = path_;
+    path.insert(path.end(), below.begin(), below.end());
+    throw app_.xml.source.error(path, why);
+  }
+
+  void require_offered() const {
+    if (app_.xml.list->isSublist("Inverse")) refuse({}, "given beside \"Inverse\"; allowed: one of them");
+    if (app_.mesh_is_free || app_.scene.accuracy)
+      refuse({}, "given, but the scene names no mesh, or an \"Accuracy\"; allowed: \"Elements\" of members");
+    if (app_.solver.analysis.control) refuse({}, "given with \"Control\" in \"Analysis\"; allowed: loads");
+    if (app_.communicator->getSize() > 1) refuse({}, "given, and the run has several processes; allowed: one");
+    if (!app_.scene.imperfection_modes.empty())
+      refuse({}, "given, but the geometry has modes laid on it; allowed: scenes without such imperfections");
+  }
+
+  void add_numbers(const std::string& name, const List& list) {
+    const SearchedNumber wanted = kSearchedNumbers.read(list);
+    const std::vector<NumberPath> paths = numbers_meant(scene_, wanted.path);
+    if (paths.empty())
+      refuse({kParameters, name, "Number"},
+             "value \"" + excerpt(wanted.path) +
+                 "\" is no path of a finite real number of the list \"Scene\"; allowed: paths as \"Sections/NAME/EI2\" "
+                 "or \"Points/NAME[0]\", patterns of them");
+    for (const NumberPath& path : paths) add_number(name, path, wanted, paths.size() == 1);
+  }
+
+  void add_number(const std::string& name, const NumberPath& path, SearchedNumber wanted, bool alone) {
+    const auto refuse_number = [&](const std::string& at, const std::string& why) {
+      refuse({kParameters, name, at}, "\"" + excerpt(path.text()) + "\" " + why);
+    };
+    for (const NumberPath& other : search_.paths)
+      if (other.text() == path.text()) refuse_number("Number", "for the second time; allowed: once");
+    if (!stands_in_file(path)) refuse_number("Number", "stands in a table; allowed: numbers of the scene file itself");
+    const std::vector<double> values = numbers_in(entry_of(scene_, path));
+    const double start = values[static_cast<std::size_t>(std::max(0, path.component))];
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    const double lower = wanted.at_least.value_or(-kInfinity), upper = wanted.at_most.value_or(kInfinity);
+    if (!(lower < upper))
+      refuse_number("At Most", "has bounds " + shortest(lower) + " and " + shortest(upper) +
+                                   "; allowed: \"At Most\" above \"At Least\"");
+    if (!(start >= lower && start <= upper))
+      refuse_number(start < lower ? "At Least" : "At Most",
+                    "is " + shortest(start) + " in the scene, beyond this bound; allowed: a start between the bounds");
+    double size = 0.0;
+    for (const double value : values) size = std::max(size, std::isfinite(value) ? std::abs(value) : 0.0);
+    if (size == 0.0) size = upper - lower;
+    if (!wanted.scale && !std::isfinite(size))
+      refuse_number("Scale", "is zero in the scene; needed: the size of a large change");
+    wanted.scale = wanted.scale.value_or(size);
+    wanted.at_least = lower;
+    wanted.at_most = upper;
+    wanted.name = alone ? name : path.text();
+    wanted.path = path.text();
+    search_.numbers.push_back(wanted);
+    search_.paths.push_back(path);
+  }
+
+  /// Where the scene with other numbers is written, they stand in the file itself.
+  bool stands_in_file(const NumberPath& path) const {
+    ParameterPath list = {"Scene"};
+    list.insert(list.end(), path.names.begin(), path.names.end() - 1);
+    return app_.xml.source.line(list) > 0;
+  }
+
+  void add_wanted(const std::string& name, WantedQuantity wanted, const ParameterPath& at) {
+    const std::vector<std::string> known = names_of_values(app_.quantities), cases = alternatives(app_.scene);
+    if (std::count(known.begin(), known.end(), wanted.quantity) == 0)
+      refuse(child(at, "Quantity"), "value \"" + excerpt(wanted.quantity) +
+                                        "\" is no number that a quantity has; allowed: " +
+                                        (known.empty() ? "nothing, the scene has no list \"Quantities\""
+                                                       : quoted_list(known) + did_you_mean(wanted.quantity, known)));
+    const bool is_known =
+        cases.empty() ? wanted.load_case.empty() : std::count(cases.begin(), cases.end(), wanted.load_case) > 0;
+    if (!is_known)
+      refuse(child(at, "Case"),
+             (wanted.load_case.empty() ? "missing" : "value \"" + excerpt(wanted.load_case) + "\"") +
+                 "; allowed: " + (cases.empty() ? "nothing, the scene has no cases" : quoted_list(cases)));
+    wanted.name = name;
+    search_.wanted.push_back(wanted);
+  }
+
+  const Application& app_;
+  const List& scene_;
+  ParameterPath path_;
+  const List& list_;
+  SearchParameters search_;
+};
+
+/// Equilibria of the cases of a scene at the end of the path, carried along with numbers of the scene.
+class CarriedScene {
+ public:
+  CarriedScene(Application& app, const SearchParameters& search)
+      : app_(app), search_(search), xml_(app.xml), parameters_(app.solver) {
+    parameters_.threads = app.threads_for(app.scene, app.solver);
+    for (const WantedQuantity& wanted : search.wanted)
+      if (std::count(cases_.begin(), cases_.end(), wanted.load_case) == 0) cases_.push_back(wanted.load_case);
+  }
+
+  std::vector<double> numbers() const {
+    std::vector<double> all;
+    for (const NumberPath& path : search_.paths)
+      all.push_back(numbers_in(entry_of(app_.xml.list->sublist("Scene"), path))[std::max(0, path.component)]);
+    return all;
+  }
+
+  /// Follows the path of each case. False: stopped. Throws ConvergenceError.
+  bool begin() {
+    for (const std::string& one : cases_) {
+      PathControl control;
+      control.stop = [this] { return app_.is_asked_to_stop(); };
+      const Simulation run = app_.try_to_solve(scene_of_case(app_.scene, one), app_.solver, {}, control);
+      if (run.result().interrupted) return false;
+      if (!run.result().finished)
+        throw ConvergenceError("the scene as it stands, where the list \"" + search_.list +
+                               "\" begins: " + run.result().failure);
+      accepted_.push_back(run);
+    }
+    return true;
+  }
+
+  /// Values of the wanted quantities with these numbers; none: no equilibrium that belongs to the accepted one is there
+  /// (obstacle()).
+  std::optional<std::vector<double>> move(const std::vector<double>& numbers) {
+    trial_.clear();
+    try {
+      set(numbers);
+      for (std::size_t i = 0; i < cases_.size(); ++i)
+        if (!carry(i)) return {};
+    } catch (const InputError& error) {
+      obstacle_ = error.what();
+      return {};
+    }
+    std::vector<double> values;
+    for (const WantedQuantity& wanted : search_.wanted) {
+      const std::vector<double> all = values_of(quantities_, trial_[place_of(wanted.load_case)]);
+      for (std::size_t i = 0; i < all.size(); ++i)
+        if (quantities_.columns()[i].name == wanted.quantity) values.push_back(all[i]);
+      if (std::isfinite(values.back())) continue;
+      obstacle_ = "\"" + wanted.quantity + "\" is no finite number";
+      return {};
+    }
+    return values;
+  }
+
+  /// Derivatives (wanted quantity, number) where move() went, which is accepted. Throws InputError.
+  std::vector<double> derivatives() {
+    accepted_ = std::move(trial_);
+    const std::size_t n = search_.paths.size();
+    std::vector<double> all(search_.wanted.size() * n, 0.0);
+    for (std::size_t i = 0; i < cases_.size(); ++i) {
+      GradientParameters asked;
+      for (const NumberPath& path : search_.paths) asked.by.push_back(path.text());
+      for (const WantedQuantity& wanted : search_.wanted)
+        if (wanted.load_case == cases_[i]) asked.of.push_back(wanted.quantity);
+      const RecordedGradients found = gradients_at(accepted_[i], asked, quantities_, xml_, cases_[i]);
+      for (std::size_t k = 0; k < search_.wanted.size(); ++k)
+        for (const RecordedGradient& one : found.quantities)
+          if (search_.wanted[k].load_case == cases_[i] && one.quantity == search_.wanted[k].quantity)
+            std::copy(one.derivative.begin(), one.derivative.end(), all.begin() + static_cast<std::ptrdiff_t>(k * n));
+    }
+    return all;
+  }
+
+  const std::string& obstacle() const { return obstacle_; }
+
+ private:
+  std::size_t place_of(const std::string& load_case) const {
+    return static_cast<std::size_t>(std::find(cases_.begin(), cases_.end(), load_case) - cases_.begin());
+  }
+
+  void set(const std::vector<double>& numbers) {
+    xml_.list = Teuchos::rcp(new List(*app_.xml.list));  // anew: reading a list mends its mistakes
+    List& list = xml_.list->sublist("Scene");
+    for (std::size_t i = 0; i < numbers.size(); ++i)
+      set_number(const_cast<Teuchos::ParameterEntry&>(entry_of(list, search_.paths[i])), search_.paths[i].component,
+                 numbers[i]);
+    scene_ = read_scene(list, xml_.source);
+    quantities_ = quantities_of(list, xml_, scene_);
+  }
+
+  /// Newton's method from the accepted state; its increments end below all that differs.
+  bool carry(std::size_t i) {
+    Simulation& there = trial_.emplace_back(scene_of_case(scene_, cases_[i]), parameters_, app_.communicator);
+    State start = accepted_[i].state();
+    start.in_plane = false;  // which may turn with the numbers
+    const bool settled = there.settle(start).finished;
+    app_.summary.newton_iterations += there.result().newton_iterations;
+    const int before = accepted_[i].stability().negative, after = there.stability().negative;
+    if (!settled) obstacle_ = "Newton's method finds no equilibrium near the last one (" + there.result().failure + ")";
+    if (settled && before != after)
+      obstacle_ =
+          "the number of negative eigenvalues changes from " + std::to_string(before) + " to " + std::to_string(after);
+    if (!settled || before != after) return false;
+    there.polish();
+    return true;
+  }
+
+  Application& app_;
+  const SearchParameters& search_;
+  XmlParameters xml_;
+  SolverParameters parameters_;
+  std::vector<std::string> cases_{};
+  Scene scene_{};
+  QuantitySet quantities_{};
+  std::vector<Simulation> accepted_{}, trial_{};
+  std::string obstacle_{};
+};
+
+/// The scene file with other numbers, without the list.
+std::string scene_with_numbers(const Application& app, const std::vector<FoundNumber>& numbers,
+                               const SearchParameters& search, const ListSpec& root) {
+  const XmlParameters written = parse_parameters(app.xml.text, app.xml.source.file(), root);
+  written.list->remove(search.list);
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const NumberPath& path = search.paths[i];
+    List* here = &written.list->sublist("Scene");
+    for (std::size_t j = 0; j + 1 < path.names.size(); ++j) here = &here->sublist(path.names[j]);
+    const std::string& name = path.names.back();
+    if (path.component < 0) {
+      here->setEntry(name, Teuchos::ParameterEntry(numbers[i].value));
+      continue;
+    }
+    if (!here->isParameter(name)) here->setEntry(name, entry_of(app.xml.list->sublist("Scene"), path));
+    set_formula(here->getEntry(name), path.component, shortest(numbers[i].value));
+  }
+  return xml_text(*written.list);
+}
+
+/// What stands in the way, and where.
+std::string end_text(SearchEnd end, const SearchParameters& search, const std::vector<double>& blocked_at,
+                     const std::string& obstacle) {
+  switch (end) {
+    case SearchEnd::blocked: {
+      std::string where;
+      for (std::size_t i = 0; i < blocked_at.size() && i < kLongestList; ++i)
+        where += (i == 0 ? "" : ", ") + search.numbers[i].name + " = " + shortest(blocked_at[i]);
+      return "the equilibrium cannot be carried to " + where + ": " + obstacle +
+             "; its branch ends there, and the search before it";
+    }
+    case SearchEnd::no_descent:
+      return "no step makes the objective smaller, and it is not at its minimum";
+    case SearchEnd::too_long:
+      return "not at the minimum after the most steps that are allowed";
+    default:
+      return "";
+  }
+}
+
+/// Which changes of the numbers change no measurement.
+std::vector<std::string> untold_text(const Information& information, const SearchParameters& search) {
+  std::vector<std::string> texts;
+  for (const std::vector<double>& direction : information.untold) {
+    std::string changes;
+    for (std::size_t i = 0; i < direction.size(); ++i) {
+      constexpr double kSmallShare = 1e-3;  // of the largest one: no reader would see it
+      if (std::abs(direction[i]) < kSmallShare) continue;
+      changes += (changes.empty() ? "" : ", ") + search.numbers[i].name +
+                 formatted(" by %+.4g", direction[i] * *search.numbers[i].scale);
+    }
+    texts.push_back("the measurements do not tell the parameters apart: none of them feels a change of " + changes);
+  }
+  return texts;
+}
+
+}  // namespace
+
+ListSpec identification_spec() {
+  ListSpec spec(
+      "Find numbers of the scene from measured quantities, by least squares, with their standard deviations. The scene "
+      "with them is written beside the results, and solved.");
+  spec.add_list(kParameters, ListSpec("What is looked for.").with_named_lists("parameter", kSearchedNumbers.spec, 1),
+                Presence::required);
+  spec.add_list(kMeasurements, ListSpec("What is known.").with_named_lists("measurement", kMeasured.spec, 1),
+                Presence::required);
+  return spec;
+}
+
+std::optional<SearchParameters> read_search(const Application& app) {
+  if (!app.xml.list->isSublist(kIdentification)) return {};
+  return SearchReader(app, kIdentification).read();
+}
+
+namespace {
+
+/// The unknowns of a search are numbers of the scene over their scales.
+class SceneSearch {
+ public:
+  SceneSearch(Application& app, const std::function<void(const SearchStep&)>& report)
+      : app_(app), search_(*app.search), report_(report), scene_(app, search_) {}
+
+  FoundScene run(const ListSpec& root) {
+    const std::vector<double> start = scene_.numbers();
+    for (std::size_t i = 0; i < start.size(); ++i) {
+      const SearchedNumber& number = search_.numbers[i];
+      found_.numbers.push_back({number.name, number.path, start[i], start[i], std::numeric_limits<double>::quiet_NaN(),
+                                *number.at_least, *number.at_most});
+    }
+    try {
+      found_.end = scene_.begin() ? identify() : SearchEnd::stopped;
+    } catch (const LinearSolverError& error) {
+      found_.end = SearchEnd::blocked;
+      found_.failure = std::string("no gradients: ") + error.what();
+    }
+    found_.xml = scene_with_numbers(app_, found_.numbers, search_, root);
+    return found_;
+  }
+
+ private:
+  std::vector<double> scaled(std::vector<double> numbers) const {
+    for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] /= *search_.numbers[i].scale;
+    return numbers;
+  }
+  /// Those at a bound are the bound.
+  std::vector<double> unscaled(std::vector<double> unknowns) const {
+    for (std::size_t i = 0; i < unknowns.size(); ++i) {
+      const SearchedNumber& number = search_.numbers[i];
+      const bool is_lower = unknowns[i] <= space_.lower[i], is_upper = unknowns[i] >= space_.upper[i];
+      unknowns[i] = is_lower ? *number.at_least : is_upper ? *number.at_most : unknowns[i] * *number.scale;
+    }
+    return unknowns;
+  }
+  void take_space() {
+    std::vector<double> start;
+    for (const FoundNumber& number : found_.numbers) {
+      start.push_back(number.value);
+      space_.lower.push_back(number.at_least);
+      space_.upper.push_back(number.at_most);
+    }
+    space_ = {scaled(start), scaled(space_.lower), scaled(space_.upper)};
+  }
+  std::optional<std::vector<double>> values_at(const std::vector<double>& unknowns) {
+    std::optional<std::vector<double>> values = scene_.move(unscaled(unknowns));
+    if (values) values_ = *values;
+    return values;
+  }
+  /// By the unknowns.
+  std::vector<double> derivatives() {
+    found_.values = values_;
+    std::vector<double> all = scene_.derivatives();
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] *= *search_.numbers[i % search_.numbers.size()].scale;
+    return all;
+  }
+  void take(SearchStep step) {
+    step.unknowns = unscaled(step.unknowns);
+    for (std::size_t i = 0; i < step.unknowns.size(); ++i) {
+      FoundNumber& number = found_.numbers[i];
+      number.value = step.unknowns[i];
+      number.is_held = number.value == number.at_least || number.value == number.at_most;
+    }
+    found_.steps.push_back(step);
+    report_(step);
+  }
+
+  SearchEnd identify() {
+    take_space();
+    LeastSquares problem;
+    problem.space = space_;
+    problem.residuals = [this](const std::vector<double>& unknowns) {
+      std::optional<std::vector<double>> residuals = values_at(unknowns);
+      for (std::size_t k = 0; residuals && k < residuals->size(); ++k)
+        (*residuals)[k] = ((*residuals)[k] - search_.wanted[k].value) / search_.wanted[k].deviation;
+      return residuals;
+    };
+    problem.jacobian = [this] {
+      std::vector<double> all = derivatives();
+      for (std::size_t i = 0; i < all.size(); ++i) all[i] /= search_.wanted[i / search_.numbers.size()].deviation;
+      return all;
+    };
+    problem.report = [this](const SearchStep& step) { take(step); };
+    problem.stop = [this] { return app_.is_asked_to_stop(); };
+    const LeastSquaresResult result = minimise(problem);
+    found_.failure =
+        end_text(result.end, search_, result.blocked_at.empty() ? std::vector<double>{} : unscaled(result.blocked_at),
+                 scene_.obstacle());
+    if (!result.jacobian.empty()) take_covariance(result.jacobian);
+    return result.end;
+  }
+
+  void take_covariance(const std::vector<double>& jacobian) {
+    std::vector<bool> is_held;
+    for (const FoundNumber& number : found_.numbers) is_held.push_back(number.is_held);
+    const Information information = information_of(jacobian, is_held);
+    const std::size_t n = is_held.size();
+    found_.covariance = information.covariance;
+    for (std::size_t i = 0; i < n * n; ++i)
+      found_.covariance[i] *= *search_.numbers[i / n].scale * *search_.numbers[i % n].scale;
+    for (std::size_t i = 0; i < n; ++i) {
+      FoundNumber& number = found_.numbers[i];
+      number.deviation = std::sqrt(found_.covariance[i * n + i]);
+      if (number.is_held)
+        found_.remarks.push_back("\"" + number.name + "\" is at its bound, " + shortest(number.value));
+    }
+    for (const std::string& text : untold_text(information, search_)) found_.remarks.push_back(text);
+  }
+
+  Application& app_;
+  const SearchParameters& search_;
+  const std::function<void(const SearchStep&)>& report_;
+  CarriedScene scene_;
+  SearchSpace space_{};
+  std::vector<double> values_{};  ///< of the last move
+  FoundScene found_{};
+};
+
+}  // namespace
+
+FoundScene search_scene(Application& app, const ListSpec& root, const std::function<void(const SearchStep&)>& report) {
+  return SceneSearch(app, report).run(root);
+}
+
+}  // namespace mixbeam

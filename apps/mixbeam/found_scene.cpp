@@ -1,0 +1,198 @@
+#include "apps/mixbeam/found_scene.hpp"
+
+#include "apps/common/run/expected_quantity.hpp"
+#include "apps/common/run/scene_file.hpp"
+#include "apps/common/tables/csv_table.hpp"
+#include "apps/common/tables/formatted.hpp"
+#include "apps/mixbeam/commands.hpp"
+#include "apps/mixbeam/rest_shape_files.hpp"
+#include "discretization/parameters/parameter_file.hpp"
+#include "discretization/results/table_file.hpp"
+#include "discretization/text/errors.hpp"
+#include "discretization/text/message_text.hpp"
+#include "discretization/text/text_file.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <ostream>
+
+namespace mixbeam {
+
+namespace {
+
+/// Between a path of its own and equilibria carried along, over the size of a quantity: far above what Newton's method
+/// leaves, far below another equilibrium.
+constexpr double kSameState = 1e-6;
+/// Columns that a line of the terminal has room for.
+constexpr std::size_t kMostColumns = 6;
+
+void print_head(std::ostream& out, const SearchParameters& search) {
+  out << search.list << ": " << search.numbers.size() << " number(s) from " << search.wanted.size()
+      << " measurement(s)\n  step     objective    gradient      change";
+  for (std::size_t i = 0; i < std::min(search.numbers.size(), kMostColumns); ++i)
+    out << formatted("  %16.16s", search.numbers[i].name.c_str());
+  out << (search.numbers.size() > kMostColumns ? "  ...\n" : "\n");
+}
+
+void print_step(std::ostream& out, const SearchStep& step) {
+  out << formatted("  %4d  %12.6g  %10.2e  %10.2e", step.number, step.objective, step.gradient, step.step);
+  for (std::size_t i = 0; i < std::min(step.unknowns.size(), kMostColumns); ++i)
+    out << formatted("  %16.10g", step.unknowns[i]);
+  out << "\n" << std::flush;
+}
+
+double correlation(const FoundScene& found, std::size_t i, std::size_t j) {
+  return found.covariance[i * found.numbers.size() + j] / (found.numbers[i].deviation * found.numbers[j].deviation);
+}
+
+void print_found(std::ostream& out, const SearchParameters& search, const FoundScene& found) {
+  out << "  found                            value   standard deviation  number of the scene\n";
+  for (const FoundNumber& number : found.numbers)
+    out << formatted("  %-20.20s  %16.10g  %19.6g  ", number.name.c_str(), number.value, number.deviation)
+        << number.path << (number.is_held ? ", at its bound" : "") << "\n";
+  constexpr double kStrong = 0.9;  // deviations alone say little then
+  for (std::size_t i = 0; i < found.numbers.size(); ++i)
+    for (std::size_t j = 0; j < i && !found.covariance.empty(); ++j)
+      if (std::abs(correlation(found, i, j)) > kStrong)
+        out << "  " << found.numbers[j].name << " and " << found.numbers[i].name
+            << formatted(" are correlated by %.4f\n", correlation(found, i, j));
+  double sum = 0.0;
+  for (std::size_t k = 0; k < found.values.size(); ++k)
+    sum += std::pow((found.values[k] - search.wanted[k].value) / search.wanted[k].deviation, 2);
+  const auto freedom = static_cast<double>(search.wanted.size()) - static_cast<double>(found.numbers.size());
+  if (!found.values.empty())
+    out << formatted("  squares of residuals over deviations: %.6g; expected about %.0f\n", sum,
+                     std::max(freedom, 0.0));
+}
+
+std::string lines_of(const std::vector<std::string>& texts) {
+  std::string all;
+  for (const std::string& text : texts) all += (all.empty() ? "" : "\n") + text;
+  return all;
+}
+
+void write_numbers(const std::string& stem, const FoundScene& found) {
+  std::vector<std::string> columns = {"parameter",          "number",   "start",  "value",
+                                      "standard deviation", "at least", "at most"};
+  const std::size_t n = found.numbers.size();
+  for (std::size_t i = 0; i < n && !found.covariance.empty(); ++i)
+    columns.push_back("covariance with " + found.numbers[i].name);
+  CsvTable table(stem + ".csv", columns, Appears::when_closed);
+  for (std::size_t i = 0; i < n; ++i) {
+    const FoundNumber& one = found.numbers[i];
+    std::vector<CsvCell> row = {one.name, one.path, one.start, one.value, one.deviation, one.at_least, one.at_most};
+    for (std::size_t j = 0; j < n && !found.covariance.empty(); ++j) row.emplace_back(found.covariance[i * n + j]);
+    table.add_row(row);
+  }
+  table.close();
+  std::vector<std::string> of_steps = {"step", "objective", "gradient", "change"};
+  for (const FoundNumber& number : found.numbers) of_steps.push_back(number.name);
+  CsvTable steps(stem + "-steps.csv", of_steps, Appears::when_closed);
+  for (const SearchStep& step : found.steps) {
+    std::vector<CsvCell> row = {step.number, step.objective, step.gradient, step.step};
+    row.insert(row.end(), step.unknowns.begin(), step.unknowns.end());
+    steps.add_row(row);
+  }
+  steps.close();
+}
+
+void write_file(const std::string& stem, const SearchParameters& search, const FoundScene& found) {
+  std::vector<TableColumn> columns = {{"value"}, {"start"}, {"standard_deviation"}, {"at_least"}, {"at_most"}};
+  std::vector<std::string> names, paths, wanted;
+  for (const FoundNumber& one : found.numbers) {
+    const double row[] = {one.value, one.start, one.deviation, one.at_least, one.at_most};
+    for (std::size_t i = 0; i < columns.size(); ++i) columns[i].values.push_back(row[i]);
+    names.push_back(one.name);
+    paths.push_back(one.path);
+  }
+  const std::size_t n = names.size();
+  for (std::size_t i = 0; i < n && !found.covariance.empty(); ++i)
+    columns.push_back({"covariance/" + std::to_string(i),
+                       {found.covariance.begin() + static_cast<std::ptrdiff_t>(i * n),
+                        found.covariance.begin() + static_cast<std::ptrdiff_t>((i + 1) * n)}});
+  for (const WantedQuantity& one : search.wanted) wanted.push_back(one.name);
+  columns.push_back({"wanted", found.values});
+  TableColumn steps[] = {{"steps/objective"}, {"steps/gradient"}, {"steps/change"}};
+  for (const SearchStep& step : found.steps) {
+    const double row[] = {step.objective, step.gradient, step.step};
+    for (std::size_t i = 0; i < 3; ++i) steps[i].values.push_back(row[i]);
+  }
+  columns.insert(columns.end(), std::begin(steps), std::end(steps));
+  write_table_file(stem + ".h5", columns,
+                   {{"names", lines_of(names)}, {"numbers", lines_of(paths)}, {"wanted", lines_of(wanted)}}, "found");
+}
+
+/// The path from the unloaded structure may lead elsewhere than the equilibria that were carried along.
+void compare_end(Application& app, const SearchParameters& search, const std::vector<double>& values) {
+  app.watch = [&app, search, values, before = app.watch](const Simulation& run, const StepReport& step) {
+    if (before) before(run, step);
+    if (!run.is_end_of_path(step.load_factor)) return;
+    const std::vector<double> all = values_of(app.quantities, run);
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      const WantedQuantity& wanted = search.wanted[k];
+      if (wanted.load_case != app.load_case) continue;
+      for (std::size_t i = 0; i < all.size(); ++i)
+        if (app.quantities.columns()[i].name == wanted.quantity)
+          app.summary.check_absolute(
+              search.list + " / " + wanted.name, all[i], values[k],
+              kSameState * std::max({std::abs(values[k]), std::abs(wanted.value), wanted.deviation}),
+              "equilibrium of the list \"" + search.list + "\", carried along with its numbers");
+    }
+  };
+}
+
+void tell(Application& app, const SearchParameters& search, const FoundScene& found) {
+  for (const FoundNumber& one : found.numbers)
+    app.summary.found_numbers.push_back({one.name, one.path, one.start, one.value, one.deviation});
+  print_found(app.out(), search, found);
+  for (const std::string& text : found.remarks) {
+    app.summary.warnings.push_back(text);
+    app.out() << "warning: " << text << "\n";
+  }
+}
+
+}  // namespace
+
+bool take_found_numbers(Application& app, const std::filesystem::path& stem) {
+  if (!app.search) return true;
+  const SearchParameters search = *app.search;
+  const ListSpec& root = mixbeam_root_spec();
+  const std::string name = stem.string() + "-" + lower_case(search.list), file = name + ".xml";
+  const auto imported = app.xml.source.files();
+  if (!stem.empty()) {
+    for (const char* ending : {".xml", ".csv", ".h5", "-steps.csv"}) require_no_input(name + ending);
+    copy_imported(app.xml.source, stem.parent_path(), search.list);
+  }
+  if (!app.quiet) print_head(app.out(), search);
+  const FoundScene found = search_scene(app, root, [&app](const SearchStep& step) {
+    if (!app.quiet) print_step(app.out(), step);
+  });
+  tell(app, search, found);
+  if (!stem.empty()) {
+    replace_file(file, found.xml, false);
+    write_numbers(name, found);
+    write_file(name, search, found);
+    app.out() << "  scene with these numbers: " << file << "\n";
+  }
+  if (found.end == SearchEnd::stopped) return false;
+  if (!found.failure.empty())
+    throw ConvergenceError(search.list + ": " + found.failure +
+                           (stem.empty() ? "" : ". The best numbers so far are in " + file) + ".");
+  XmlParameters scene = parse_parameters(found.xml, stem.empty() ? app.xml.source.file() : file, root);
+  scene.source.set_files(imported);
+  const int threads = app.solver.threads;
+  app.search.reset();
+  read_scene_file(app, std::move(scene), mixbeam_definition(), root);
+  app.solver.threads = threads;
+  compare_end(app, search, found.values);
+  return true;
+}
+
+void refuse_search(const Application& app) {
+  if (app.search)
+    throw app.xml.source.error({app.search->list},
+                               "given, but this program solves scenes as they stand; allowed: mixbeam "
+                               "run of this scene, and then the scene that it writes");
+}
+
+}  // namespace mixbeam

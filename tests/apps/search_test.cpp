@@ -1,0 +1,196 @@
+/// Scenes with the list "Identification": numbers found from measurements, their covariance, files, ends and refusals.
+#include "apps/mixbeam/commands.hpp"
+#include "mixbeam_files.hpp"
+#include "tests/support/random_numbers.hpp"
+#include "tests/support/ranks.hpp"
+#include "tests/support/text.hpp"
+
+#include <cmath>
+
+namespace mixbeam::search_test {
+namespace {
+
+constexpr int kOk = 0, kBadInput = 2, kNoConvergence = 3;
+
+/// The bend of 45 degrees under 600: EI and GIt from the motion of its tip, which shooting on the equations of the rod
+/// gives for 5e6 / 6 of both.
+constexpr double kStiffness = 2.5e6 / 3.0, kTip[3] = {-23.560239545026, 13.604521347307, 53.474858791825};
+constexpr const char* kArc = R"(Name: arc
+Scene:
+  Variables: {EI: 1.2e6, GIt: 4.0e5}
+  Sections: {rod: {EA: 1.0e7, GA2: 5.0e6, GA3: 5.0e6, GIt: "=GIt", EI2: "=EI", EI3: "=EI"}}
+  Points: {clamp: [0, 0, 0]}
+  Members:
+    arc: {Start: clamp, End: tip, Section: rod, Order: 4, Elements: 8,
+          Curve: {Shape: arc, Center: [0, -100, 0], Axis: [0, 0, -1], Angle: "=45 deg"}}
+  Supports: {clamp: {Point: clamp}}
+  Point Loads: {force: {Point: tip, Force: [0, 0, 600]}}
+Quantities:
+  tip: {Quantity: displacement, Point: tip}
+Identification:
+  Parameters:
+    bending: {Number: Variables/EI, At Least: 1}
+    torsion: {Number: Variables/GIt, At Least: 1}
+  Measurements:
+    x: {Quantity: tip.x, Value: -23.560239545026, Standard Deviation: 0.02}
+    y: {Quantity: tip.y, Value: 13.604521347307, Standard Deviation: 0.02}
+    z: {Quantity: tip.z, Value: 53.474858791825, Standard Deviation: 0.02}
+)";
+
+/// A scene in this process.
+struct Read {
+  Application app;
+  std::ostringstream said;
+
+  explicit Read(const std::string& text) {
+    app.communicator = test::this_rank();
+    app.terminal = &said;
+    read_scene_file(app, parse_parameters(text, "scene.yaml", mixbeam_root_spec()), mixbeam_definition(),
+                    mixbeam_root_spec());
+  }
+  FoundScene found() {
+    return search_scene(app, mixbeam_root_spec(), [](const SearchStep&) {});
+  }
+};
+
+TEST(Identification, FindsStiffnessesOfTheSpatialArc) {
+  constexpr double kExact = 1e-8;
+  const FoundScene found = Read(kArc).found();
+  EXPECT_EQ(found.end, SearchEnd::found);
+  ASSERT_EQ(found.numbers.size(), 2U);
+  for (const FoundNumber& number : found.numbers) EXPECT_NEAR(number.value / kStiffness, 1.0, kExact) << number.name;
+  // the twin with another measurement
+  const FoundScene other = Read(changed(kArc, "53.47485", "53.47486")).found();
+  EXPECT_GT(std::abs(other.numbers[1].value / kStiffness - 1.0), kExact);
+}
+
+TEST(Identification, CovarianceCoversNoise) {
+  constexpr std::uint64_t kSeed = 20251128;
+  constexpr int kSamples = 200;
+  constexpr double kPi = 3.14159265358979323846, kWithinTwoSigma = 0.95, kTolerance = 0.03;
+  std::string text = changed(changed(kArc, "EI: 1.2e6", "EI: 8.34e5"), "GIt: 4.0e5", "GIt: 8.32e5");
+  Read read(changed(changed(text, "Order: 4", "Order: 2"), "Elements: 8", "Elements: 4"));
+  std::vector<WantedQuantity>& wanted = read.app.search->wanted;
+  for (WantedQuantity& one : wanted) one.deviation = 1e-6;
+  const FoundScene exact = read.found();  // for this mesh
+  RandomNumbers random(kSeed);
+  double covered[2] = {0.0, 0.0};
+  for (int sample = 0; sample < kSamples; ++sample) {
+    for (std::size_t k = 0; k < wanted.size(); ++k) {
+      const double radius = std::sqrt(-2.0 * std::log(random.between(1e-12, 1.0)));
+      const double angle = random.between(0.0, 2.0 * kPi);
+      wanted[k].deviation = 0.001 * static_cast<double>(k + 1);
+      wanted[k].value = exact.values[k] + wanted[k].deviation * radius * std::cos(angle);
+    }
+    const FoundScene found = read.found();
+    ASSERT_EQ(found.end, SearchEnd::found) << "sample " << sample << " of seed " << kSeed << ": " << found.failure;
+    for (std::size_t i = 0; i < 2; ++i)
+      if (std::abs(found.numbers[i].value - exact.numbers[i].value) <= 2.0 * found.numbers[i].deviation)
+        covered[i] += 1.0 / kSamples;
+  }
+  for (const double share : covered) EXPECT_NEAR(share, kWithinTwoSigma, kTolerance) << "seed " << kSeed;
+}
+
+/// A strut whose Euler load bounds what it bears without moving aside.
+constexpr const char* kPlane = R"(Name: plane
+Scene:
+  Variables: {EI: 1.5, P: 2}
+  Sections: {rod: {EA: inf, GA2: inf, GA3: inf, GIt: 1, EI2: 1, EI3: "=EI"}}
+  Points: {a: [0, 0, 0], b: [1, 0, 0]}
+  Members: {rod: {Start: a, End: b, Order: 4, Elements: 8}}
+  Supports: {wall: {Point: a}}
+  Point Loads: {weight: {Point: b, Force: [0, "=-P", 0]}}
+Quantities: {tip: {Quantity: displacement, Point: b}}
+Identification:
+  Parameters: {EI: {Number: Variables/EI}}
+  Measurements: {down: {Quantity: tip.y, Value: -0.301720773799814, Standard Deviation: 0.01}}
+)";
+
+TEST(Identification, TellsWhatMeasurementsDoNotTellApart) {
+  const FoundScene found =
+      Read(changed(kPlane, "{EI: {Number: Variables/EI}}",
+                   "{EI: {Number: Variables/EI}, load: {Number: Variables/P}, torsion: {Number: Sections/rod/GIt}}"))
+          .found();
+  EXPECT_NEAR(found.numbers[1].value / found.numbers[0].value, 1.0, 1e-8);  // P L^2 / EI of the elastica
+  EXPECT_EQ(found.numbers[2].value, 1.0);
+  for (const FoundNumber& number : found.numbers) EXPECT_TRUE(std::isinf(number.deviation)) << number.name;
+  ASSERT_EQ(found.remarks.size(), 2U);
+  expect_in(found.remarks[0] + found.remarks[1],
+            {"do not tell the parameters apart", "EI by", "load by", "torsion by"});
+}
+
+TEST(Identification, StopsAtBounds) {
+  const FoundScene found =
+      Read(changed(kPlane, "{Number: Variables/EI}", "{Number: Variables/EI, At Most: 1.75}")).found();
+  EXPECT_EQ(found.end, SearchEnd::found);
+  EXPECT_EQ(found.numbers[0].value, 1.75);
+  EXPECT_TRUE(found.numbers[0].is_held && std::isnan(found.numbers[0].deviation));
+  const FoundScene free =
+      Read(changed(kPlane, "{Number: Variables/EI}", "{Number: Variables/EI, At Most: 2.5}")).found();
+  EXPECT_NEAR(free.numbers[0].value, 2.0, 1e-8);
+  EXPECT_FALSE(free.numbers[0].is_held);
+}
+
+class SearchFiles : public ::testing::Test {
+ protected:
+  Ended run(const std::string& text, const std::string& command = "run") {
+    write_text(folder_ / "scene.yaml", text);
+    return run_process(program("mixbeam"), {command, "scene.yaml", "--output", "out", "--summary", "summary.json"},
+                       folder_.path());
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(SearchFiles, HoldTheNumbersAndTheSceneWithThem) {
+  const Ended ended = run(kArc);
+  ASSERT_EQ(ended.exit_code, kOk) << ended.out << ended.err;
+  expect_in(ended.out, {"Identification: 2 number(s) from 3 measurement(s)", "bending", "Variables/GIt"});
+  for (const char* file : {"-identification.csv", "-identification-steps.csv", "-identification.h5", ".h5"})
+    EXPECT_TRUE(fs::exists(folder_ / ("out/scene" + std::string(file)))) << file;
+  expect_in(text_of(folder_ / "summary.json"), {"\"found_numbers\"", "\"standard_deviation\"", "Identification / z"});
+  fs::copy_file(folder_ / "out/scene-identification.xml", folder_ / "scene.yaml.xml");
+  const Ended again = run_process(program("mixbeam"), {"run", "scene.yaml.xml", "--output", "again"}, folder_.path());
+  EXPECT_EQ(again.exit_code, kOk) << again.err;
+  expect_in(again.out, {"-23.56023955", "53.47485879"});
+}
+
+/// The load of a strut that is to be at rest at a deflection which it has beyond its first bifurcation alone.
+TEST_F(SearchFiles, HoldTheBestNumbersWhereABranchEnds) {
+  const std::string strut = changed(changed(kPlane, "[0, \"=-P\", 0]", "[\"=-P\", 0, 0]"),
+                                    "{EI: {Number: Variables/EI}}", "{load: {Number: Variables/P}}");
+  const Ended ended = run(changed(changed(strut, "EA: inf", "EA: 100"), "{Quantity: tip.y, Value: -0.301720773799814",
+                                  "{Quantity: tip.x, Value: -0.301720773799814"));
+  ASSERT_EQ(ended.exit_code, kNoConvergence) << ended.out << ended.err;
+  expect_in(ended.err, {"cannot be carried to load = ", "negative eigenvalues changes from 0 to 1", "best numbers"});
+  expect_in(text_of(folder_ / "summary.json"), {"\"failure\"", "\"found_numbers\""});
+  const std::string table = text_of(folder_ / "out/scene-identification.csv");
+  const double load = std::stod(table.substr(table.find("Variables/P,2,") + 14));
+  // P (1 - P / EA) = pi^2 EI / (4 L^2) about the weaker axis
+  constexpr double kEuler = 2.46740110027234, kStretch = 100.0, kNear = 1e-5;
+  EXPECT_NEAR(load, 0.5 * kStretch * (1.0 - std::sqrt(1.0 - 4.0 * kEuler / kStretch)), kNear) << table;
+}
+
+TEST_F(SearchFiles, RefuseWhatIsNotOffered) {
+  const std::vector<std::array<std::string, 3>> wrong = {
+      {"Variables/EI}", "Variables/EJ}", "is no path of a finite real number"},
+      {"Variables/EI}", "Sections/rod/EA}", "is no path of a finite real number"},
+      {"Variables/EI}", "Variables/EI, At Least: 2}", "beyond this bound"},
+      {"Variables/EI}", "Variables/EI, At Least: 2, At Most: 1}", "above \"At Least\""},
+      {"Number: Variables/EI", "Number: 'Points/a[2]'", "is zero in the scene"},
+      {"tip.y", "tip.w", "did you mean \"tip.x\""},
+      {"{Quantity: tip.y", "{Case: wind, Quantity: tip.y", "the scene has no cases"},
+      {"Identification:", "Inverse: {}\nIdentification:", "one of them"},
+      {"Order: 4, Elements: 8", "Second Axis: [0, 1, 0]", "names no mesh"}};
+  for (const auto& [from, to, message] : wrong) {
+    const Ended ended = run(changed(kPlane, from, to, from == "Identification:" ? "" : "Scene:"));
+    EXPECT_EQ(ended.exit_code, kBadInput) << to << ended.out;
+    expect_in(ended.err, {message, "scene.yaml:"});
+  }
+  const Ended batch =
+      run(std::string(kPlane) + "Batch: {Vary: {x: {Parameter: Variables/P, First: 1, Last: 2, Count: 2}}}\n", "batch");
+  EXPECT_EQ(batch.exit_code, kBadInput);
+  expect_in(batch.err, {"mixbeam run"});
+}
+
+}  // namespace
+}  // namespace mixbeam::search_test
