@@ -21,7 +21,7 @@ readonly required_packages=(
   # thread_scaling measures its unit with the reference
   libopenblas0-pthread libblas3 liblapack3
   libopenmpi-dev openmpi-bin libhdf5-openmpi-dev libxml2-dev nlohmann-json3-dev
-  libmuparser-dev libgsl-dev libxxhash-dev zlib1g-dev
+  libmuparser-dev libgsl-dev libnlopt-dev libxxhash-dev zlib1g-dev
   python3-matplotlib python3-h5py
   # scenes in YAML; the module for Python
   libyaml-cpp-dev pybind11-dev python3-dev

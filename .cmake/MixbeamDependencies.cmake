@@ -5,6 +5,7 @@
 #   mixbeam_metis      METIS: parts of networks for ranks, and the order of MUMPS' eliminations: Debian's is built without
 #   mixbeam_hdf5       HDF5: its archive in programs, the shared library in the Python module
 #   mixbeam_mumps      MUMPS: the symmetric factorisation that counts negative pivots, which no solver behind Amesos2 does
+#   mixbeam_nlopt      NLopt, its part in C: minima under constraints
 #   mixbeam_sacado     automatic differentiation, for tests
 #
 # Trilinos is looked up by header and library instead of by find_package(Trilinos): the exported configuration of Debian
@@ -77,6 +78,15 @@ if(NOT METIS_INCLUDE_DIR OR NOT METIS_LIBRARY)
   message(FATAL_ERROR "mixbeam needs METIS (header metis.h, library metis), which was not found.\n"
                       "On Debian 12: apt-get install --no-install-recommends libmetis-dev\n"
                       "Elsewhere: point CMAKE_PREFIX_PATH to an installation of METIS 5.")
+endif()
+
+find_path(NLOPT_INCLUDE_DIR nlopt.h DOC "Folder of the NLopt header")
+find_library(NLOPT_LIBRARY NAMES nlopt DOC "NLopt")
+mark_as_advanced(NLOPT_INCLUDE_DIR NLOPT_LIBRARY)
+if(NOT NLOPT_INCLUDE_DIR OR NOT NLOPT_LIBRARY)
+  message(FATAL_ERROR "mixbeam needs NLopt (header nlopt.h, library nlopt), which was not found.\n"
+                      "On Debian 12: apt-get install --no-install-recommends libnlopt-dev\n"
+                      "Elsewhere: point CMAKE_PREFIX_PATH to an installation of NLopt 2.")
 endif()
 
 # --- Trilinos: headers -------------------------------------------------------------------------------------------------
@@ -200,6 +210,10 @@ target_link_libraries(mixbeam_trilinos INTERFACE ${trilinos_libraries} mixbeam_k
 add_library(mixbeam_metis INTERFACE)
 target_include_directories(mixbeam_metis SYSTEM INTERFACE "${METIS_INCLUDE_DIR}")
 target_link_libraries(mixbeam_metis INTERFACE "${METIS_LIBRARY}")
+
+add_library(mixbeam_nlopt INTERFACE)
+target_include_directories(mixbeam_nlopt SYSTEM INTERFACE "${NLOPT_INCLUDE_DIR}")
+target_link_libraries(mixbeam_nlopt INTERFACE "${NLOPT_LIBRARY}")
 
 add_library(mixbeam_mumps INTERFACE)
 target_include_directories(mixbeam_mumps SYSTEM INTERFACE "${MUMPS_INCLUDE_DIR}")

@@ -27,15 +27,18 @@ constexpr double kSameState = 1e-6;
 constexpr std::size_t kMostColumns = 6;
 
 void print_head(std::ostream& out, const SearchParameters& search) {
-  out << search.list << ": " << search.numbers.size() << " number(s) from " << search.wanted.size()
-      << " measurement(s)\n  step     objective    gradient      change";
+  out << search.list << ": " << search.numbers.size() << " number(s) from "
+      << (search.is_design ? "an objective and " + std::to_string(search.wanted.size() - 1) + " constraint(s)"
+                           : std::to_string(search.wanted.size()) + " measurement(s)")
+      << "\n  step     objective    gradient      change" << (search.is_design ? "   violation" : "");
   for (std::size_t i = 0; i < std::min(search.numbers.size(), kMostColumns); ++i)
     out << formatted("  %16.16s", search.numbers[i].name.c_str());
   out << (search.numbers.size() > kMostColumns ? "  ...\n" : "\n");
 }
 
-void print_step(std::ostream& out, const SearchStep& step) {
+void print_step(std::ostream& out, const SearchParameters& search, const SearchStep& step) {
   out << formatted("  %4d  %12.6g  %10.2e  %10.2e", step.number, step.objective, step.gradient, step.step);
+  if (search.is_design) out << formatted("  %10.2e", step.violation);
   for (std::size_t i = 0; i < std::min(step.unknowns.size(), kMostColumns); ++i)
     out << formatted("  %16.10g", step.unknowns[i]);
   out << "\n" << std::flush;
@@ -45,11 +48,7 @@ double correlation(const FoundScene& found, std::size_t i, std::size_t j) {
   return found.covariance[i * found.numbers.size() + j] / (found.numbers[i].deviation * found.numbers[j].deviation);
 }
 
-void print_found(std::ostream& out, const SearchParameters& search, const FoundScene& found) {
-  out << "  found                            value   standard deviation  number of the scene\n";
-  for (const FoundNumber& number : found.numbers)
-    out << formatted("  %-20.20s  %16.10g  %19.6g  ", number.name.c_str(), number.value, number.deviation)
-        << number.path << (number.is_held ? ", at its bound" : "") << "\n";
+void print_fit(std::ostream& out, const SearchParameters& search, const FoundScene& found) {
   constexpr double kStrong = 0.9;  // deviations alone say little then
   for (std::size_t i = 0; i < found.numbers.size(); ++i)
     for (std::size_t j = 0; j < i && !found.covariance.empty(); ++j)
@@ -63,6 +62,27 @@ void print_found(std::ostream& out, const SearchParameters& search, const FoundS
   if (!found.values.empty())
     out << formatted("  squares of residuals over deviations: %.6g; expected about %.0f\n", sum,
                      std::max(freedom, 0.0));
+}
+
+void print_constraints(std::ostream& out, const SearchParameters& search, const FoundScene& found) {
+  for (std::size_t k = 0; k < found.values.size(); ++k) {
+    const WantedQuantity& wanted = search.wanted[k];
+    out << formatted("  %-20.20s  %16.10g", wanted.name.c_str(), found.values[k]);
+    if (wanted.at_least) out << formatted("  at least %.10g", *wanted.at_least);
+    if (wanted.at_most) out << formatted("  at most %.10g", *wanted.at_most);
+    out << "\n";
+  }
+}
+
+void print_found(std::ostream& out, const SearchParameters& search, const FoundScene& found) {
+  out << "  found                            value" << (search.is_design ? "" : "   standard deviation")
+      << "  number of the scene\n";
+  for (const FoundNumber& number : found.numbers) {
+    out << formatted("  %-20.20s  %16.10g  ", number.name.c_str(), number.value);
+    if (!search.is_design) out << formatted("%19.6g  ", number.deviation);
+    out << number.path << (number.is_held ? ", at its bound" : "") << "\n";
+  }
+  search.is_design ? print_constraints(out, search, found) : print_fit(out, search, found);
 }
 
 std::string lines_of(const std::vector<std::string>& texts) {
@@ -85,11 +105,11 @@ void write_numbers(const std::string& stem, const FoundScene& found) {
     table.add_row(row);
   }
   table.close();
-  std::vector<std::string> of_steps = {"step", "objective", "gradient", "change"};
+  std::vector<std::string> of_steps = {"step", "objective", "gradient", "change", "violation"};
   for (const FoundNumber& number : found.numbers) of_steps.push_back(number.name);
   CsvTable steps(stem + "-steps.csv", of_steps, Appears::when_closed);
   for (const SearchStep& step : found.steps) {
-    std::vector<CsvCell> row = {step.number, step.objective, step.gradient, step.step};
+    std::vector<CsvCell> row = {step.number, step.objective, step.gradient, step.step, step.violation};
     row.insert(row.end(), step.unknowns.begin(), step.unknowns.end());
     steps.add_row(row);
   }
@@ -123,8 +143,9 @@ void write_file(const std::string& stem, const SearchParameters& search, const F
 }
 
 /// The path from the unloaded structure may lead elsewhere than the equilibria that were carried along.
-void compare_end(Application& app, const SearchParameters& search, const std::vector<double>& values) {
-  app.watch = [&app, search, values, before = app.watch](const Simulation& run, const StepReport& step) {
+void compare_end(Application& app, const SearchParameters& search, const FoundScene& found) {
+  app.watch = [&app, search, values = found.values, sizes = found.sizes, before = app.watch](const Simulation& run,
+                                                                                             const StepReport& step) {
     if (before) before(run, step);
     if (!run.is_end_of_path(step.load_factor)) return;
     const std::vector<double> all = values_of(app.quantities, run);
@@ -133,17 +154,22 @@ void compare_end(Application& app, const SearchParameters& search, const std::ve
       if (wanted.load_case != app.load_case) continue;
       for (std::size_t i = 0; i < all.size(); ++i)
         if (app.quantities.columns()[i].name == wanted.quantity)
-          app.summary.check_absolute(
-              search.list + " / " + wanted.name, all[i], values[k],
-              kSameState * std::max({std::abs(values[k]), std::abs(wanted.value), wanted.deviation}),
-              "equilibrium of the list \"" + search.list + "\", carried along with its numbers");
+          app.summary.check_absolute(search.list + " / " + wanted.name, all[i], values[k],
+                                     kSameState * std::max({std::abs(values[k]), sizes[k], wanted.deviation}),
+                                     "equilibrium of the list \"" + search.list + "\", carried along with its numbers");
     }
   };
 }
 
 void tell(Application& app, const SearchParameters& search, const FoundScene& found) {
-  for (const FoundNumber& one : found.numbers)
+  const auto n = static_cast<std::ptrdiff_t>(found.numbers.size());
+  for (std::ptrdiff_t i = 0; i < n; ++i) {
+    const FoundNumber& one = found.numbers[static_cast<std::size_t>(i)];
     app.summary.found_numbers.push_back({one.name, one.path, one.start, one.value, one.deviation});
+    if (!found.covariance.empty())
+      app.summary.found_numbers.back().covariance.assign(found.covariance.begin() + i * n,
+                                                         found.covariance.begin() + (i + 1) * n);
+  }
   print_found(app.out(), search, found);
   for (const std::string& text : found.remarks) {
     app.summary.warnings.push_back(text);
@@ -164,8 +190,8 @@ bool take_found_numbers(Application& app, const std::filesystem::path& stem) {
     copy_imported(app.xml.source, stem.parent_path(), search.list);
   }
   if (!app.quiet) print_head(app.out(), search);
-  const FoundScene found = search_scene(app, root, [&app](const SearchStep& step) {
-    if (!app.quiet) print_step(app.out(), step);
+  const FoundScene found = search_scene(app, root, [&](const SearchStep& step) {
+    if (!app.quiet) print_step(app.out(), search, step);
   });
   tell(app, search, found);
   if (!stem.empty()) {
@@ -184,7 +210,7 @@ bool take_found_numbers(Application& app, const std::filesystem::path& stem) {
   app.search.reset();
   read_scene_file(app, std::move(scene), mixbeam_definition(), root);
   app.solver.threads = threads;
-  compare_end(app, search, found.values);
+  compare_end(app, search, found);
   return true;
 }
 

@@ -235,6 +235,13 @@ py::list checks_of(const SolvedRun& run) {
   return checks;
 }
 
+py::list found_numbers_of(const SolvedRun& run) {
+  py::list found;
+  for (const FoundNumberOfScene& one : run.app().summary.found_numbers)
+    found.append(py::make_tuple(one.parameter, one.number, one.start, one.value, one.deviation, one.covariance));
+  return found;
+}
+
 /// Stiffness matrices of all sections by name, imported ones and profiles among them; infinite where rigid.
 std::map<std::string, Matrix6> sections_of(const SolvedRun& run) {
   std::map<std::string, Matrix6> found;
@@ -264,6 +271,7 @@ void bind_run(py::module_& module) {
       .def("error_estimate", error_estimate_of)
       .def("value_errors", value_errors_of)
       .def("checks", checks_of)
+      .def("found_numbers", found_numbers_of)
       .def("report", &SolvedRun::report)
       .def("require_same_file", &SolvedRun::require_same_file)
       .def("interrupted", &SolvedRun::interrupted)

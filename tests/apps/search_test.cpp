@@ -1,4 +1,4 @@
-/// Scenes with the list "Identification": numbers found from measurements, their covariance, files, ends and refusals.
+/// Scenes with the lists "Identification" and "Design": numbers found, their covariance, files, ends and refusals.
 #include "apps/mixbeam/commands.hpp"
 #include "mixbeam_files.hpp"
 #include "tests/support/random_numbers.hpp"
@@ -129,6 +129,82 @@ TEST(Identification, StopsAtBounds) {
       Read(changed(kPlane, "{Number: Variables/EI}", "{Number: Variables/EI, At Most: 2.5}")).found();
   EXPECT_NEAR(free.numbers[0].value, 2.0, 1e-8);
   EXPECT_FALSE(free.numbers[0].is_held);
+}
+
+/// Two halves of a cantilever whose stiffnesses are paid for, by a small load: of the linear theory 7 / EI1 + 1 / EI2 =
+/// 24 w / (P L^3), so the least sum has EI1 = sqrt(7) EI2.
+constexpr const char* kStepped = R"(Name: stepped
+Scene:
+  Variables: {root: 3, end: 3}
+  Sections:
+    root: {EA: inf, GA2: inf, GA3: inf, GIt: 1, EI2: 1, EI3: "=root"}
+    end: {EA: inf, GA2: inf, GA3: inf, GIt: 1, EI2: 1, EI3: "=end"}
+  Points: {a: [0, 0, 0], middle: [0.5, 0, 0], b: [1, 0, 0]}
+  Members:
+    root: {Start: a, End: middle, Section: root, Order: 3, Elements: 2}
+    end: {Start: middle, End: b, Section: end, Order: 3, Elements: 2}
+  Supports: {wall: {Point: a}}
+  Point Loads: {weight: {Point: b, Force: [0, -1.0e-4, 0]}}
+Quantities:
+  tip: {Quantity: displacement, Point: b, Component: y}
+  price: {Quantity: formula, Formula: "root + end"}
+Design:
+  Parameters:
+    root: {Number: Variables/root, At Least: 0.01}
+    end: {Number: Variables/end, At Least: 0.01}
+  Objective: {Quantity: price}
+  Constraints:
+    sag: {Quantity: tip, At Least: -1.0e-5}
+)";
+
+class Design : public ::testing::Test {
+ protected:
+  static constexpr double kNear = 1e-7;  ///< of the linear theory: squares of rotations are 1e-10
+  static void expect_numbers(const FoundScene& found, double root, double end) {
+    EXPECT_EQ(found.end, SearchEnd::found) << found.failure;
+    EXPECT_NEAR(found.numbers[0].value, root, kNear * root);
+    EXPECT_NEAR(found.numbers[1].value, end, kNear * end);
+  }
+};
+
+TEST_F(Design, IsTheBestThatConstraintsAllow) {
+  const double end = (1.0 + std::sqrt(7.0)) / 2.4, root = std::sqrt(7.0) * end;
+  expect_numbers(Read(kStepped).found(), root, end);
+  // as an equation, and as the smallest sag that the price allows
+  expect_numbers(Read(changed(kStepped, "At Least: -1.0e-5", "At Least: -1.0e-5, At Most: -1.0e-5")).found(), root,
+                 end);
+  const std::string turned =
+      changed(changed(kStepped, "{Quantity: price}", "{Quantity: tip, Goal: largest}"),
+              "{Quantity: tip, At Least: -1.0e-5}", "{Quantity: price, At Most: \"=(8 + 2*sqrt(7))/2.4\"}");
+  expect_numbers(Read(turned).found(), root, end);
+}
+
+TEST_F(Design, KeepsToBounds) {
+  const FoundScene found = Read(changed(kStepped, "At Least: 0.01", "At Least: 0.01, At Most: 3.5")).found();
+  expect_numbers(found, 3.5, 2.5);  // 7 / 3.5 + 1 / 2.5 = 2.4
+  EXPECT_TRUE(found.numbers[0].is_held);
+  EXPECT_FALSE(found.numbers[1].is_held);
+}
+
+TEST_F(Design, SaysThatConstraintsCannotBeMet) {
+  const std::string weak = changed(changed(kStepped, "0.01}\n    end", "0.01, At Most: 3.1}\n    end"), "0.01}\n  Obj",
+                                   "0.01, At Most: 3.1}\n  Obj");
+  const FoundScene found = Read(weak).found();
+  EXPECT_EQ(found.end, SearchEnd::no_descent);
+  expect_in(found.failure, {"meet all constraints"});
+}
+
+/// The largest load of a strut: no step leaves the branch on which it stays straight.
+TEST_F(Design, EndsWhereABranchEnds) {
+  constexpr double kEuler = 2.46740110027234;  // pi^2 EI / (4 L^2) about the weaker axis
+  std::string text = changed(kPlane, "[0, \"=-P\", 0]", "[\"=-P\", 0, 0]");
+  text = changed(text, "{tip: {Quantity: displacement, Point: b}}", "{load: {Quantity: formula, Formula: P}}");
+  text = text.substr(0, text.find("Identification:")) +
+         "Design: {Parameters: {P: {Number: Variables/P}}, Objective: {Quantity: load, Goal: largest}}\n";
+  const FoundScene found = Read(text).found();
+  EXPECT_EQ(found.end, SearchEnd::blocked);
+  expect_in(found.failure, {"cannot be carried to P = ", "negative eigenvalues changes from 0 to 1"});
+  EXPECT_NEAR(found.numbers[0].value, kEuler, 1e-6);
 }
 
 class SearchFiles : public ::testing::Test {

@@ -174,7 +174,7 @@ struct ApplicationDefinition {
   std::optional<ListSpec> batch{};          ///< declaration of the list "Batch"; none: the program takes no such list
   bool chooses_meshes = false;              ///< takes "Accuracy" of the list "Scene"
   bool answers_quantities = false;          ///< takes the list "Quantities"
-  bool finds_rest_shapes = false;           ///< takes the lists "Inverse", "Identification"
+  bool finds_rest_shapes = false;           ///< takes the lists "Inverse", "Identification", "Design"
   std::vector<std::string> own_quantities;  ///< of the list "Expected", besides those of points
   std::function<void(Application&)>
       single;  ///< empty: run the scene, record it to single.h5, check the expected values

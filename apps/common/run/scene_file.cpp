@@ -58,6 +58,7 @@ ListSpec root_spec(const ApplicationDefinition& definition) {
   if (definition.finds_rest_shapes) {
     root.add_list("Inverse", rest_shape_spec(), Presence::optional);
     root.add_list("Identification", identification_spec(), Presence::optional);
+    root.add_list("Design", design_spec(), Presence::optional);
   }
   root.add_list("Expected", expected_values_spec(definition.own_quantities), Presence::defaulted);
   root.add_list("Analysis", analysis_spec(), Presence::defaulted);

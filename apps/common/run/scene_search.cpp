@@ -12,6 +12,7 @@
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 #include "nonlinear/linear/linear_solver.hpp"
+#include "nonlinear/sensitivity/constrained_minimum.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -23,7 +24,8 @@ namespace {
 
 using List = Teuchos::ParameterList;
 
-const std::string kIdentification = "Identification", kParameters = "Parameters", kMeasurements = "Measurements";
+const std::string kIdentification = "Identification", kDesign = "Design", kParameters = "Parameters",
+                  kMeasurements = "Measurements", kConstraints = "Constraints", kObjective = "Objective";
 
 /// Each takes eight evaluations of the equations in each step of a search.
 constexpr std::size_t kMostSearched = 200;
@@ -57,6 +59,21 @@ BoundList<WantedQuantity> measurements() {
   return wanted;
 }
 
+BoundList<WantedQuantity> constraints() {
+  BoundList<WantedQuantity> wanted("Bounds of a quantity, one or both; equal ones: the value that it shall have.");
+  bind_quantity(wanted);
+  wanted.bind(&WantedQuantity::at_least, real("At Least"), "Smallest value allowed.");
+  wanted.bind(&WantedQuantity::at_most, real("At Most"), "Largest value allowed.");
+  return wanted;
+}
+
+BoundList<WantedQuantity> objectives() {
+  BoundList<WantedQuantity> wanted("What shall be as small, or as large, as bounds and constraints allow.");
+  bind_quantity(wanted);
+  return wanted;
+}
+
+const BoundList<WantedQuantity> kConstraint = constraints(), kDesigned = objectives();
 const BoundList<SearchedNumber> kSearchedNumbers = searched_numbers();
 const BoundList<WantedQuantity> kMeasured = measurements();
 
@@ -66,6 +83,7 @@ class SearchReader {
   SearchReader(const Application& app, const std::string& name)
       : app_(app), scene_(app.xml.list->sublist("Scene")), path_{name}, list_(app.xml.list->sublist(name)) {
     search_.list = name;
+    search_.is_design = name == kDesign;
   }
 
   SearchParameters read() {
@@ -75,9 +93,18 @@ class SearchReader {
     if (search_.paths.size() > kMostSearched)
       refuse({kParameters}, "it means " + std::to_string(search_.paths.size()) + " numbers; allowed: up to " +
                                 std::to_string(kMostSearched));
-    const List& wanted = list_.sublist(kMeasurements);
-    for (const std::string& name : names_of(wanted))
-      add_wanted(name, kMeasured.read(wanted.sublist(name)), {kMeasurements, name});
+    if (search_.is_design) {
+      search_.is_largest = list_.sublist(kObjective).get<std::string>("Goal") == "largest";
+      add_wanted("objective", kDesigned.read(list_.sublist(kObjective)), {kObjective});
+    }
+    const std::string& lists = search_.is_design ? kConstraints : kMeasurements;
+    const BoundList<WantedQuantity>& declared = search_.is_design ? kConstraint : kMeasured;
+    if (!list_.isSublist(lists)) return search_;
+    const List& wanted = list_.sublist(lists);
+    for (const std::string& name : names_of(wanted)) {
+      add_wanted(name, declared.read(wanted.sublist(name)), {lists, name});
+      if (search_.is_design) require_bounds(search_.wanted.back(), {lists, name});
+    }
     return search_;
   }
 
@@ -88,7 +115,16 @@ class SearchReader {
     throw app_.xml.source.error(path, why);
   }
 
+  void require_bounds(const WantedQuantity& wanted, const ParameterPath& at) const {
+    if (!wanted.at_least && !wanted.at_most) refuse(at, "no bound; needed: \"At Least\" or \"At Most\"");
+    if (wanted.at_least && wanted.at_most && *wanted.at_least > *wanted.at_most)
+      refuse(child(at, "At Most"), "value " + shortest(*wanted.at_most) + " is below \"At Least\", " +
+                                       shortest(*wanted.at_least) + "; allowed: that, or more");
+  }
+
   void require_offered() const {
+    if (search_.is_design && app_.xml.list->isSublist(kIdentification))
+      refuse({}, "given beside \"Identification\"; allowed: one of them");
     if (app_.xml.list->isSublist("Inverse")) refuse({}, "given beside \"Inverse\"; allowed: one of them");
     if (app_.mesh_is_free || app_.scene.accuracy)
       refuse({}, "given, but the scene names no mesh, or an \"Accuracy\"; allowed: \"Elements\" of members");
@@ -171,6 +207,13 @@ class SearchReader {
   SearchParameters search_;
 };
 
+/// The line that says it, of all lines of a message.
+std::string first_mistake(const std::string& message) {
+  std::size_t from = message.find(" mistakes:\n");
+  from = from == std::string::npos ? 0 : message.find('\n', from) + 1;
+  return message.substr(from, message.find('\n', from) - from);
+}
+
 /// Equilibria of the cases of a scene at the end of the path, carried along with numbers of the scene.
 class CarriedScene {
  public:
@@ -212,7 +255,7 @@ class CarriedScene {
       for (std::size_t i = 0; i < cases_.size(); ++i)
         if (!carry(i)) return {};
     } catch (const InputError& error) {
-      obstacle_ = error.what();
+      obstacle_ = "the scene refuses it: " + first_mistake(error.what());
       return {};
     }
     std::vector<double> values;
@@ -349,6 +392,21 @@ std::vector<std::string> untold_text(const Information& information, const Searc
 
 }  // namespace
 
+ListSpec design_spec() {
+  ListSpec spec(
+      "Find numbers of the scene with which a quantity is as small, or as large, as bounds of others allow. The scene "
+      "with them is written beside the results, and solved.");
+  spec.add_list(kParameters, ListSpec("What is looked for.").with_named_lists("parameter", kSearchedNumbers.spec, 1),
+                Presence::required);
+  ListSpec objective = kDesigned.spec;
+  objective.add(choice("Goal", {"smallest", "largest"}).by_default(std::string("smallest")),
+                "Which value is looked for.");
+  spec.add_list(kObjective, objective, Presence::required);
+  spec.add_list(kConstraints, ListSpec("What must hold.").with_named_lists("constraint", kConstraint.spec),
+                Presence::optional);
+  return spec;
+}
+
 ListSpec identification_spec() {
   ListSpec spec(
       "Find numbers of the scene from measured quantities, by least squares, with their standard deviations. The scene "
@@ -361,8 +419,9 @@ ListSpec identification_spec() {
 }
 
 std::optional<SearchParameters> read_search(const Application& app) {
-  if (!app.xml.list->isSublist(kIdentification)) return {};
-  return SearchReader(app, kIdentification).read();
+  for (const std::string& list : {kDesign, kIdentification})
+    if (app.xml.list->isSublist(list)) return SearchReader(app, list).read();
+  return {};
 }
 
 namespace {
@@ -380,8 +439,9 @@ class SceneSearch {
       found_.numbers.push_back({number.name, number.path, start[i], start[i], std::numeric_limits<double>::quiet_NaN(),
                                 *number.at_least, *number.at_most});
     }
+    take_space();
     try {
-      found_.end = scene_.begin() ? identify() : SearchEnd::stopped;
+      found_.end = !scene_.begin() ? SearchEnd::stopped : search_.is_design ? design() : identify();
     } catch (const LinearSolverError& error) {
       found_.end = SearchEnd::blocked;
       found_.failure = std::string("no gradients: ") + error.what();
@@ -421,6 +481,8 @@ class SceneSearch {
   /// By the unknowns.
   std::vector<double> derivatives() {
     found_.values = values_;
+    if (found_.sizes.empty())
+      for (const double value : values_) found_.sizes.push_back(std::abs(value));
     std::vector<double> all = scene_.derivatives();
     for (std::size_t i = 0; i < all.size(); ++i) all[i] *= *search_.numbers[i % search_.numbers.size()].scale;
     return all;
@@ -437,7 +499,6 @@ class SceneSearch {
   }
 
   SearchEnd identify() {
-    take_space();
     LeastSquares problem;
     problem.space = space_;
     problem.residuals = [this](const std::vector<double>& unknowns) {
@@ -461,6 +522,70 @@ class SceneSearch {
     return result.end;
   }
 
+  SearchEnd design() {
+    if (!values_at(space_.start)) throw ConvergenceError("the list \"" + search_.list + "\": " + scene_.obstacle());
+    scale_values(derivatives());
+    ConstrainedMinimum problem;
+    problem.space = space_;
+    for (const Row& row : rows_) ++(row.is_equation ? problem.equations : problem.inequalities);
+    --problem.inequalities;  // the objective
+    problem.values = [this](const std::vector<double>& unknowns) {
+      std::optional<std::vector<double>> values = values_at(unknowns);
+      if (!values) return values;
+      std::vector<double> rows;
+      for (const Row& row : rows_) rows.push_back(row.factor * ((*values)[row.wanted] - row.limit));
+      return std::optional(rows);
+    };
+    problem.derivatives = [this] {
+      const std::vector<double> all = derivatives();
+      const std::size_t n = search_.numbers.size();
+      std::vector<double> rows;
+      for (const Row& row : rows_)
+        for (std::size_t i = 0; i < n; ++i) rows.push_back(row.factor * all[row.wanted * n + i]);
+      return rows;
+    };
+    problem.report = [this](SearchStep step) {
+      step.objective /= rows_.front().factor;
+      take(step);
+    };
+    problem.stop = [this] { return app_.is_asked_to_stop(); };
+    const ConstrainedMinimumResult result = minimise(problem);
+    found_.failure =
+        end_text(result.end, search_, result.blocked_at.empty() ? std::vector<double>{} : unscaled(result.blocked_at),
+                 scene_.obstacle());
+    if (result.end == SearchEnd::no_descent && result.violation > kFeasible)
+      found_.failure = "no numbers near the last ones meet all constraints and bounds";
+    tell_bounds();
+    return result.end;
+  }
+
+  /// The objective, equations, inequalities: factors with which they change by about one where the unknowns do.
+  void scale_values(const std::vector<double>& derivatives) {
+    const std::size_t n = search_.numbers.size();
+    std::vector<Row> inequalities;
+    for (std::size_t k = 0; k < search_.wanted.size(); ++k) {
+      const WantedQuantity& wanted = search_.wanted[k];
+      double size = 0.0;
+      for (std::size_t i = 0; i < n; ++i) size = std::max(size, std::abs(derivatives[k * n + i]));
+      if (size == 0.0) size = std::max(std::abs(values_[k]), 1.0);
+      if (k == 0) {
+        rows_.push_back({k, (search_.is_largest ? -1.0 : 1.0) / size, 0.0, false});
+      } else if (wanted.at_least && wanted.at_most && *wanted.at_least == *wanted.at_most) {
+        rows_.push_back({k, 1.0 / size, *wanted.at_least, true});
+      } else {
+        if (wanted.at_least) inequalities.push_back({k, -1.0 / size, *wanted.at_least, false});
+        if (wanted.at_most) inequalities.push_back({k, 1.0 / size, *wanted.at_most, false});
+      }
+    }
+    rows_.insert(rows_.end(), inequalities.begin(), inequalities.end());
+  }
+
+  void tell_bounds() {
+    for (const FoundNumber& number : found_.numbers)
+      if (number.is_held)
+        found_.remarks.push_back("\"" + number.name + "\" is at its bound, " + shortest(number.value));
+  }
+
   void take_covariance(const std::vector<double>& jacobian) {
     std::vector<bool> is_held;
     for (const FoundNumber& number : found_.numbers) is_held.push_back(number.is_held);
@@ -472,15 +597,22 @@ class SceneSearch {
     for (std::size_t i = 0; i < n; ++i) {
       FoundNumber& number = found_.numbers[i];
       number.deviation = std::sqrt(found_.covariance[i * n + i]);
-      if (number.is_held)
-        found_.remarks.push_back("\"" + number.name + "\" is at its bound, " + shortest(number.value));
     }
+    tell_bounds();
     for (const std::string& text : untold_text(information, search_)) found_.remarks.push_back(text);
   }
+
+  /// factor (value - limit) of a wanted quantity.
+  struct Row {
+    std::size_t wanted;
+    double factor, limit;
+    bool is_equation;
+  };
 
   Application& app_;
   const SearchParameters& search_;
   const std::function<void(const SearchStep&)>& report_;
+  std::vector<Row> rows_{};
   CarriedScene scene_;
   SearchSpace space_{};
   std::vector<double> values_{};  ///< of the last move

@@ -29,14 +29,17 @@ struct WantedQuantity {
 };
 
 struct SearchParameters {
-  std::string list{};  ///< "Identification", "Design"
+  std::string list{};       ///< "Identification", "Design"
+  bool is_design = false;   ///< the first of the wanted quantities is the objective, all others are constraints
+  bool is_largest = false;  ///< that is looked for
   std::vector<SearchedNumber> numbers{};
   std::vector<NumberPath> paths{};  ///< of these
   std::vector<WantedQuantity> wanted{};
 };
 
-/// Declaration of the list "Identification".
+/// Declarations of the lists "Identification" and "Design".
 ListSpec identification_spec();
+ListSpec design_spec();
 
 /// Reads the list of either name, if the scene has one, and looks for all that it names. Throws InputError.
 std::optional<SearchParameters> read_search(const Application& app);
@@ -54,6 +57,7 @@ struct FoundScene {
   std::vector<FoundNumber> numbers{};
   std::vector<double> covariance{};  ///< (number, number); empty without measurements
   std::vector<double> values{};      ///< of the wanted quantities
+  std::vector<double> sizes{};       ///< of these, at the start
   std::vector<SearchStep> steps{};   ///< with the numbers of the scene as unknowns
   SearchEnd end = SearchEnd::found;
   std::string failure{};               ///< why the search has not come to its end

@@ -67,9 +67,12 @@ inline constexpr auto kFields<FoundDerivative> =
                field("derivative", &FoundDerivative::derivative)};
 template <>
 inline constexpr auto kFields<FoundNumberOfScene> =
-    std::tuple{field("parameter", &FoundNumberOfScene::parameter), field("number", &FoundNumberOfScene::number),
-               field("start", &FoundNumberOfScene::start), field("value", &FoundNumberOfScene::value),
-               field("standard_deviation", &FoundNumberOfScene::deviation)};
+    std::tuple{field("parameter", &FoundNumberOfScene::parameter),
+               field("number", &FoundNumberOfScene::number),
+               field("start", &FoundNumberOfScene::start),
+               field("value", &FoundNumberOfScene::value),
+               field("standard_deviation", &FoundNumberOfScene::deviation, Kept::if_known),
+               field("covariance", &FoundNumberOfScene::covariance, Kept::if_known)};
 template <>
 inline constexpr auto kFields<QuantityEnvelope> =
     std::tuple{field("name", &QuantityEnvelope::name), field("largest", &QuantityEnvelope::largest),

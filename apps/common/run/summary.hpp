@@ -102,6 +102,7 @@ struct FoundDerivative {
 struct FoundNumberOfScene {
   std::string parameter, number;
   double start = 0.0, value = 0.0, deviation = 0.0;
+  std::vector<double> covariance{};  ///< with all of them; empty without measurements
 };
 
 /// Largest and smallest value of a quantity at the ends of several runs, and in which of them.

@@ -20,6 +20,7 @@ from .parameters import Parameters, root
 from .scene import Scene, scene_text, xml_path
 
 Check = namedtuple("Check", "name value reference source passed")
+FoundNumber = namedtuple("FoundNumber", "number start value deviation covariance")
 Extreme = namedtuple("Extreme", "value member arc_length side")  # member: its name
 SceneCheck = namedtuple("SceneCheck", "text warnings")
 MOST_THREADS = 1024  # as of the program
@@ -283,6 +284,12 @@ class Run:
     def checks(self):
         """Comparisons with expected values, limits and balances: a list of Check."""
         return [Check(*one) for one in self._told.checks()]
+
+    @property
+    def found(self):
+        """What Identification or Design has found, {parameter: path, start, value, standard deviation, row of the covariance};
+        the scene of the run has these numbers."""
+        return {one[0]: FoundNumber(*one[1:]) for one in self._told.found_numbers()}
 
     @property
     def passed(self):

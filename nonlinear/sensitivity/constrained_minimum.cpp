@@ -1,0 +1,226 @@
+#include "nonlinear/sensitivity/constrained_minimum.hpp"
+
+#include <nlopt.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+namespace mixbeam {
+
+namespace {
+
+/// Unknowns and the objective are of size one where the search begins.
+constexpr double kSettled = 1e-9, kSettledObjective = 1e-12;
+/// Left of the gradient, over that where the search begins, at what counts as a minimum.
+constexpr double kFlat = 1e-4;
+/// Distance to its limit below which a constraint is active.
+constexpr double kActive = 1e-6;
+/// Of an unknown to a bound, over one or the bound.
+constexpr double kAtBound = 1e-12;
+/// Of the end of a search to what could not be evaluated, likewise.
+constexpr double kBeside = 1e-2;
+/// An unknown moves by so much at most, over its size or one: beyond, the line search goes on with a tenth.
+constexpr double kFarthest = 2.0;
+constexpr int kMostEvaluations = 1000, kMostBlocked = 12;
+
+class MinimumSearch {
+ public:
+  explicit MinimumSearch(const ConstrainedMinimum& problem)
+      : problem_(problem),
+        unknowns_(problem.space.start.size()),
+        search_(nlopt_create(NLOPT_LD_SLSQP, static_cast<unsigned>(unknowns_)), nlopt_destroy) {}
+
+  ConstrainedMinimumResult run() {
+    nlopt_opt search = search_.get();
+    const std::vector<double> allowed(problem_.equations + problem_.inequalities + 1, kFeasible);
+    nlopt_set_lower_bounds(search, problem_.space.lower.data());
+    nlopt_set_upper_bounds(search, problem_.space.upper.data());
+    nlopt_set_min_objective(search, objective, this);
+    if (problem_.equations > 0)
+      nlopt_add_equality_mconstraint(search, static_cast<unsigned>(problem_.equations), equations, this,
+                                     allowed.data());
+    if (problem_.inequalities > 0)
+      nlopt_add_inequality_mconstraint(search, static_cast<unsigned>(problem_.inequalities), inequalities, this,
+                                       allowed.data());
+    nlopt_set_xtol_rel(search, kSettled);
+    nlopt_set_ftol_rel(search, kSettledObjective);
+    nlopt_set_ftol_abs(search, kSettledObjective);
+    nlopt_set_maxeval(search, kMostEvaluations);
+    result_.unknowns = problem_.space.start;
+    double value = 0.0;
+    const nlopt_result ended = nlopt_optimize(search, result_.unknowns.data(), &value);
+    if (failure_) std::rethrow_exception(failure_);
+    result_.end = end_of(ended);
+    return result_;
+  }
+
+ private:
+  SearchEnd end_of(nlopt_result ended) {
+    const bool is_there = go_to(result_.unknowns);
+    if (is_there) look();
+    result_.violation = is_there ? violation() : HUGE_VAL;
+    if (is_there) result_.unknowns = at_;
+    if (is_stopped_) return SearchEnd::stopped;
+    if (blocked_ >= kMostBlocked) return SearchEnd::blocked;
+    if (ended == NLOPT_MAXEVAL_REACHED) return SearchEnd::too_long;
+    if (is_there && gradient_left() <= kFlat && result_.violation <= kFeasible) return SearchEnd::found;
+    return ends_beside_block() ? SearchEnd::blocked : SearchEnd::no_descent;
+  }
+
+  /// Where steps were made smaller and smaller for it.
+  bool ends_beside_block() const {
+    for (std::size_t i = 0; i < result_.blocked_at.size(); ++i)
+      if (std::abs(result_.blocked_at[i] - result_.unknowns[i]) >
+          kBeside * std::max(1.0, std::abs(result_.unknowns[i])))
+        return false;
+    return !result_.blocked_at.empty();
+  }
+
+  /// C knows no exceptions: the first one waits for the end.
+  template <class Action>
+  static void guarded(MinimumSearch& self, const Action& action) {
+    if (self.failure_) return;
+    try {
+      action();
+    } catch (...) {
+      self.failure_ = std::current_exception();
+      nlopt_force_stop(self.search_.get());
+    }
+  }
+
+  static double objective(unsigned, const double* x, double* gradient, void* data) {
+    MinimumSearch& self = *static_cast<MinimumSearch*>(data);
+    double value = HUGE_VAL;
+    guarded(self, [&] {
+      if (!self.go_to({x, x + self.unknowns_})) return;
+      if (gradient != nullptr) {
+        self.look();
+        std::copy_n(self.derivatives_.begin(), self.unknowns_, gradient);
+      }
+      value = self.values_[0];
+    });
+    return value;
+  }
+  static void equations(unsigned m, double* values, unsigned, const double*, double* gradient, void* data) {
+    static_cast<MinimumSearch*>(data)->give(1, m, values, gradient);
+  }
+  static void inequalities(unsigned m, double* values, unsigned, const double*, double* gradient, void* data) {
+    auto& self = *static_cast<MinimumSearch*>(data);
+    self.give(1 + self.problem_.equations, m, values, gradient);
+  }
+  /// Constraints are asked for where the objective was, after it.
+  void give(std::size_t first, std::size_t count, double* values, double* gradient) const {
+    std::copy_n(values_.begin() + static_cast<std::ptrdiff_t>(first), count, values);
+    if (gradient != nullptr)
+      std::copy_n(derivatives_.begin() + static_cast<std::ptrdiff_t>(first * unknowns_), count * unknowns_, gradient);
+  }
+
+  /// What rounding keeps off a bound is at it.
+  std::vector<double> snapped(std::vector<double> x) const {
+    for (std::size_t i = 0; i < unknowns_; ++i)
+      for (const double bound : {problem_.space.lower[i], problem_.space.upper[i]})
+        if (std::isfinite(bound) && std::abs(x[i] - bound) <= kAtBound * std::max(1.0, std::abs(bound))) x[i] = bound;
+    return x;
+  }
+
+  bool go_to(const std::vector<double>& unknowns) {
+    const std::vector<double> x = snapped(unknowns);
+    if (x == at_) return true;
+    if (problem_.stop()) {
+      is_stopped_ = true;
+      nlopt_force_stop(search_.get());
+      return false;
+    }
+    for (std::size_t i = 0; i < x.size() && !looked_at_.empty(); ++i)
+      if (std::abs(x[i] - looked_at_[i]) > kFarthest * std::max(1.0, std::abs(looked_at_[i]))) return false;
+    const std::optional<std::vector<double>> values = problem_.values(x);
+    if (!values) {
+      at_.clear();
+      result_.blocked_at = x;
+      if (++blocked_ == kMostBlocked) nlopt_force_stop(search_.get());
+      return false;
+    }
+    at_ = x;
+    values_ = *values;
+    return true;
+  }
+
+  void look() {
+    if (at_ == looked_at_) return;
+    derivatives_ = problem_.derivatives();
+    double change = 0.0;
+    for (std::size_t i = 0; i < unknowns_ && !looked_at_.empty(); ++i)
+      change = std::max(change, std::abs(at_[i] - looked_at_[i]));
+    looked_at_ = at_;
+    blocked_ = 0;
+    problem_.report({steps_++, at_, values_[0], gradient_left(), change, violation()});
+  }
+
+  double violation() const {
+    double largest = 0.0;
+    for (std::size_t k = 1; k < values_.size(); ++k)
+      largest = std::max(largest, k <= problem_.equations ? std::abs(values_[k]) : values_[k]);
+    return largest;
+  }
+
+  bool is_active(std::size_t constraint) const {
+    return constraint <= problem_.equations || values_[constraint] >= -kActive;
+  }
+  /// A bound holds an unknown that it keeps from going on down the objective, or beside active constraints.
+  bool is_held(std::size_t i, bool has_active) const {
+    return (at_[i] <= problem_.space.lower[i] && (has_active || derivatives_[i] >= 0.0)) ||
+           (at_[i] >= problem_.space.upper[i] && (has_active || derivatives_[i] <= 0.0));
+  }
+
+  /// The gradient less its projection on those of active constraints, over unknowns that no bound holds.
+  double gradient_left() const {
+    bool has_active = false;
+    for (std::size_t k = 1; k < values_.size(); ++k) has_active = has_active || is_active(k);
+    const auto row = [&](std::size_t value) {
+      std::vector<double> entries(derivatives_.begin() + static_cast<std::ptrdiff_t>(value * unknowns_),
+                                  derivatives_.begin() + static_cast<std::ptrdiff_t>((value + 1) * unknowns_));
+      for (std::size_t i = 0; i < unknowns_; ++i)
+        if (is_held(i, has_active)) entries[i] = 0.0;
+      return entries;
+    };
+    std::vector<std::vector<double>> normals;
+    const auto project = [&](std::vector<double> entries) {
+      for (const std::vector<double>& normal : normals) {
+        double along = 0.0;
+        for (std::size_t i = 0; i < unknowns_; ++i) along += normal[i] * entries[i];
+        for (std::size_t i = 0; i < unknowns_; ++i) entries[i] -= along * normal[i];
+      }
+      return entries;
+    };
+    for (std::size_t k = 1; k < values_.size(); ++k) {
+      if (!is_active(k)) continue;
+      std::vector<double> normal = project(row(k));
+      double size = 0.0;
+      for (const double one : normal) size = std::hypot(size, one);
+      if (size <= kActive) continue;
+      for (double& one : normal) one /= size;
+      normals.push_back(normal);
+    }
+    double largest = 0.0;
+    for (const double one : project(row(0))) largest = std::max(largest, std::abs(one));
+    return largest;
+  }
+
+  const ConstrainedMinimum& problem_;
+  std::size_t unknowns_;
+  std::unique_ptr<nlopt_opt_s, void (*)(nlopt_opt)> search_;
+  ConstrainedMinimumResult result_{};
+  std::vector<double> at_{}, values_{};  ///< of the last evaluation
+  std::vector<double> looked_at_{}, derivatives_{};
+  std::exception_ptr failure_{};
+  bool is_stopped_ = false;
+  int blocked_ = 0;  ///< since the last derivatives
+  int steps_ = 0;
+};
+
+}  // namespace
+
+ConstrainedMinimumResult minimise(const ConstrainedMinimum& problem) { return MinimumSearch(problem).run(); }
+
+}  // namespace mixbeam
