@@ -6,7 +6,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")"
 # shellcheck source=.ci/setup.sh
 source .ci/setup.sh
 
-readonly default_benchmarks=(rollup superimposed_rotation arc_segment helix helical_rod slope_discontinuity fork modes extremes)
+readonly default_benchmarks=(rollup superimposed_rotation arc_segment helix helical_rod slope_discontinuity fork modes sensitivity extremes)
 readonly when_named=(trade economies peers) # a quarter of an hour each
 readonly all_benchmarks=("${default_benchmarks[@]}" "${when_named[@]}")
 readonly all_scene_groups=(verification gallery)

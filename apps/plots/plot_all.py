@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 
 BENCHMARKS = ("rollup", "superimposed_rotation", "arc_segment", "helix", "helical_rod", "slope_discontinuity", "fork",
-              "modes", "extremes", "trade", "thread_scaling")
+              "modes", "sensitivity", "extremes", "trade", "thread_scaling")
 NAMES = (*BENCHMARKS, "economies", "peers")  # which have no reference values of the paper
 
 
