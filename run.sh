@@ -61,7 +61,7 @@ draw_scenes() { # draw_scenes <group>
   local file shapes=() envelopes=()
   while IFS= read -r -d '' file; do
     if [[ -e ${file%.h5}-envelope.csv ]]; then envelopes+=("$file"); else shapes+=("$file"); fi
-  done < <(find "$results/$1" -name '*.h5' -print0)
+  done < <(find "$results/$1" -name '*.h5' ! -name '*-identification.h5' ! -name '*-design.h5' -print0)
   : >"$results/$1/pictures.txt"
   draw_each "$1" shape "${shapes[@]}"
   draw_each "$1" envelope "${envelopes[@]}"
