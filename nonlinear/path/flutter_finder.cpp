@@ -16,7 +16,8 @@ namespace {
 constexpr int kLeastModes = 6, kLeastDamped = 4;
 /// Imaginary part over the size beyond which omega^2 is complex: values that are equal differ by the root of rounding.
 constexpr double kComplex = 1e-6;
-/// Rate of growth over the size of the exponent beyond which a motion grows: as kComplex; of damped ones rounding.
+/// Rate of growth over the size of the exponent beyond which a motion grows: as kComplex; of damped ones rounding of
+/// Sample::growth().
 constexpr double kGrows = 0.5 * kComplex, kDampedGrows = 1e-13;
 /// Complex values within this of each other, or of the conjugate, meet together.
 constexpr double kTogether = 1e-4;
@@ -27,16 +28,18 @@ constexpr double kLocated = 1e-13;
 constexpr int kMostSamples = 90, kMostHalvings = 20;
 
 bool is_complex(const std::complex<double>& squared) { return std::abs(squared.imag()) > kComplex * std::abs(squared); }
+bool lies_between(double x, double a, double b) { return x > std::min(a, b) && x < std::max(a, b); }
 
 }  // namespace
 
-bool may_lack_potential(const Scene& scene) {
+bool may_flutter(const Scene& scene) {
   const Vector3 none{};
   const auto has_couple = [](const DistributedLoad& load) {
     return load.couple != Vector3{} || std::any_of(load.couple_formula.begin(), load.couple_formula.end(),
                                                    [](const std::string& text) { return !text.empty(); });
   };
-  return std::any_of(scene.point_loads.begin(), scene.point_loads.end(),
+  return !scene.rotating_frames.empty() ||
+         std::any_of(scene.point_loads.begin(), scene.point_loads.end(),
                      [&](const PointLoad& load) { return load.frame != LoadFrame::dead || load.moment != none; }) ||
          std::any_of(scene.distributed_loads.begin(), scene.distributed_loads.end(),
                      [&](const DistributedLoad& load) { return load.frame != LoadFrame::dead || has_couple(load); });
@@ -65,17 +68,22 @@ int FlutterFinder::Sample::growing() const {
   }));
 }
 
+/// What is computed is 1 / s, with the rounding of the largest: that of the least exponent.
+double FlutterFinder::Sample::growth(size_t i) const {
+  double least = HUGE_VAL;
+  for (const std::complex<double>& rate : rates) least = std::min(least, std::abs(rate));
+  return rates[i].real() * least / std::norm(rates[i]);
+}
+
 double FlutterFinder::Sample::largest_growth() const {
   double largest = -HUGE_VAL;
-  for (const std::complex<double>& rate : rates) largest = std::max(largest, rate.real() / std::abs(rate));
+  for (size_t i = 0; i < rates.size(); ++i) largest = std::max(largest, growth(i));
   return largest;
 }
 
-const MixedVector& FlutterFinder::Sample::grown() const {
-  size_t most = 0;
-  for (size_t i = 1; i < rates.size(); ++i)
-    if (rates[i].real() / std::abs(rates[i]) > rates[most].real() / std::abs(rates[most])) most = i;
-  return modes[most];
+size_t FlutterFinder::Sample::most_growing() const {
+  const auto grows_less = [](const auto& a, const auto& b) { return a.real() < b.real(); };
+  return static_cast<size_t>(std::max_element(rates.begin(), rates.end(), grows_less) - rates.begin());
 }
 
 /// The variance over the square of the mean: of two values a quarter of the square of their difference, real also
@@ -138,31 +146,34 @@ std::optional<CriticalPoint> FlutterFinder::locate(Sample low, Sample high) {
   Cluster cluster = cluster_of(high);
   double of_low = cluster.discriminant(low), of_high = cluster.discriminant(high);
   double here = high.load_factor, change = HUGE_VAL;
+  std::optional<bool> replaced_high;  // an end that stays twice counts half
   for (int i = 0; i < kMostSamples; ++i) {
     const bool is_bracket = of_low > 0.0 && of_high < 0.0;
     const double middle = 0.5 * (low.load_factor + high.load_factor);
     double next =
         is_bracket ? high.load_factor - of_high * (high.load_factor - low.load_factor) / (of_high - of_low) : middle;
-    if (!(next > low.load_factor && next < high.load_factor)) next = middle;
+    if (!lies_between(next, low.load_factor, high.load_factor)) next = middle;
     change = std::abs(next - here);
     here = next;
     if (change <= kLocated * std::abs(here) || next == low.load_factor || next == high.load_factor) break;
     std::optional<Sample> sample = between(low, here);
     if (!sample || sample->squared.size() < cluster.first + cluster.count) return std::nullopt;
-    if (sample->complex_values() > at_low) {
+    const bool is_high = sample->complex_values() > at_low, stays = replaced_high == is_high;
+    replaced_high = is_high;
+    if (is_high) {
       high = std::move(*sample);
       const Cluster seen = cluster_of(high);
       if (seen.first != cluster.first || seen.count != cluster.count) {
         cluster = seen;
         of_low = cluster.discriminant(low);
-      } else {
+      } else if (stays) {
         of_low *= 0.5;
       }
       of_high = cluster.discriminant(high);
     } else {
       low = std::move(*sample);
       of_low = cluster.discriminant(low);
-      of_high *= 0.5;
+      if (stays) of_high *= 0.5;
     }
   }
   CriticalPoint point{CriticalKind::flutter,     here,       at_low / 2,
@@ -175,53 +186,71 @@ std::optional<CriticalPoint> FlutterFinder::locate(Sample low, Sample high) {
 
 /// Of damped motions the largest rate of growth passes zero.
 std::optional<CriticalPoint> FlutterFinder::locate_damped(Sample low, Sample high) {
-  double of_low = low.largest_growth(), of_high = high.largest_growth(), here = high.load_factor, change = HUGE_VAL;
+  double of_low = low.largest_rate(), of_high = high.largest_rate(), here = high.load_factor, change = HUGE_VAL;
   double width_before = HUGE_VAL;
+  std::optional<bool> replaced_high;
   for (int i = 0; i < kMostSamples; ++i) {
     double next = high.load_factor - of_high * (high.load_factor - low.load_factor) / (of_high - of_low);
-    const double width = high.load_factor - low.load_factor;
+    const double width = std::abs(high.load_factor - low.load_factor);
     const bool halves = i % 2 == 1 && width > 0.5 * width_before;  // mass damping alone: flat, then a root
     if (i % 2 == 1) width_before = width;
-    if (halves || !(next > low.load_factor && next < high.load_factor))
+    if (halves || !lies_between(next, low.load_factor, high.load_factor))
       next = 0.5 * (low.load_factor + high.load_factor);
     change = halves ? width : std::abs(next - here);
     here = next;
     if (change <= kLocated * std::abs(here) || next == low.load_factor || next == high.load_factor) break;
     std::optional<Sample> sample = between(low, here);
     if (!sample) return std::nullopt;
-    const double growth = sample->largest_growth();
-    const bool grows = growth > 0.0;
-    (grows ? of_high : of_low) = growth;
-    (grows ? of_low : of_high) *= 0.5;  // the end that stays
+    const double rate = sample->largest_rate();
+    const bool grows = rate > 0.0;
+    (grows ? of_high : of_low) = rate;
+    if (replaced_high == grows) (grows ? of_low : of_high) *= 0.5;  // the end that stays
+    replaced_high = grows;
     (grows ? high : low) = std::move(*sample);
   }
-  CriticalPoint point{CriticalKind::flutter, here, 0, 1, high.state, high.grown()};
+  if (high.rates.empty()) return std::nullopt;
+  const size_t most = high.most_growing();
+  CriticalPoint point{CriticalKind::flutter, here, 0, 1, high.state, high.modes[most]};
   point.error = change;
-  point.omega = 0.0;
-  for (const std::complex<double>& rate : high.rates)
-    if (rate.real() / std::abs(rate) == high.largest_growth()) point.omega = rate.imag();
+  point.omega = high.rates[most].imag();
   return point;
 }
 
-std::optional<CriticalPoint> FlutterFinder::passed(const State& state, double load_factor) {
+/// On the way from a state to one about which more motions grow.
+std::optional<CriticalPoint> FlutterFinder::entered(Sample low, const Sample& high) {
+  if (damped_)
+    return low.largest_growth() <= kDampedGrows && high.largest_growth() > kDampedGrows ? locate_damped(low, high)
+                                                                                        : std::nullopt;
+  if (low.squared.size() != high.squared.size() || high.growing() <= low.growing()) return std::nullopt;
+  std::optional<Sample> end = first_complex(low, high);
+  if (!end || end->complex_values() <= low.complex_values()) return std::nullopt;
+  return locate(std::move(low), std::move(*end));
+}
+
+std::vector<CriticalPoint> FlutterFinder::passed(const State& state, double load_factor, bool held) {
+  std::vector<CriticalPoint> found;
   try {
-    Sample here = look(state, load_factor);
-    std::optional<CriticalPoint> found;
-    if (damped_ && before_) {
-      if (before_->largest_growth() <= kDampedGrows && here.largest_growth() > kDampedGrows)
-        found = locate_damped(*before_, here);
-    } else if (before_ && before_->squared.size() == here.squared.size()) {
-      std::optional<Sample> end = here;
-      if (here.growing() <= before_->growing()) end = between(*before_, 0.5 * (before_->load_factor + load_factor));
-      if (end && end->growing() > before_->growing()) end = first_complex(*before_, std::move(*end));
-      if (end && end->complex_values() > before_->complex_values()) found = locate(*before_, std::move(*end));
+    const bool looks = before_ && !(held && before_->squared.empty());
+    if (looks && before_->squared.empty()) before_ = look(before_->state, before_->load_factor);
+    Sample here = held && !looks ? Sample{state, load_factor} : look(state, load_factor);
+    const auto add = [&](const Sample& from, const Sample& to) {
+      std::optional<CriticalPoint> point = entered(from, to);
+      if (!point && (point = entered(to, from))) std::swap(point->negative_before, point->negative_after);
+      if (point) found.push_back(std::move(*point));
+    };
+    if (looks) {
+      std::optional<Sample> middle;
+      if (!damped_ && here.growing() == before_->growing())
+        middle = between(*before_, 0.5 * (before_->load_factor + load_factor));
+      if (middle) add(*before_, *middle);
+      add(middle ? *middle : *before_, here);
     }
+    if (held) here = {state, load_factor};
     before_ = std::move(here);
-    return found;
   } catch (const LinearSolverError&) {  // no masses, or no equations that can be solved: the modes of a state tell
     before_.reset();
-    return std::nullopt;
   }
+  return found;
 }
 
 }  // namespace mixbeam

@@ -17,7 +17,7 @@ PathRecorder::PathRecorder(const Teuchos::RCP<BeamProblem>& problem, const Solve
   looks_at_end_ = looks && problem->iterates();
   if (!problem->iterates() && (reports_stability_ || vertices <= kVerticesForStability))
     stability_ = std::make_unique<Stability>(*problem);
-  if (parameters.analysis.modes.number > 0 && may_lack_potential(problem->model.scene()))
+  if (parameters.analysis.modes.number > 0 && may_flutter(problem->model.scene()))
     flutter_ = std::make_unique<FlutterFinder>(problem, parameters);
   if (!control.resume) return;
   started_ = true;
@@ -117,14 +117,13 @@ void PathRecorder::converged(const ConvergedStep& step) {
   clock.run(piece);
 }
 
-/// Where loads have formulas no load factor between two states stands for them.
 void PathRecorder::add_flutter(StepReport& report) {
-  if (problem_->model.clock().piece()) return;
-  const std::optional<CriticalPoint> point = flutter_->passed(state_, report.load_factor);
-  if (!point) return;
-  if (result_.lost_at.empty())
-    result_.lost_at = std::string(name_of(point->kind)) + " at load factor " + rounded(point->load_factor, 6);
-  report.critical_points.push_back(*point);
+  const bool held = report.stability && report.stability->verdict() == Verdict::stable;
+  for (CriticalPoint& point : flutter_->passed(state_, report.load_factor, held)) {
+    if (result_.lost_at.empty() && point.negative_before == 0)
+      result_.lost_at = std::string(name_of(point.kind)) + " at load factor " + rounded(point.load_factor, 6);
+    report.critical_points.push_back(std::move(point));
+  }
 }
 
 void PathRecorder::rejected(const std::string& cause, int iterations) {

@@ -91,7 +91,7 @@ class PathRecorder {
   LoadPathResult& result_;
   SolveRecord record_;
   std::unique_ptr<Stability> stability_;
-  std::unique_ptr<FlutterFinder> flutter_;  ///< where the scene asks for modes and loads may lack a potential
+  std::unique_ptr<FlutterFinder> flutter_;  ///< where the scene asks for modes and may flutter
   bool reports_stability_ = false;
   bool looks_at_end_ = false;  ///< of each stage, in place of counts in every step
   int stage_ = 1;

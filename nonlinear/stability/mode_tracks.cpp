@@ -12,9 +12,9 @@ namespace {
 /// Difference of omega^2, over it, within which modes are any vectors of one space: those of a residual of 1e-8 are
 /// mixed by a hundredth there; and over the largest omega^2, of rigid motions.
 constexpr double kSharedFrequency = 1e-6, kSharedZero = 1e-12;
-/// MAC below which modes are different motions: a cosine of one half.
-constexpr double kLikeMotion = 0.25;
-/// Likenesses that differ by less are equal, and the order of frequencies decides.
+/// Twice the MAC below which modes are different motions: a cosine of one half.
+constexpr double kUnlike = 2.0 * 0.25;
+/// Likenesses that differ by less are equal, and the nearest frequency decides.
 constexpr double kEquallyLike = 1e-6;
 
 /// (i, j): whether modes share a frequency, or are conjugate.
@@ -34,19 +34,21 @@ std::vector<std::vector<char>> shared_frequencies(const Motions& motions) {
 
 }  // namespace
 
-double ModeTracks::likeness(const Motion& a, const Motion& b) {
+/// `reversed`: with the motion b that goes round the other way.
+double ModeTracks::likeness(const Motion& a, const Motion& b, bool reversed) {
   const auto product = [&](int i, int j) {
     return a.momenta[i].size() == b.momenta[j].size() ? dot_product(a.momenta[i], b.momenta[j]) : 0.0;
   };
-  return std::norm(std::complex<double>(product(0, 0) + product(1, 1), product(0, 1) - product(1, 0)));
+  const double sign = reversed ? -1.0 : 1.0;
+  return std::norm(std::complex<double>(product(0, 0) + sign * product(1, 1), sign * product(0, 1) - product(1, 0)));
 }
 
-/// (mode, motion before): MAC, and added to it that of a whole space where frequencies are shared.
-ModeTracks::Table ModeTracks::likenesses(const std::vector<Motion>& now) const {
+/// (mode, motion before): MAC, and added to it that of the whole space, which is the same where no frequency is shared.
+ModeTracks::Table ModeTracks::likenesses(const std::vector<Motion>& now, bool reversed) const {
   const std::size_t n = now.size(), m = before_.size();
   Table mac(n, std::vector<double>(m)), table = mac;
   for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = 0; j < m; ++j) mac[i][j] = likeness(now[i], before_[j]);
+    for (std::size_t j = 0; j < m; ++j) mac[i][j] = likeness(now[i], before_[j], reversed);
   const auto with = shared_frequencies(now), with_before = shared_frequencies(before_);
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = 0; j < m; ++j) {
@@ -58,25 +60,33 @@ ModeTracks::Table ModeTracks::likenesses(const std::vector<Motion>& now) const {
   return table;
 }
 
-/// Place in before_ of the motion that each mode continues, the most like first; -1: none.
+/// Place in before_ of the motion that each mode continues, the most like first; -1: none. In a frame that turns a
+/// frequency may pass zero, and its motion goes on the other way round.
 std::vector<int> ModeTracks::continued(const std::vector<Motion>& now) const {
   std::vector<int> place(now.size(), -1);
-  const Table table = likenesses(now);
   std::vector<char> taken(before_.size());
-  for (;;) {
-    double most = kLikeMotion;
-    int mode = -1, motion = -1;
-    for (std::size_t i = 0; i < now.size(); ++i)
-      for (std::size_t j = 0; j < before_.size() && place[i] < 0; ++j)
-        if (!taken[j] && table[i][j] > most + kEquallyLike) {
-          most = table[i][j];
+  for (const bool reversed : {false, true}) {
+    const Table table = likenesses(now, reversed);
+    for (int mode = 0; mode >= 0;) {
+      double most = kUnlike, nearest = HUGE_VAL;
+      mode = -1;
+      int motion = -1;
+      for (std::size_t i = 0; i < now.size(); ++i)
+        for (std::size_t j = 0; j < before_.size() && place[i] < 0; ++j) {
+          const double distance = std::abs(std::sqrt(now[i].squared) - std::sqrt(before_[j].squared));
+          const bool is_as_like = table[i][j] >= most - kEquallyLike && distance < nearest;
+          if (taken[j] || !(table[i][j] > most + kEquallyLike || is_as_like)) continue;
+          most = std::max(most, table[i][j]);
+          nearest = distance;
           mode = static_cast<int>(i);
           motion = static_cast<int>(j);
         }
-    if (mode < 0) return place;
-    place[mode] = motion;
-    taken[motion] = 1;
+      if (mode < 0) continue;
+      place[mode] = motion;
+      taken[motion] = 1;
+    }
   }
+  return place;
 }
 
 std::vector<int> ModeTracks::follow(std::vector<VibrationMode>& modes, const std::vector<int>& known) {

@@ -25,8 +25,8 @@ class ModeTracks {
     std::array<std::vector<double>, 2> momenta{};  ///< of unit length
   };
   using Table = std::vector<std::vector<double>>;
-  static double likeness(const Motion& a, const Motion& b);
-  Table likenesses(const std::vector<Motion>& now) const;
+  static double likeness(const Motion& a, const Motion& b, bool reversed);
+  Table likenesses(const std::vector<Motion>& now, bool reversed) const;
   std::vector<int> continued(const std::vector<Motion>& now) const;
 
   std::vector<Motion> before_{};

@@ -32,6 +32,9 @@ constexpr double kMassless = 1e-13;
 constexpr double kOfUnsymmetric = 1e-13;
 /// Residuals up to which such a pair counts as found: near a double value rounding leaves its root.
 constexpr double kFound = 1e-7;
+/// Eigenvalues 1 / s below this share of the largest one are the root of its rounding: motions without mass are
+/// chained.
+constexpr double kChained = 1e-8;
 /// Frequency over the size of the rate beyond which the imaginary part of a mode has digits left.
 constexpr double kOscillates = 1e-6;
 /// The cap is taken out of each solution; the usual one takes two corrections and costs no digit: omega^2 of chains of
@@ -249,7 +252,9 @@ class Vibration {
       return true;
     };
     std::vector<VibrationMode> found;
-    for (const RitzPair& pair : largest_eigenpairs(eigen, 2 * count + kModesBehind)) {
+    const std::vector<RitzPair> pairs = largest_eigenpairs(eigen, 2 * count + kModesBehind);
+    for (const RitzPair& pair : pairs) {
+      if (std::hypot(pair.value, pair.imaginary) < kChained * std::hypot(pairs[0].value, pairs[0].imaginary)) break;
       const std::complex<double> rate = 1.0 / std::complex<double>(pair.value, pair.imaginary);
       if (rate.imag() < 0.0 || !(pair.residual <= kFound)) continue;  // of motions without mass rounding is found
       VibrationMode mode{{-(rate * rate).real(), damped_response(pair.vector.data(), reference)}, rate, 0.0, {}};

@@ -45,6 +45,8 @@ TEST(ModeTracks, TellWaysOfWhirling) {
   ModeTracks tracks;
   EXPECT_EQ(follow(tracks, {mode(1.0, backward), mode(2.0, forward)}), (std::vector<int>{1, 2}));
   EXPECT_EQ(follow(tracks, {mode(1.4, later), mode(1.6, backward)}), (std::vector<int>{2, 1}));
+  // beyond a critical speed the first frequency has passed zero, and its motion seen in the frame goes round backward
+  EXPECT_EQ(follow(tracks, {mode(0.3, backward), mode(2.0, backward)}), (std::vector<int>{2, 1}));
 }
 
 }  // namespace
