@@ -120,7 +120,8 @@ CondensedSystem::CondensedSystem(const Model& model, const std::vector<int>& kep
     if (link.link < structure.local_elements()) condensed_(link.link) = 0;
 }
 
-bool CondensedSystem::condense(const Tangent& tangent, bool symmetric_part) {
+bool CondensedSystem::condense(const Tangent& tangent, bool symmetric_part,
+                               const std::function<void(const MatrixRows&)>& add_more) {
   tangent_ = &tangent;
   elements_ = {};
   const auto& tangents = tangent.elements().condensed_tangent;
@@ -140,7 +141,7 @@ bool CondensedSystem::condense(const Tangent& tangent, bool symmetric_part) {
                                                         : ChainKind::general));
   }
   PhaseTimer timer(model_.times(), "assemble");
-  tangent.gather(*remaining_, link_matrices());
+  tangent.gather(*remaining_, link_matrices(), add_more);
   return smallest >= kSmallestPivot;
 }
 

@@ -27,14 +27,15 @@ class CondensedSystem {
   /// Whether some elements have line loads without potential: chains are then eliminated without symmetry.
   bool is_unsymmetric() const { return is_unsymmetric_; }
   /// Eliminates the chains of a tangent, to which all that follows refers: it must not be gone by then. False where a
-  /// pivot is so small that nothing can be relied on. `symmetric_part`: of (K + K^T) / 2 in chains without symmetry.
-  bool condense(const Tangent& tangent, bool symmetric_part = false);
-  /// Takes full matrices (local element, kFullTangent) in place of those of the tangent, in space; `add_more` as
-  /// in Tangent::gather.
+  /// pivot is so small that nothing can be relied on. `symmetric_part`: of (K + K^T) / 2 in chains without symmetry;
+  /// `add_more` as in Tangent::gather.
+  bool condense(const Tangent& tangent, bool symmetric_part = false,
+                const std::function<void(const MatrixRows&)>& add_more = {});
+  /// Takes full matrices (local element, kFullTangent) in place of those of the tangent, in space.
   bool condense(const Tangent& tangent, const KernelView<const double**>& elements,
                 const std::function<void(const MatrixRows&)>& add_more);
-  /// Gathers what is no element: springs, loads, constraints. `zeros`: (local element, kFullTangent); `add_more` as in
-  /// Tangent::gather.
+  /// Gathers what is no element: springs, loads, constraints. `zeros`: a matrix for each local element; `add_more` as
+  /// in Tangent::gather.
   void gather_outside(const Tangent& tangent, const KernelView<const double**>& zeros,
                       const std::function<void(const MatrixRows&)>& add_more = {}) const;
   /// Chain pivots below zero; without symmetry they tell the sign of the determinant alone.

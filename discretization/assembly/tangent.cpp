@@ -142,31 +142,54 @@ void Tangent::condense_residual() {
   if (!holds_residual_) evaluate();
 }
 
-void Tangent::condense(const MixedVector& scaled_rhs) {
-  PhaseTimer timer(model_->times(), "condense right-hand side");
+/// Rows of the vertices that interior rows leave, spatial.
+KernelView<double*> Tangent::condense_interior(const KernelView<const double*>& interior) {
   holds_residual_ = false;
-  MixedVector rhs = scaled_rhs.clone(true);
-  unscale_rows(*model_, point_.scales, rhs);
   const Structure& structure = model_->structure();
+  const KernelView<double*> rows = MixedVector::view_of(condensed_rows());
+  const auto is_zero = [](double x) { return x == 0.0; };
+  if (arrays_->rotating.empty() && std::all_of(interior.data(), interior.data() + interior.extent(0), is_zero)) {
+    for (size_t b = 0; b < structure.blocks.size(); ++b)
+      if (planar_)
+        clear_planar_right_hand_side(arrays_->planar_blocks[b]);
+      else
+        clear_right_hand_side(structure.blocks[b], arrays_->elements);
+    Kokkos::deep_copy(rows, 0.0);
+    return rows;
+  }
   if (!arrays_->rotating.empty()) {
     Kokkos::deep_copy(model_->workspace().rows.residual, 0.0);
-    condense_rotating(rhs.interior());
+    condense_rotating(interior);
   }
   for (size_t b = 0; b < structure.blocks.size() && arrays_->rotating.empty(); ++b)
     if (planar_)
       condense_planar_right_hand_side(structure.blocks[b], arrays_->planar_blocks[b], structure_views(),
-                                      point_.state.views, rhs.interior(), arrays_->planar, arrays_->elements);
+                                      point_.state.views, interior, arrays_->planar, arrays_->elements);
     else
-      condense_right_hand_side(structure.blocks[b], structure_views(), point_.state.views, rhs.interior(),
-                               arrays_->elements);
-  const KernelView<double*> rows = MixedVector::view_of(condensed_rows());
+      condense_right_hand_side(structure.blocks[b], structure_views(), point_.state.views, interior, arrays_->elements);
   gather_condensed_rows({}, rows);
+  return rows;
+}
+
+void Tangent::condense(const MixedVector& scaled_rhs) {
+  PhaseTimer timer(model_->times(), "condense right-hand side");
+  MixedVector rhs = scaled_rhs.clone(true);
+  unscale_rows(*model_, point_.scales, rhs);
+  const KernelView<double*> rows = condense_interior(rhs.interior());
   project_on_free_motions(rows);
   const KernelView<double*> given = rhs.vertex();
   const auto fixed = model_->fixed_rows();
   Kokkos::parallel_for(
       "mixbeam::condense::vertex", Range(0, rows.extent(0)),
       KOKKOS_LAMBDA(size_t i) { rows(i) = fixed(i) ? given(i) : rows(i) + given(i); });
+}
+
+void Tangent::condense_spatial(const MixedVector& rows) {
+  PhaseTimer timer(model_->times(), "condense right-hand side");
+  const KernelView<double*> all = condense_interior(rows.interior());
+  const KernelView<const double*> given = rows.vertex();
+  for (size_t i = 0; i < all.extent(0); ++i) all(i) += given(i);
+  project_on_free_motions(all);
 }
 
 void Tangent::recover(MixedVector& increment) const {

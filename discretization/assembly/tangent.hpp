@@ -38,6 +38,8 @@ class Tangent {
   DofVector& condensed_rows() const;
   /// Condenses a scaled right-hand side (rows as mixed_residual() gives them); recover() then refers to it.
   void condense(const MixedVector& scaled_rhs);
+  /// Condenses rows without scales; those of vertices are spatial and are projected here.
+  void condense_spatial(const MixedVector& rows);
   /// Condenses the residual again, if a right-hand side came in between.
   void condense_residual();
   /// Increment of the interior that belongs to a vertex increment; both parts of `increment` are complete afterwards.
@@ -66,6 +68,7 @@ class Tangent {
   void evaluate_in_space() const;
   void evaluate_rotating() const;
   void condense_rotating(const KernelView<const double*>& interior) const;
+  KernelView<double*> condense_interior(const KernelView<const double*>& interior);
   /// Sections with the cap, line fields of the point.
   StructureViews structure_views() const;
   void gather_condensed_rows(const KernelView<double* [2]>& loads, const KernelView<double*>& rows) const;

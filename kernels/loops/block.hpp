@@ -102,6 +102,9 @@ void evaluate_tangent(const ElementBlock& block, const StructureViews& structure
 void condense_right_hand_side(const ElementBlock& block, const StructureViews& structure, const StateViews& state,
                               const KernelView<const double*>& rhs_interior, const ElementEquations& equations);
 
+/// Leaves what condense_right_hand_side() leaves of a right-hand side of zero, after evaluate_tangent().
+void clear_right_hand_side(const ElementBlock& block, const ElementEquations& equations);
+
 /// Computes the rows of the linearised equations that the capped stiffness of the tangent leaves out: J d - J_capped d
 /// for an interior increment d, (S_capped - S) dN in the N rows and its integral with dM in the M rows, zero in all
 /// others.

@@ -1,6 +1,7 @@
 #include "kernels/loops/planar_block.hpp"
 
 #include "kernels/loops/dispatch.hpp"
+#include "kernels/planar/condensation.hpp"
 
 #include <cmath>
 
@@ -78,6 +79,15 @@ void condense_planar_right_hand_side(const ElementBlock& block, const PlanarBloc
                                      const ElementEquations& equations) {
   for_order(block.order, [&](auto order) {
     planar_tangent_loop<order.value>(block, planar, structure, state, rhs_interior, tangents, equations);
+  });
+}
+
+void clear_planar_right_hand_side(const PlanarBlock& planar) {
+  const KernelView<double**> response = planar.response;
+  const int lanes = planar.lanes, rows = static_cast<int>(response.extent(1)) / (kPlanarColumns * lanes);
+  Kokkos::parallel_for("mixbeam::planar::clear", Kokkos::RangePolicy<ExecutionSpace>(0, planar.packs()), [=](int pack) {
+    for (int r = 0; r < rows; ++r)
+      for (int lane = 0; lane < lanes; ++lane) response(pack, lanes * (kPlanarColumns * (r + 1) - 1) + lane) = 0.0;
   });
 }
 

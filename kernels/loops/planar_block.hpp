@@ -59,6 +59,9 @@ void condense_planar_right_hand_side(const ElementBlock& block, const PlanarBloc
                                      const KernelView<const double*>& rhs_interior, const PlanarTangents& tangents,
                                      const ElementEquations& equations);
 
+/// See clear_right_hand_side().
+void clear_planar_right_hand_side(const PlanarBlock& planar);
+
 /// Increments of all interior unknowns that belong to the vertex increment (vertex, 6; spatial, in the plane).
 void recover_planar_interior(const ElementBlock& block, const PlanarBlock& planar,
                              const KernelView<const double* [6]>& vertex_increment,

@@ -153,13 +153,17 @@ struct VibrationLoop {
     if (has_inertia) scale_velocities(&vibrating.mass(e, 0), K + 1, tables.moment_weight, length, kMotions, momentum);
     std::copy_n(matrix, kMotions * kMotions, &vibrating.geometric(e, 0));
     set_compliance(e, length);
+    const bool unsymmetric = block.is_unsymmetric(e);
+    if (vibrating.factors.extent(0) == 0) {  // nothing is condensed
+      if (unsymmetric) add_loads(matrices, in, e, matrix);
+      return;
+    }
     add_stiffness(of_element(vibrating, vibrating.compliance, e), strain, matrix);
     for (int v = 0; v < velocities && shift != 0.0; ++v)
       for (int i = 0; i < kMotions; ++i) {
         const double factor = shift * momentum[v * kMotions + i];
         for (int j = 0; j < kMotions; ++j) matrix[i * kMotions + j] += factor * momentum[v * kMotions + j];
       }
-    const bool unsymmetric = vibrating.left.extent(0) > 0 && block.is_unsymmetric(e);
     if (unsymmetric) add_loads(matrices, in, e, matrix);
     if (counts) count(e, matrix);
     condense(e, matrix, unsymmetric);
@@ -287,19 +291,35 @@ KOKKOS_FORCEINLINE_FUNCTION void eliminate_stresses(const VibratingBlock& vibrat
 
 }  // namespace
 
-VibratingBlock allocate_static_block(const ElementBlock& block) {
+ElementBlock part_of(const ElementBlock& block, int first, int count) {
+  const auto rows = std::make_pair(first, first + count);
+  ElementBlock part = block;
+  part.first_element += first;
+  part.count = count;
+  part.interior_offset = block.unknowns_at()(first);
+  part.increment_offset = block.increments_at()(first);
+  part.reference = Kokkos::subview(block.reference, rows, Kokkos::ALL);
+  part.vertices = Kokkos::subview(block.vertices, rows, Kokkos::ALL);
+  part.section = Kokkos::subview(block.section, rows);
+  if (block.general_section) part.compliance = Kokkos::subview(block.compliance, rows, Kokkos::ALL);
+  if (block.field_row.extent(0) > 0) part.field_row = Kokkos::subview(block.field_row, rows, Kokkos::ALL);
+  return part;
+}
+
+VibratingBlock allocate_static_block(const ElementBlock& block, int count, bool condenses) {
   VibratingBlock made{block};
   const VibrationLayout layout = made.layout();
-  const int count = block.count, n = layout.interior(), m = layout.motions(), s = layout.stresses();
+  const int n = layout.interior(), m = layout.motions(), s = layout.stresses();
   const int numbers = block.general_section ? s * s : s;
   made.strain = KernelView<double**>("mixbeam::vibration::strain", count, s * m);
   made.geometric = KernelView<double**>("mixbeam::vibration::geometric", count, m * m);
   made.compliance = KernelView<double**>("mixbeam::vibration::compliance", count, numbers);
   made.own = KernelView<double**>("mixbeam::vibration::own", count, numbers);
   made.excess = KernelView<double**>("mixbeam::vibration::excess", count, numbers);
+  if (!condenses) return made;
   made.factors = KernelView<double**>("mixbeam::vibration::factors", count, n * n);
   made.response = KernelView<double**>("mixbeam::vibration::response", count, 12 * n);
-  for (int e = 0; e < count && made.left.extent(0) == 0; ++e)
+  for (int e = 0; e < block.count && made.left.extent(0) == 0; ++e)
     if (block.is_unsymmetric(e)) made.left = KernelView<double**>("mixbeam::vibration::left", count, 12 * n);
   made.pivots = KernelView<int**>("mixbeam::vibration::pivots", count, n);
   made.negative = KernelView<int*>("mixbeam::vibration::negative", count);
@@ -307,7 +327,7 @@ VibratingBlock allocate_static_block(const ElementBlock& block) {
 }
 
 VibratingBlock allocate_vibrating_block(const ElementBlock& block) {
-  VibratingBlock made = allocate_static_block(block);
+  VibratingBlock made = allocate_static_block(block, block.count, true);
   const VibrationLayout layout = made.layout();
   const int count = block.count, m = layout.motions();
   made.mass = KernelView<double**>("mixbeam::vibration::mass", count, kMassNumbers * (block.order + 1));
@@ -422,23 +442,32 @@ void stiffness_forms(const VibratingBlock& vibrating, const KernelView<const dou
   });
 }
 
-void subtract_equations(const VibratingBlock& vibrating, const KernelView<const double* [6]>& vertex,
-                        const KernelView<const double*>& increment, const KernelView<double*>& rows,
-                        const KernelView<double* [12]>& vertex_rows) {
-  for_each_of("mixbeam::vibration::equations", vibrating, [=](int e, const VibrationLayout layout) {
-    const int n = layout.motions();
-    const double* stress = increment.data() + vibrating.block.increments_at()(e);
-    double motions[kMostMotions], by_stress[kMostStresses], forces[kMostMotions] = {};
-    std::copy_n(stress + layout.stresses(), layout.interior(), motions);
-    load_ends(vibrating, vertex, e, motions + layout.interior());
-    double* out = rows.data() + vibrating.block.increments_at()(e);
-    add_product(&vibrating.strain(e, 0), layout.stresses(), n, n, 1.0, motions, out);
-    of_element(vibrating, vibrating.own, e).multiply(stress, by_stress);
-    for (int s = 0; s < layout.stresses(); ++s) out[s] -= by_stress[s];
-    add_transposed_product(&vibrating.strain(e, 0), layout.stresses(), n, n, stress, forces);
-    add_product(&vibrating.geometric(e, 0), n, n, n, 1.0, motions, forces);
-    for (int i = 0; i < layout.interior(); ++i) out[layout.stresses() + i] -= forces[i];
-    for (int i = 0; i < 12; ++i) vertex_rows(vibrating.block.first_element + e, i) = -forces[layout.interior() + i];
+void add_equations(const VibratingBlock& vibrating, const KernelView<const double* [6]>& vertex,
+                   const KernelView<const double*>& increment, const KernelView<double*>& rows,
+                   const KernelView<double* [12]>& vertex_rows) {
+  for_order(vibrating.block.order, [&](auto order) {
+    const ElementTables<order.value> tables(vibrating.block.force_integration);
+    const VibrationLayout layout{order.value, tables.force_points};
+    Kokkos::parallel_for("mixbeam::vibration::equations", Range(0, vibrating.block.count), [=](int e) {
+      const int n = layout.motions();
+      const double* stress = increment.data() + vibrating.block.increments_at()(e);
+      double motions[kMostMotions], strains[kMostStresses] = {}, by_stress[kMostStresses], forces[kMostMotions] = {};
+      std::copy_n(stress + layout.stresses(), layout.interior(), motions);
+      load_ends(vibrating, vertex, e, motions + layout.interior());
+      add_product(&vibrating.strain(e, 0), layout.stresses(), n, n, 1.0, motions, strains);
+      of_element(vibrating, vibrating.own, e).multiply(stress, by_stress);
+      double* out = rows.data() + vibrating.block.increments_at()(e);
+      for (int s = 0; s < layout.stresses(); ++s) {
+        const int q = s / 3;
+        const double length = vibrating.block.reference(e, 0);
+        const double weight = q < layout.force_points ? 0.5 * length * tables.force_weight[q] : 1.0;
+        out[s] += (strains[s] - by_stress[s]) / weight;
+      }
+      add_transposed_product(&vibrating.strain(e, 0), layout.stresses(), n, n, stress, forces);
+      add_product(&vibrating.geometric(e, 0), n, n, n, 1.0, motions, forces);
+      for (int i = 0; i < layout.interior(); ++i) out[layout.stresses() + i] += forces[i];
+      for (int i = 0; i < 12; ++i) vertex_rows(vibrating.block.first_element + e, i) = forces[layout.interior() + i];
+    });
   });
 }
 

@@ -30,8 +30,11 @@ struct VibratingBlock {
 
 /// Room for the elements of a block; `mass` is to be filled.
 VibratingBlock allocate_vibrating_block(const ElementBlock& block);
-/// Room without mass and momenta, for solutions with the stiffness alone (shift zero): H has B in it.
-VibratingBlock allocate_static_block(const ElementBlock& block);
+/// Some elements of a block that follow each other.
+ElementBlock part_of(const ElementBlock& block, int first, int count);
+/// Room for `count` elements of a block without mass and momenta, for the stiffness alone (shift zero): H has B in it.
+/// `condenses` false: evaluate_vibration() leaves D, H and S, which is all that add_equations() needs.
+VibratingBlock allocate_static_block(const ElementBlock& block, int count, bool condenses);
 
 /// Condenses K + shift M at a state. `structure`: sections with the cap, line fields. `tangent`: (local element,
 /// kFullTangent). Counts the interiors, theory (47), where asked: otherwise VibratingBlock::negative stays as it is.
@@ -75,11 +78,12 @@ void recover_motion(const VibratingBlock& vibrating, const KernelView<const doub
 /// (2 dN . D dx - dN . S dN + dx . H dx) of each local element, S the true compliance: stationary at a mode.
 void stiffness_forms(const VibratingBlock& vibrating, const KernelView<const double* [6]>& vertex,
                      const KernelView<const double*>& increment, const KernelView<double*>& forms);
-/// Takes a motion with its stresses from interior rows: r + D dx - S dN and f - D^T dN - (H + B) dx, S the true
-/// compliance, of a static block; the latter of both vertices, without f, as (local element, 12).
-void subtract_equations(const VibratingBlock& vibrating, const KernelView<const double* [6]>& vertex,
-                        const KernelView<const double*>& increment, const KernelView<double*>& rows,
-                        const KernelView<double* [12]>& vertex_rows);
+/// Adds the linearised equations of a static block to interior rows as evaluate_residual() stores them (those of N are
+/// strains): D dx - S dN and D^T dN + (H + B) dx, S the true compliance; the latter of both vertices as (local element,
+/// 12).
+void add_equations(const VibratingBlock& vibrating, const KernelView<const double* [6]>& vertex,
+                   const KernelView<const double*>& increment, const KernelView<double*>& rows,
+                   const KernelView<double* [12]>& vertex_rows);
 /// Rows of the stresses that the excess of the capped compliance makes of their increment, zero in all others.
 void excess_rows(const VibratingBlock& vibrating, const KernelView<const double*>& increment,
                  const KernelView<double*>& rows);

@@ -21,6 +21,8 @@ constexpr double kMostCapLeftInAdjoint = 1e-9;
 /// Of the usual cap, where nothing is refined: that leaves 1e-10 of rounding in the derivative of an elastica, this one
 /// 1e-12.
 constexpr double kCapOfAdjoint = 1e-2;
+/// Elements whose matrices are kept at a time: as many as caches hold.
+constexpr int kPart = 128;
 /// Rounding of a solve beyond which it is refined, and refused: share of the sum of the terms of a row.
 constexpr double kRefinedAdjoint = 1e-15, kRefusedAdjoint = 1e-9;
 
@@ -51,101 +53,122 @@ AdjointOperator::AdjointOperator(BeamProblem& problem, const State& state, doubl
       knows_all_rows_(knows_all_rows(model_.conditions())),
       residual_(model_.create_vector()),
       point_(mixed_residual(model_, state, load_factor, residual_)),
-      tangent_(model_, point_, cap_for(model_, point_.scales, knows_all_rows_ ? 1.0 : kCapOfAdjoint),
-               TangentKind{true, false}),
-      elements_("mixbeam::adjoint::elements", model_.structure().local_elements(), kFullTangent),
       vertex_rows_("mixbeam::adjoint::rows", model_.structure().local_elements()),
       system_(model_),
       unknowns_(model_, system_.remaining()),
       remaining_(system_.matrix()->getRowMap()) {
-  for (const ElementBlock& block : model_.structure().blocks) blocks_.push_back(allocate_static_block(block));
-  const KernelView<double**> zeros("mixbeam::adjoint::zeros", elements_.extent(0), kFullTangent);
-  system_.gather_outside(tangent_, zeros, [this](const MatrixRows&) { outside_.value = values_of(*system_.matrix()); });
-  evaluate(false);
-  factorize(false);
-  if (!transposed_ || !system_.is_unsymmetric()) return;
-  evaluate(true);
-  factorize(true);
-}
-
-void AdjointOperator::evaluate(bool transposed) {
-  StructureViews structure = tangent_.cap().structure;
-  structure.field_value = point_.line_fields;
-  for (VibratingBlock& block : blocks_) {
-    block.transposed = transposed;
-    evaluate_vibration(block, structure, state_.views, 0.0, false, elements_);
-  }
-  if (state_.in_plane) hold_in_plane();
-}
-
-/// A structure in a plane may be loose across it, where nothing acts: springs whose size does not matter hold it.
-void AdjointOperator::hold_in_plane() {
-  const double length = model_.structure().shortest_element, turning = model_.structure().bending_reference / length;
-  const Mat along = outer(model_.plane()->n, model_.plane()->n);
-  const Mat force = (turning / (length * length)) * along, moment = turning * (identity_matrix<double>() - along);
-  for (size_t e = 0; e < elements_.extent(0); ++e)
-    for (int part = 0; part < 12; part += 3)
-      for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j)
-          elements_(e, 12 * (part + i) + part + j) += part % kVertexDofs == 0 ? force(i, j) : moment(i, j);
+  linearize(system_.is_unsymmetric());
 }
 
 /// The matrix over what chains leave is that of the tangent; of its transpose the chains alone are taken.
-void AdjointOperator::factorize(bool transposed) {
-  const auto keep = [&](const MatrixRows&) {
-    if (!transposed) whole_.value = values_of(*system_.matrix());
+void AdjointOperator::linearize(bool in_space) {
+  tangent_.emplace(model_, point_, cap_for(model_, point_.scales, knows_all_rows_ ? 1.0 : kCapOfAdjoint),
+                   TangentKind{in_space, false});
+  const auto keep = [&](Entries& entries) {
+    return [&](const MatrixRows&) { entries = values_of(*system_.matrix()); };
   };
-  if (!system_.condense(tangent_, elements_, keep))
+  if (!system_.condense(*tangent_, false, keep(whole_)))
     throw LinearSolverError("the adjoint equations have a chain without stiffness");
-  if (transposed) return;
-  const SparseMatrix& matrix = unknowns_.reduce(tangent_);
-  if (matrix.rows() == 0) return;
-  solver_ = std::make_unique<InertiaSolver>(InertiaSolver::Kind::general, matrix);
-  solver_->factorize(matrix);
+  if (const SparseMatrix& matrix = unknowns_.reduce(*tangent_); matrix.rows() > 0) {
+    solver_ = std::make_unique<InertiaSolver>(InertiaSolver::Kind::general, matrix);
+    solver_->factorize(matrix);
+  }
+  if (transposed_ && system_.is_unsymmetric()) {
+    const KernelView<double**> elements = tangent_->elements().condensed_tangent;
+    for (size_t e = 0; e < elements.extent(0); ++e)
+      for (int i = 0; i < 12; ++i)
+        for (int j = 0; j < i; ++j) std::swap(elements(e, 12 * i + j), elements(e, 12 * j + i));
+    system_.condense(*tangent_);
+  }
+  // pages of elements in chains stay untouched and cost nothing
+  const KernelView<double**> zeros(Kokkos::view_alloc("mixbeam::adjoint::zeros", Kokkos::WithoutInitializing),
+                                   model_.structure().local_elements(), kSymmetricTangent);
+  for (const RemainingLink& link : system_.links())
+    if (link.link < model_.structure().local_elements())
+      for (int i = 0; i < kSymmetricTangent; ++i) zeros(link.link, i) = 0.0;
+  system_.gather_outside(*tangent_, zeros, keep(outside_));
 }
 
-void AdjointOperator::gather(const KernelView<double*>& vertex) const {
+/// Calls action(some elements, with their matrices) for all of them in turn: those of all at once would need more
+/// memory than the run.
+template <class Action>
+void AdjointOperator::for_each_part(bool condenses, const Action& action) const {
+  StructureViews structure = tangent_->cap().structure;
+  structure.field_value = point_.line_fields;
+  for (const ElementBlock& block : model_.structure().blocks) {
+    VibratingBlock part = allocate_static_block(block, std::min(kPart, block.count), condenses);
+    part.transposed = transposed_;
+    for (int first = 0; first < block.count; first += kPart) {
+      part.block = part_of(block, first, std::min(kPart, block.count - first));
+      action(part, [&] {
+        evaluate_vibration(part, structure, state_.views, 0.0, false, tangent_->elements().condensed_tangent);
+      });
+    }
+  }
+}
+
+void AdjointOperator::add_at_vertices(const KernelView<double*>& vertex) const {
   const Adjacency adjacency = model_.adjacency();
   for (int v = 0; v < model_.structure().owned_vertices; ++v)
-    for (int i = 0; i < kVertexDofs; ++i) {
-      double sum = 0.0;
+    for (int i = 0; i < kVertexDofs; ++i)
       for (int a = adjacency.start(v); a < adjacency.start(v + 1); ++a)
-        sum += vertex_rows_(adjacency.element(a, 0), kVertexDofs * adjacency.element(a, 1) + i);
-      vertex(vertex_row(v, i)) = sum;
-    }
+        vertex(vertex_row(v, i)) += vertex_rows_(adjacency.element(a, 0), kVertexDofs * adjacency.element(a, 1) + i);
 }
 
-void AdjointOperator::condense_interior(const MixedVector& rows, const KernelView<double*>& vertex) const {
+/// Condenses rows to the vertices, projected. Without symmetry the tangent does not know how: interiors of the
+/// transpose are others.
+DofVector& AdjointOperator::condense(const MixedVector& rows) {
+  DofVector& condensed = tangent_->condensed_rows();
+  if (!system_.is_unsymmetric()) {
+    tangent_->condense_spatial(rows);
+    return condensed;
+  }
+  MixedVector forces = rows.clone(true);
+  const KernelView<double*> interior = forces.writable_interior(true), vertex = MixedVector::view_of(condensed);
   Kokkos::deep_copy(vertex_rows_, 0.0);
-  for (const VibratingBlock& block : blocks_) condense_rows(block, rows.interior(), vertex_rows_);
-  gather(vertex);
+  for_each_part(true, [&](const VibratingBlock& part, const auto& evaluate) {
+    const double *from = interior.data() + part.block.increments_at()(0),
+                 *to = interior.data() + part.block.increments_at()(part.block.count);
+    if (std::all_of(from, to, [](double x) { return x == 0.0; })) return;
+    evaluate();
+    take_residual(part, interior, vertex_rows_);
+    condense_rows(part, interior, vertex_rows_);
+  });
+  Kokkos::deep_copy(vertex, 0.0);
+  add_at_vertices(vertex);
+  for (size_t i = 0; i < vertex.extent(0); ++i) vertex(i) = rows.vertex()(i) - vertex(i);
+  tangent_->project_on_free_motions(vertex);
+  return condensed;
 }
 
 void AdjointOperator::recover(const MixedVector& rows, MixedVector& motion) const {
+  if (!system_.is_unsymmetric()) return tangent_->recover(motion);
+  MixedVector forces = rows.clone(true);
   const KernelView<const double* [6]> vertex = model_.local_increment(motion);
-  const KernelView<double*> interior = motion.writable_interior(false);
-  for (const VibratingBlock& block : blocks_) recover_motion(block, rows.interior(), vertex, interior);
+  const KernelView<double*> interior = forces.writable_interior(true), found = motion.writable_interior(false);
+  for_each_part(true, [&](const VibratingBlock& part, const auto& evaluate) {
+    evaluate();
+    take_residual(part, interior, vertex_rows_);
+    recover_motion(part, interior, vertex, found);
+  });
 }
 
-void AdjointOperator::excess_rows(const MixedVector& motion, MixedVector& rows) const {
-  Kokkos::deep_copy(rows.vertex(), 0.0);
-  const KernelView<double*> interior = rows.writable_interior(false);
-  for (const VibratingBlock& block : blocks_) mixbeam::excess_rows(block, motion.interior(), interior);
-}
-
-/// Under rows of vertices and interiors, with signs as kernels/vibration has them.
-Adjoint AdjointOperator::respond(MixedVector rows) {
-  MixedVector condensed = model_.create_vector();
-  const KernelView<double*> vertex = condensed.vertex();
-  condense_interior(rows, vertex);
-  for (size_t i = 0; i < vertex.extent(0); ++i) vertex(i) += rows.vertex()(i);
-  tangent_.project_on_free_motions(vertex);
+/// Solves J t = -rows with the capped J: the tangent, or its transpose. Rows are those of a residual, of vertices
+/// spatial. `held`: motions that supports impose, with their forces among the rows.
+Adjoint AdjointOperator::respond(const MixedVector& rows, const DofVector* held) {
+  DofVector& condensed = condense(rows);
+  condensed.scale(-1.0);
   Adjoint found{model_.create_vector()};
   DofVector& motion = found.field.vertex_dofs();
-  system_.condense_rows(condensed.vertex_dofs(), remaining_, motion);
+  system_.condense_rows(condensed, remaining_, motion);
   found.free = unknowns_.reduced_remaining_rows(remaining_);
   solve_reduced(found.free);
   unknowns_.expand(found.free.data(), remaining_);
+  if (held != nullptr) {
+    DofVector imposed(remaining_.getMap());
+    system_.remaining_values(*held, imposed);
+    remaining_.update(1.0, imposed, 1.0);
+  }
   system_.expand(remaining_, motion);
   recover(rows, found.field);
   return found;
@@ -206,36 +229,31 @@ DofVector AdjointOperator::held_motion(const StateDerivative& quantity) const {
   return motion;
 }
 
-/// Adds factor * matrix^T times a motion of the vertices that chains leave.
-void AdjointOperator::add_transposed(const Entries& matrix, const DofVector& motion, double factor,
+/// Adds matrix^T times a motion of the vertices that chains leave.
+void AdjointOperator::add_transposed(const Entries& matrix, const DofVector& motion,
                                      const KernelView<double*>& rows) const {
   const auto local = system_.matrix()->getLocalMatrixHost();
   const KernelView<const double*> x = MixedVector::view_of(motion);
   const KernelView<int*> vertices = system_.remaining().vertices();
   const auto row_of = [&](int place) { return vertex_row(vertices(place / kVertexDofs), place % kVertexDofs); };
   for (int i = 0; i < static_cast<int>(local.numRows()); ++i) {
-    const double by = factor * x(row_of(i));
+    const double by = x(row_of(i));
     if (by == 0.0) continue;
     for (size_t k = local.graph.row_map(i); k < local.graph.row_map(i + 1); ++k)
-      rows(row_of(local.graph.entries(k))) += by * matrix.value[k];
+      rows(row_of(local.graph.entries(k))) += by * matrix[k];
   }
 }
 
-/// Adds the motion that supports hold, with chains and interiors at rest under it.
-void AdjointOperator::add_held_motion(const DofVector& held, Adjoint& adjoint) {
-  MixedVector zero = model_.create_vector();
-  zero.fill(0.0);
-  MixedVector motion = model_.create_vector();
-  system_.condense_rows(zero.vertex_dofs(), remaining_, motion.vertex_dofs());
-  system_.remaining_values(held, remaining_);
-  system_.expand(remaining_, motion.vertex_dofs());
-  zero.writable_interior(true);
-  recover(zero, motion);
-  adjoint.field.update(1.0, motion, 1.0);
+/// Rows that the cap leaves out.
+void AdjointOperator::excess_rows(const MixedVector& motion, MixedVector& rows) const {
+  Kokkos::deep_copy(rows.vertex(), 0.0);
+  const KernelView<double*> interior = rows.writable_interior(false);
+  for (const ElementBlock& block : model_.structure().blocks)
+    cap_compliance_rows(block, tangent_->cap().structure, motion.interior(), interior);
 }
 
 void AdjointOperator::take_out_cap(Adjoint& adjoint) {
-  if (!tangent_.cap().cuts_off) return;
+  if (!tangent_->cap().cuts_off) return;
   MixedVector excess = adjoint.field.clone(false);
   excess_rows(adjoint.field, excess);
   const double beta = norm_of(excess);
@@ -245,7 +263,7 @@ void AdjointOperator::take_out_cap(Adjoint& adjoint) {
   basis.push_back(std::move(excess));
   const GmresResult left_out =
       gmres(basis, beta, kCapLeftInAdjoint, kMostCapSolvesOfAdjoint, [&](const MixedVector& of, MixedVector& next) {
-        responses.push_back(respond(of.clone(true)));
+        responses.push_back(respond(of));
         excess_rows(responses.back().field, next);
         next.update(1.0, of, -1.0);
         return true;
@@ -272,16 +290,23 @@ void AdjointOperator::add_turning(const DofVector& held, const KernelView<double
   }
 }
 
-/// Computes the rest -q_x - R_x^T t of rows -q_x after an adjoint, with the true compliance.
-MixedVector AdjointOperator::left_of(const MixedVector& rows, const Adjoint& adjoint) const {
-  MixedVector left = rows.clone(true), elements = model_.create_vector();
+/// Computes q_x + R_x^T t of rows q_x after an adjoint, with the true compliance; at_supports: there alone.
+MixedVector AdjointOperator::left_of(const MixedVector& rows, const Adjoint& adjoint, Parts parts) const {
+  std::vector<unsigned char> is_held(model_.structure().local_vertices(), parts == Parts::all ? 1 : 0);
+  for (const VertexSupport& support : model_.conditions().supports) is_held[support.vertex] = 1;
+  MixedVector left = rows.clone(true);
   const KernelView<const double* [6]> motion = model_.local_increment(adjoint.field);
   const KernelView<double*> interior = left.writable_interior(true), vertex = left.vertex();
-  for (const VibratingBlock& block : blocks_)
-    subtract_equations(block, motion, adjoint.field.interior(), interior, vertex_rows_);
-  gather(elements.vertex());
-  add_transposed(outside_, adjoint.field.vertex_dofs(), -1.0, vertex);
-  for (size_t i = 0; i < vertex.extent(0); ++i) vertex(i) += elements.vertex()(i);
+  for_each_part(false, [&](const VibratingBlock& part, const auto& evaluate) {
+    bool is_asked = false;
+    for (int e = 0; e < part.block.count && !is_asked; ++e)
+      is_asked = is_held[part.block.vertices(e, 0)] != 0 || is_held[part.block.vertices(e, 1)] != 0;
+    if (!is_asked) return;
+    evaluate();
+    add_equations(part, motion, adjoint.field.interior(), interior, vertex_rows_);
+  });
+  add_at_vertices(vertex);
+  add_transposed(outside_, adjoint.field.vertex_dofs(), vertex);
   return left;
 }
 
@@ -292,7 +317,7 @@ bool AdjointOperator::refine(const MixedVector& rows, bool with_gmres, Adjoint& 
   const double whole = norm_of(adjoint.field);
   double before = whole;
   for (int pass = 0; pass < kMostRefinements; ++pass) {
-    Adjoint more = respond(left_of(rows, adjoint));
+    Adjoint more = respond(left_of(rows, adjoint, Parts::all));
     if (with_gmres) take_out_cap(more);
     const double size = norm_of(more.field);
     if (!(size <= kFastRefinement * before)) return size <= kRefined * whole;
@@ -304,13 +329,13 @@ bool AdjointOperator::refine(const MixedVector& rows, bool with_gmres, Adjoint& 
   return false;
 }
 
-/// q_x + R_x^T t at vertices that supports hold. `rows`: -q_x, but for what supports hold of it, which t has.
+/// q_x + R_x^T t at vertices that supports hold. `rows`: q_x, but for what supports hold of it, which t has.
 std::vector<double> AdjointOperator::held_rows(const MixedVector& rows, const Adjoint& adjoint) const {
-  const MixedVector left = left_of(rows, adjoint);
+  const MixedVector left = left_of(rows, adjoint, Parts::at_supports);
   std::vector<double> held(left.vertex().extent(0), 0.0);
   for (const VertexSupport& support : model_.conditions().supports)
     for (size_t i = vertex_row(support.vertex, 0); i < vertex_row(support.vertex, kVertexDofs); ++i)
-      held[i] = -left.vertex()(i);
+      held[i] = left.vertex()(i);
   return held;
 }
 
@@ -322,31 +347,43 @@ double AdjointOperator::work_of_free(const Adjoint& adjoint, const DofVector& pr
   return sum;
 }
 
-namespace {
-
-/// Rows of a quantity for a solution with R_x^T t = -q_x: stresses have the other sign in kernels/vibration.
-void turn_signs(const Structure& structure, MixedVector& rows) {
-  const KernelView<double*> vertex = rows.vertex(), interior = rows.writable_interior(true);
-  for (size_t i = 0; i < vertex.extent(0); ++i) vertex(i) = -vertex(i);
+void weigh_force_rows(const Structure& structure, bool divides, MixedVector& rows) {
+  const KernelView<double*> interior = rows.writable_interior(true);
   for_each_element(structure, [&](const ElementView& element) {
     double* row = element.increments_in(interior);
-    for (int i = element.layout().relative_rotation(1); i < element.layout().increments(); ++i) row[i] = -row[i];
+    for_each_force_rule(element.order(), element.block().force_integration,
+                        [&](int first, int count, int from, int to) {
+                          const GaussPoints& rule = gauss_points(count);
+                          for (int q = 0; q < count; ++q)
+                            for (int i = from; i < to; ++i) {
+                              const double weight = 0.5 * element.length() * rule.weight[q];
+                              row[element.layout().force(first + q) + i] *= divides ? 1.0 / weight : weight;
+                            }
+                        });
   });
 }
 
-}  // namespace
+/// Whether rows and what is held stay in the plane of the state, and no interior is asked.
+bool AdjointOperator::is_planar_for(const MixedVector& rows, const DofVector& held) const {
+  const KernelView<const double*> interior = rows.interior();
+  const auto is_zero = [](double x) { return x == 0.0; };
+  if (!std::all_of(interior.data(), interior.data() + interior.extent(0), is_zero)) return false;
+  MixedVector both = rows.clone(true);
+  both.vertex_dofs().update(1.0, held, 1.0);
+  return model_.is_in_plane(both);
+}
 
 Adjoint AdjointOperator::solve(const StateDerivative& quantity) {
   MixedVector own = quantity.rows().clone(true);
+  weigh_force_rows(model_.structure(), true, own);
   const DofVector held = held_motion(quantity);
-  if (!quantity.held().empty()) add_turning(held, own.vertex());
+  const bool holds = !quantity.held().empty();
+  if (holds) add_turning(held, own.vertex());
+  if (tangent_->is_planar() && !is_planar_for(own, held)) linearize(true);
   MixedVector rows = own.clone(true);
-  add_transposed(whole_, held, 1.0, rows.vertex());
-  turn_signs(model_.structure(), own);
-  turn_signs(model_.structure(), rows);
-  Adjoint adjoint = respond(std::move(rows));
-  if (!quantity.held().empty()) add_held_motion(held, adjoint);
-  if (!knows_all_rows_ || !refine(own, false, adjoint)) {
+  if (holds) add_transposed(whole_, held, rows.vertex());
+  Adjoint adjoint = respond(rows, holds ? &held : nullptr);
+  if (tangent_->cap().cuts_off && (!knows_all_rows_ || !refine(own, false, adjoint))) {
     take_out_cap(adjoint);
     if (knows_all_rows_) refine(own, true, adjoint);
   }

@@ -21,6 +21,9 @@ struct Adjoint {
   std::vector<double> held{};  ///< (6 * vertex + component): q_x + R_x^T t, spatial; zero where a vertex is free
 };
 
+/// Multiplies rows of N, which are strains, by the weights of their points, theory (16), or divides them.
+void weigh_force_rows(const Structure& structure, bool divides, MixedVector& rows);
+
 /// One process only. Throws LinearSolverError where equations cannot be solved.
 class AdjointOperator {
  public:
@@ -38,26 +41,24 @@ class AdjointOperator {
   DofVector held_motion(const StateDerivative& quantity) const;
 
  private:
-  struct Entries {  ///< of the matrix over the vertices that chains leave
-    std::vector<double> value{};
-  };
+  using Entries = std::vector<double>;  ///< of the matrix over the vertices that chains leave
+  enum class Parts { all, at_supports };
 
-  void evaluate(bool transposed);
-  void hold_in_plane();
-  void factorize(bool transposed);
-  Adjoint respond(MixedVector rows);
+  bool is_planar_for(const MixedVector& rows, const DofVector& held) const;
+  void linearize(bool in_space);
+  template <class Action>
+  void for_each_part(bool condenses, const Action& action) const;
+  DofVector& condense(const MixedVector& rows);
+  void recover(const MixedVector& rows, MixedVector& motion) const;
+  Adjoint respond(const MixedVector& rows, const DofVector* held = nullptr);
   void solve_reduced(std::vector<double>& y) const;
   double rest(const std::vector<double>& y, std::vector<double>& given) const;
-  void add_held_motion(const DofVector& held, Adjoint& adjoint);
   void take_out_cap(Adjoint& adjoint);
   void excess_rows(const MixedVector& motion, MixedVector& rows) const;
-  void condense_interior(const MixedVector& rows, const KernelView<double*>& vertex) const;
-  void gather(const KernelView<double*>& vertex) const;
-  void recover(const MixedVector& rows, MixedVector& motion) const;
-  void add_transposed(const Entries& matrix, const DofVector& motion, double factor,
-                      const KernelView<double*>& rows) const;
+  void add_at_vertices(const KernelView<double*>& vertex) const;
+  void add_transposed(const Entries& matrix, const DofVector& motion, const KernelView<double*>& rows) const;
   void add_turning(const DofVector& held, const KernelView<double*>& rows) const;
-  MixedVector left_of(const MixedVector& rows, const Adjoint& adjoint) const;
+  MixedVector left_of(const MixedVector& rows, const Adjoint& adjoint, Parts parts) const;
   bool refine(const MixedVector& rows, bool with_gmres, Adjoint& adjoint);
   std::vector<double> held_rows(const MixedVector& rows, const Adjoint& adjoint) const;
 
@@ -66,9 +67,7 @@ class AdjointOperator {
   bool transposed_, knows_all_rows_;
   MixedVector residual_;
   EvaluationPoint point_;
-  Tangent tangent_;
-  std::vector<VibratingBlock> blocks_;
-  KernelView<double**> elements_;         ///< (local element, kFullTangent)
+  std::optional<Tangent> tangent_{};
   KernelView<double* [12]> vertex_rows_;  ///< (local element)
   CondensedSystem system_;
   IndependentUnknowns unknowns_;

@@ -319,6 +319,23 @@ TEST(Gradients, OfAFrameWithRigidMembers) {
   expect_as_differences(scene, quantities, parameters);
 }
 
+/// A state in a plane: its own tangent where a quantity stays in it, that in space for all others.
+TEST(Gradients, OutOfThePlane) {
+  Scene scene = cantilever(section(1e3, 6e2, 80.0, 100.0), 1.0, 3, 4);
+  scene.name = "plane";
+  scene.sections[0].bending_stiffness = {70.0, 100.0};
+  scene.members[0].second_axis = {0, 1, 0};
+  scene.point_loads = {dead_load("tip", {-20, 60, 0}, {0, 0, 30})};
+  std::vector<Parameter> parameters = {of_force(scene, 0, 1, 0.6), of_force(scene, 0, 2, 0.6),
+                                       of_moment(scene, 0, 0, 0.6), of_place(scene, 1, 0, 0.01),
+                                       of_place(scene, 1, 2, 0.01)};
+  for (int i = 0; i < 6; ++i) parameters.push_back(of_stiffness(scene, i));
+  std::vector<Quantity> quantities = usual("tip", "beam");
+  quantities.push_back(asked("rf", "reaction force", {{"Point", "clamp"}}));
+  quantities.push_back(asked("rm", "reaction moment", {{"Point", "clamp"}}));
+  expect_as_differences(scene, quantities, parameters);
+}
+
 /// A taper and a coupled section in space, with a clamp that turns.
 TEST(Gradients, OfCoupledAndTaperedMembers) {
   Scene scene = fork(2, 2);
