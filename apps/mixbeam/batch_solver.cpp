@@ -242,7 +242,7 @@ bool BatchSolver::solve_together(const Range& range) {
 CaseResult BatchSolver::solved_accurately(const Scene& scene) {
   AccurateRunObserver observer;
   observer.stop = stop_;
-  observer.error_of = error_of_wanted(scene, app_.quantities);
+  judge_wanted(scene, app_.quantities, observer);
   observer.threads = [this](const Scene& on_mesh) { return app_.threads_for(on_mesh, app_.solver); };
   References references;
   observer.step = taking(references, &scene, 1, false);

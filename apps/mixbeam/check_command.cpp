@@ -1,5 +1,6 @@
 #include "apps/common/run/room_check.hpp"
 #include "apps/common/run/scene_file.hpp"
+#include "apps/common/run/value_errors.hpp"
 #include "apps/common/session/command_line.hpp"
 #include "apps/common/session/guarded_run.hpp"
 #include "apps/common/session/machine_room.hpp"
@@ -238,7 +239,7 @@ void print_check(Application& app, const std::string& load_case, bool first) {
   Scene scene = scene_of_case(app.scene, load_case);
   MeshChoice start;
   if (scene.accuracy) {
-    start = start_mesh(scene, *scene.accuracy);
+    start = start_mesh(scene, *scene.accuracy, wants_vertices(scene, app.quantities));
     scene = on_mesh(scene, start);
   }
   std::ostream& out = app.out();

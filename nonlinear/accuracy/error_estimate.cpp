@@ -9,6 +9,7 @@
 #include "nonlinear/linear/linear_solver.hpp"
 #include "nonlinear/newton/beam_group.hpp"
 #include "nonlinear/path/corrector.hpp"
+#include "nonlinear/sensitivity/adjoint_operator.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
 
@@ -302,6 +303,39 @@ State with_layers(const Teuchos::RCP<BeamProblem>& problem, const SolverParamete
   BeamGroup moved(group, NOX::ShapeCopy);
   moved.computeX(group, response, -1.0);
   return moved.state();
+}
+
+std::vector<double> shares_of_members(const Model& model, const State& state, double load_factor,
+                                      const ErrorEstimate& estimate, const StateDerivative& quantity) {
+  const Model& richer = estimate.richer->model;
+  std::vector<unsigned char> raised;
+  for (size_t m = 0; m < model.scene().members.size(); ++m)
+    raised.push_back(richer.scene().members[m].order > model.scene().members[m].order);
+  State start = with_recovered_rotations(richer, transfer(model, state, richer), raised);
+  start.in_plane = false;
+  MixedVector rows = richer.create_vector();
+  element_rows(richer, start, load_factor, ElementLoads::with_centrifugal, rows);
+  const KernelView<double*> vertex = rows.vertex();
+  for (const auto& energy : richer.external()) energy->add_rows(start, load_factor, vertex);
+  weigh_force_rows(richer.structure(), false, rows);
+  AdjointOperator at(*estimate.richer, estimate.richer_state, load_factor);
+  const MixedVector adjoint = at.solve(quantity).field;
+  const KernelView<const double*> motion = adjoint.vertex();
+  const Adjacency adjacency = richer.adjacency();
+  std::vector<double> shares(model.scene().members.size(), 0.0);
+  for_each_element(richer.structure(), [&](const ElementView& element) {
+    const double* of = element.increments_in(adjoint.interior());
+    const double* row = element.increments_in(rows.interior());
+    double sum = 0.0;
+    for (int i = 0; i < element.layout().increments(); ++i) sum += of[i] * row[i];
+    for (int end = 0; end < 2; ++end) {
+      const int v = element.vertex(end);
+      for (size_t i = vertex_row(v, 0); i < vertex_row(v, kVertexDofs); ++i)
+        sum += motion(i) * vertex(i) / (adjacency.start(v + 1) - adjacency.start(v));
+    }
+    shares[static_cast<size_t>(richer.mesh().elements[static_cast<size_t>(element.mesh_element())].member)] += sum;
+  });
+  return shares;
 }
 
 ErrorEstimate estimate_error(BeamProblem& problem, const SolverParameters& parameters, const State& state,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "discretization/quantities/end_layers.hpp"
+#include "discretization/quantities/quantity_derivative.hpp"
 #include "nonlinear/newton/beam_problem.hpp"
 
 #include <string>
@@ -49,6 +50,12 @@ struct ErrorEstimate {
 /// `problem`: of the state. What it keeps of its last tangent serves that of the richer space.
 ErrorEstimate estimate_error(BeamProblem& problem, const SolverParameters& parameters, const State& state,
                              double load_factor);
+
+/// (member): what it adds to the error of a quantity, with its sign: t_+ . R_+ of theory (52), (80) in the richer space
+/// of an estimate that exists, which adds up to the change of the quantity there. `quantity`: of the richer state. The
+/// elements that meet at a vertex share its part. Throws LinearSolverError; one process only.
+std::vector<double> shares_of_members(const Model& model, const State& state, double load_factor,
+                                      const ErrorEstimate& estimate, const StateDerivative& quantity);
 
 /// `state` after one Newton iteration more, whatever its residual: next to a critical load a small residual is not a
 /// small error, which is that over the smallest eigenvalue. The same state where the residual grows, beyond the

@@ -184,41 +184,11 @@ std::vector<double> expected_turning(const Scene& scene, const Mesh& mesh) {
   return turning;
 }
 
-/// What an estimate says about one member, relative to the sizes of the quantities.
-struct MemberError {
-  double inside = 0.0;  ///< root mean square over the structure of what the element itself cannot represent
-  double vertex = 0.0;  ///< its share in the largest error of a vertex
-};
-
 double squared(const Vector3& v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; }
 
 /// Error of vertices interpolated along an element: integral of its square over the length.
 double carried(const Vector3& a, const Vector3& b) {
   return (squared(a) + squared(b) + a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) / 3.0;
-}
-
-std::vector<MemberError> errors_of_members(const Scene& scene, const Mesh& mesh, const ErrorEstimate& estimate) {
-  double length = 0.0, moments = 0.0;
-  for (const MeshMember& member : mesh.members) length += member.curve.length;
-  std::vector<MemberError> errors(mesh.members.size());
-  std::vector<double> compliance;
-  for (const Member& member : scene.members) compliance.push_back(bending_compliance(scene, member));
-  for (size_t e = 0; e < mesh.elements.size(); ++e) {
-    const MeshElement& element = mesh.elements[e];
-    const double whole = estimate.element_displacement[e] * estimate.element_displacement[e];
-    const double of_vertices =
-        carried(estimate.vertex_displacement[element.vertex[0]], estimate.vertex_displacement[element.vertex[1]]) *
-        mesh.element_length(element) / length;
-    const double moment = estimate.element_moment[e] * estimate.element_moment[e] * compliance[element.member];
-    errors[element.member].inside += std::max(0.0, whole - of_vertices);
-    errors[element.member].vertex += moment;
-    moments += moment;
-  }
-  for (MemberError& error : errors) {
-    error.inside = estimate.displacement.size > 0.0 ? std::sqrt(error.inside) / estimate.displacement.size : 0.0;
-    error.vertex = moments > 0.0 ? estimate.largest_displacement.relative() * error.vertex / moments : 0.0;
-  }
-  return errors;
 }
 
 /// q of error = (q h)^power with h = 1 / elements.
@@ -241,7 +211,7 @@ std::vector<int> element_numbers(const Member& member, int present) {
 }
 
 std::vector<Candidate> candidates_of(const Scene& scene, const Member& member, const MemberMesh& present,
-                                     const MemberError& error) {
+                                     const ErrorOfMember& error) {
   std::vector<Candidate> list;
   const int first = member.keeps_order ? present.order : kLeastOrder;
   const int last = member.keeps_order ? present.order : kMaximumOrder;
@@ -334,11 +304,12 @@ double judged_error(const ErrorEstimate& estimate) {
   return std::max(estimate.largest_displacement.relative(), estimate.displacement.relative());
 }
 
-double allowed_turning(int order, double accuracy) {
-  return std::min(kLargestTurning, kTurningScale * std::pow(kAim * accuracy, 1.0 / (order + 1)));
+double allowed_turning(int order, double accuracy, bool of_vertices) {
+  const int power = of_vertices ? 2 * order : order + 1;
+  return std::min(kLargestTurning, kTurningScale * std::pow(kAim * accuracy, 1.0 / power));
 }
 
-MeshChoice start_mesh(const Scene& scene, double accuracy) {
+MeshChoice start_mesh(const Scene& scene, double accuracy, bool of_vertices) {
   const Mesh mesh = build_mesh(scene);
   const std::vector<double> expected = expected_turning(scene, mesh);
   const int pack = std::max(1, kPack / static_cast<int>(scene.members.size()));
@@ -356,10 +327,11 @@ MeshChoice start_mesh(const Scene& scene, double accuracy) {
     for (int k = first; k <= last; ++k) {
       int n = mesh.members[m].elements;
       if (!member.keeps_elements)
-        n = std::max(least_elements, static_cast<int>(std::min<double>(
-                                         kMostStartElements, std::ceil(turning / allowed_turning(k, accuracy)))));
+        n = std::max(least_elements,
+                     static_cast<int>(std::min<double>(
+                         kMostStartElements, std::ceil(turning / allowed_turning(k, accuracy, of_vertices)))));
       // an order that misses the accuracy on elements that are kept is as dear as those that would do
-      const double needed = std::max<double>(n, turning / allowed_turning(k, accuracy));
+      const double needed = std::max<double>(n, turning / allowed_turning(k, accuracy, of_vertices));
       const double cost = needed * costs[k];
       if (cost >= least) continue;
       least = cost;
@@ -388,10 +360,10 @@ std::vector<double> element_turning(const Scene& scene, const Mesh& mesh, const 
 }
 
 MeshChoice mesh_for_turning(const Scene& scene, const MeshChoice& present, const std::vector<double>& turning,
-                            double accuracy) {
+                            double accuracy, bool of_vertices) {
   MeshChoice choice = present;
   for (size_t m = 0; m < choice.size(); ++m) {
-    const double growth = turning[m] / allowed_turning(choice[m].order, accuracy);
+    const double growth = turning[m] / allowed_turning(choice[m].order, accuracy, of_vertices);
     if (growth > 1.0 && !scene.members[m].keeps_elements)
       choice[m].elements =
           static_cast<int>(std::ceil(choice[m].elements * std::min<double>(kLargestRefinement, growth)));
@@ -422,8 +394,32 @@ bool contains(const MeshChoice& larger, const MeshChoice& smaller) {
   });
 }
 
+std::vector<ErrorOfMember> errors_of_members(const Scene& scene, const Mesh& mesh, const ErrorEstimate& estimate) {
+  double length = 0.0, moments = 0.0;
+  for (const MeshMember& member : mesh.members) length += member.curve.length;
+  std::vector<ErrorOfMember> errors(mesh.members.size());
+  std::vector<double> compliance;
+  for (const Member& member : scene.members) compliance.push_back(bending_compliance(scene, member));
+  for (size_t e = 0; e < mesh.elements.size(); ++e) {
+    const MeshElement& element = mesh.elements[e];
+    const double whole = estimate.element_displacement[e] * estimate.element_displacement[e];
+    const double of_vertices =
+        carried(estimate.vertex_displacement[element.vertex[0]], estimate.vertex_displacement[element.vertex[1]]) *
+        mesh.element_length(element) / length;
+    const double moment = estimate.element_moment[e] * estimate.element_moment[e] * compliance[element.member];
+    errors[element.member].inside += std::max(0.0, whole - of_vertices);
+    errors[element.member].vertex += moment;
+    moments += moment;
+  }
+  for (ErrorOfMember& error : errors) {
+    error.inside = estimate.displacement.size > 0.0 ? std::sqrt(error.inside) / estimate.displacement.size : 0.0;
+    error.vertex = moments > 0.0 ? estimate.largest_displacement.relative() * error.vertex / moments : 0.0;
+  }
+  return errors;
+}
+
 double error_of_kept(const Scene& scene, const Mesh& mesh, const ErrorEstimate& estimate) {
-  const std::vector<MemberError> errors = errors_of_members(scene, mesh, estimate);
+  const std::vector<ErrorOfMember> errors = errors_of_members(scene, mesh, estimate);
   double inside = 0.0, vertex = 0.0;
   for (size_t m = 0; m < errors.size(); ++m) {
     if (!scene.members[m].keeps_order || !scene.members[m].keeps_elements) continue;
@@ -433,9 +429,8 @@ double error_of_kept(const Scene& scene, const Mesh& mesh, const ErrorEstimate& 
   return std::max(std::sqrt(inside), vertex);
 }
 
-MeshChoice next_mesh(const Scene& scene, const Mesh& mesh, const MeshChoice& present, const ErrorEstimate& estimate,
-                     double aim) {
-  const std::vector<MemberError> errors = errors_of_members(scene, mesh, estimate);
+MeshChoice next_mesh(const Scene& scene, const Mesh& mesh, const MeshChoice& present,
+                     const std::vector<ErrorOfMember>& errors, double aim) {
   const std::vector<Member> with_places = members_with_places(scene);
   Candidates members;
   for (size_t m = 0; m < present.size(); ++m)

@@ -31,7 +31,8 @@ Scene on_mesh(const Scene& scene, const MeshChoice& choice);
 
 /// The cheapest mesh that suffices for the accuracy if members turn as they do in the undeformed structure, by their
 /// eigenstrains, and by a guess from the sizes of the loads.
-MeshChoice start_mesh(const Scene& scene, double accuracy);
+/// `of_vertices`: for numbers of vertices alone, which converge with the power 2 k in place of k + 1.
+MeshChoice start_mesh(const Scene& scene, double accuracy, bool of_vertices = false);
 
 /// Displacements that an accuracy is not measured against, nor by less: an error that belongs to this size of the
 /// largest displacement is rounding, or nothing where the structure as a whole hardly moves. `length`: of the
@@ -47,11 +48,11 @@ double judged_error(const ErrorEstimate& estimate);
 /// theta^(k+1). `vertex_rotation`: (vertex, 4) unit quaternions w, x, y, z. [radian]
 std::vector<double> element_turning(const Scene& scene, const Mesh& mesh, const std::vector<double>& vertex_rotation);
 /// The largest such turning that goes with an accuracy.
-double allowed_turning(int order, double accuracy);
+double allowed_turning(int order, double accuracy, bool of_vertices = false);
 /// Enough elements for members that turn too much, or kLargestRefinement times as many where that is less; `turning`:
 /// of present elements.
 MeshChoice mesh_for_turning(const Scene& scene, const MeshChoice& present, const std::vector<double>& turning,
-                            double accuracy);
+                            double accuracy, bool of_vertices = false);
 
 /// Twice as many elements.
 MeshChoice doubled(const Scene& scene, const MeshChoice& present);
@@ -64,13 +65,21 @@ bool contains(const MeshChoice& larger, const MeshChoice& smaller);
 /// What of judged_error() is left where all other members are exact: that of members which keep order and elements.
 double error_of_kept(const Scene& scene, const Mesh& mesh, const ErrorEstimate& estimate);
 
-/// The cheapest mesh whose predicted error is at most `aim`; where there is none, that of the least error.
+/// What an estimate says about one member, relative to the sizes of the quantities.
+struct ErrorOfMember {
+  double inside = 0.0;  ///< root mean square over the structure of what the element itself cannot represent
+  double vertex = 0.0;  ///< its share in the largest error of a vertex
+};
+std::vector<ErrorOfMember> errors_of_members(const Scene& scene, const Mesh& mesh, const ErrorEstimate& estimate);
+
+/// The cheapest mesh whose predicted error is at most `aim`; where there is none, that of the least error. `errors`: of
+/// each member.
 ///
 /// The error inside the elements of a member falls as (q h)^(k+1), the error of vertices as (q h)^(2k) with the share
 /// of the member in it. Each q follows from the estimate with the assumption that an error of one belongs to q h = 1,
 /// which the measured errors of smooth beams obey over eight digits (apps/docs/trade.md). `mesh`: the one that was
 /// estimated; elements grow by kLargestRefinement at most.
-MeshChoice next_mesh(const Scene& scene, const Mesh& mesh, const MeshChoice& present, const ErrorEstimate& estimate,
-                     double aim);
+MeshChoice next_mesh(const Scene& scene, const Mesh& mesh, const MeshChoice& present,
+                     const std::vector<ErrorOfMember>& errors, double aim);
 
 }  // namespace mixbeam

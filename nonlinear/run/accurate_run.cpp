@@ -51,7 +51,7 @@ class AccurateSolver {
                   std::none_of(scene.members.begin(), scene.members.end(),
                                [](const Member& member) { return member.keeps_order && member.keeps_elements; })),
         most_failures_(start == nullptr ? kMostFailures : 0),
-        choice_(start == nullptr ? start_mesh(scene, accuracy_) : *start) {}
+        choice_(start == nullptr ? start_mesh(scene, accuracy_, observer.of_vertices) : *start) {}
 
   AccurateRun run() {
     const auto done = [&](AccuracyEnd end) { return AccurateRun{*simulation_, estimate_, end, rounds_}; };
@@ -113,8 +113,8 @@ class AccurateSolver {
       for (double& angle : turning) angle *= std::min(kLargestPreview, scene_.stages / load_factor);
     std::vector<double> tolerated = turning;
     for (double& angle : tolerated) angle /= kTurningMargin;
-    if (mesh_for_turning(scene_, choice_, tolerated, accuracy_) == choice_) return false;
-    choice_ = mesh_for_turning(scene_, choice_, turning, accuracy_);
+    if (mesh_for_turning(scene_, choice_, tolerated, accuracy_, observer_.of_vertices) == choice_) return false;
+    choice_ = mesh_for_turning(scene_, choice_, turning, accuracy_, observer_.of_vertices);
     return true;
   }
 
@@ -239,7 +239,11 @@ class AccurateSolver {
     if (estimate.exists()) rounds_.back().error = error_of(estimate_);
     if (!is_reached(rounds_.back().error) && rounds_.back().error < kRoundingMayShow && !parameters_.analysis.control)
       polish(estimate);
-    if (is_reached(rounds_.back().error)) estimate_buckling();
+    shares_.clear();
+    if (is_reached(rounds_.back().error))
+      estimate_buckling();
+    else if (estimate.exists() && observer_.shares_of)
+      shares_ = observer_.shares_of(*simulation_, estimate);
     finish_round(estimate.exists() ? rounds_.back().remark : estimate.not_estimated);
     if (observer_.end) observer_.end(*simulation_, report_, estimate);
     estimate_.richer = Teuchos::null;
@@ -305,11 +309,15 @@ class AccurateSolver {
       choice_ = richer(scene_, choice_);
       return !(choice_ == before);
     }
-    // what counts in place of displacements may be taken to fall with them
     const double moved = judged_error(estimate_), error = observer_.error_of ? rounds_.back().error : moved;
-    if (error > 0.0)
-      choice_ = next_mesh(scene_, *simulation_->model().whole_mesh(), choice_, estimate_,
+    const auto mesh = simulation_->model().whole_mesh();
+    if (!shares_.empty()) {
+      choice_ = next_mesh(scene_, *mesh, choice_, shares_, aim_ * accuracy_);
+      if (!critical_.empty()) choice_ = joined(choice_, before);  // or another mesh would be needed to compare them
+    } else if (error > 0.0) {  // what counts in place of displacements may be taken to fall with them
+      choice_ = next_mesh(scene_, *mesh, choice_, errors_of_members(scene_, *mesh, estimate_),
                           aim_ * accuracy_ * std::min(1.0, moved / error));
+    }
     aim_ *= kNextAim;
     if (!observer_.error_of) return !(choice_ == before);
     divide_layers();
@@ -344,7 +352,8 @@ class AccurateSolver {
   std::unique_ptr<Simulation> simulation_;  ///< of `choice_`, or the mesh before
   StepReport report_{};                     ///< its last step
   ErrorEstimate estimate_{};
-  double least_displacement_ = 0.0;  ///< see least_displacement()
+  std::vector<ErrorOfMember> shares_{};  ///< of its error, see AccurateRunObserver
+  double least_displacement_ = 0.0;      ///< see least_displacement()
   /// Critical load factors of the last path, as often as eigenvalues vanish there, and those of the path before on a
   /// mesh that the last one contains.
   std::vector<double> critical_{};

@@ -52,6 +52,9 @@ struct AccurateRunObserver {
   /// Relative error that counts in place of displacements, NaN where it is not known.
   using ErrorOf = std::function<double(const Simulation& simulation, const ErrorEstimate& estimate)>;
   ErrorOf error_of{};
+  bool of_vertices = false;  ///< what counts is made of motions of vertices alone: see start_mesh()
+  /// (member): its share of that error, relative; empty where that is not known.
+  std::function<std::vector<ErrorOfMember>(const Simulation& simulation, const ErrorEstimate& estimate)> shares_of{};
   std::function<void(const Simulation& simulation)> begin{};
   std::function<void(const Simulation& simulation, const StepReport& report)> step{};
   std::function<void(const Simulation& simulation, const StepReport& report, const ErrorEstimate& estimate)> end{};

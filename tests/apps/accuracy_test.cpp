@@ -299,6 +299,24 @@ TEST_F(StressWithAnError, IsMadeSmallWhereTheAccuracyIsOfIt) {
       kRefused);
 }
 
+// alpha = 10, elliptic integrals. Everything as accurate takes order 8; the tip converges with the power 2 k.
+TEST_F(AccuracyOfAScene, OfTheTipAloneTakesACoarserMesh) {
+  const std::string quantities = "Quantities: {tip: {Quantity: displacement, Point: tip, Component: y}}";
+  int work[2];
+  for (const bool of_tip : {false, true}) {
+    const std::string scene = with(elastica_with("1e-8"), quantities);
+    const Ended ended = run_and_sum_up(of_tip ? with(scene, "Scene: {Accuracy Of: tip}") : scene);
+    EXPECT_EQ(ended.exit_code, kFine) << ended.err << ended.out;
+    const nlohmann::json member = chosen_mesh()["members"][0];
+    work[of_tip ? 1 : 0] = member["order"].get<int>() * member["elements"].get<int>();
+    if (!of_tip) continue;
+    expect_in(ended.out, {"wanted accuracy of \"tip\" 1.0e-08"});
+    const double tip = nlohmann::json::parse(text_of(summary_file()))["quantities"][0]["value"];
+    EXPECT_NEAR(tip, -0.810609024880296, 1e-8);
+  }
+  EXPECT_LT(3 * work[1], 2 * work[0]);
+}
+
 // Two guided ends: P_n = (n pi)^2 EI / L^2.
 TEST_F(AccuracyOfAScene, ReachesFactorsOfLinearBuckling) {
   const std::string scene = R"(Scene:

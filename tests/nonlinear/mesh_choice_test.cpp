@@ -38,7 +38,7 @@ ErrorEstimate estimate_of(const Mesh& mesh, const std::vector<double>& error_of_
 MeshChoice next(const Scene& scene, const MeshChoice& present, const std::vector<double>& errors, double aim) {
   const Scene meshed = on_mesh(scene, present);
   const Mesh mesh = build_mesh(meshed);
-  return next_mesh(meshed, mesh, present, estimate_of(mesh, errors), aim);
+  return next_mesh(meshed, mesh, present, errors_of_members(meshed, mesh, estimate_of(mesh, errors)), aim);
 }
 
 TEST(MeshChoice, StartTakesHigherOrdersForMoreDigits) {
@@ -46,6 +46,13 @@ TEST(MeshChoice, StartTakesHigherOrdersForMoreDigits) {
   const MemberMesh coarse = start_mesh(scene, 1e-2)[0], fine = start_mesh(scene, 1e-10)[0];
   EXPECT_LT(coarse.order, fine.order);
   EXPECT_LE(coarse.elements, fine.elements);
+}
+
+TEST(MeshChoice, StartIsCoarserForNumbersOfVertices) {
+  const Scene scene = chain(1);
+  const MemberMesh all = start_mesh(scene, 1e-8)[0], vertices = start_mesh(scene, 1e-8, true)[0];
+  EXPECT_LT(vertices.order, all.order);
+  EXPECT_LE(vertices.elements, all.elements);
 }
 
 TEST(MeshChoice, StartTakesMoreElementsWhereTheMemberTurns) {

@@ -268,7 +268,7 @@ AccurateRun Application::record_accurately(const Scene& solved, const SolverPara
     progress->report(report, running.share_done());
     recorder->keep(running, report, &estimate);
   };
-  observer.error_of = error_of_wanted(solved, quantities);
+  judge_wanted(solved, quantities, observer);
   observer.stop = recording.stop;
   observer.step_failed = [&](const StepFailure& failure) { progress->report(failure); };
   observer.threads = [&](const Scene& on_mesh) {

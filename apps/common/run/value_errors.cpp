@@ -2,10 +2,13 @@
 
 #include "apps/common/run/expected_quantity.hpp"
 #include "apps/common/tables/formatted.hpp"
+#include "discretization/mesh/element_view.hpp"
 #include "discretization/text/result_names.hpp"
+#include "nonlinear/linear/linear_solver.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 namespace mixbeam {
 
@@ -148,31 +151,105 @@ void add_value_errors(const QuantitySet* quantities, const Simulation& simulatio
 
 namespace {
 
-double judged_error_of(const std::string& name, const QuantitySet& quantities, const Simulation& simulation,
-                       const ErrorEstimate& estimate) {
-  const bool is_stress = name == "stress";
-  const QuantitySet set = is_stress ? set_of({largest("von Mises stress", "*")}, simulation.scene()) : quantities;
-  const std::vector<EstimatedValue> all =
-      with_errors(set, values_of(set, simulation), simulation, RicherStates(simulation, estimate));
+/// The worst of several numbers, over the largest of them.
+struct WantedError {
+  double value = 0.0, error = 0.0;
+  std::size_t column = 0;  ///< of the set: the worst one
+  double relative() const { return EstimatedValue{"", value, error, ""}.relative(); }
+};
+
+WantedError wanted_error(const QuantitySet& set, const std::string& name, const Simulation& simulation,
+                         const RicherStates& richer) {
+  const std::vector<EstimatedValue> all = with_errors(set, values_of(set, simulation), simulation, richer);
   auto next = all.begin();
-  EstimatedValue worst{name, 0.0, 0.0, ""};
-  for (const QuantitySet::Column& column : set.columns()) {
-    if (!column.is_value) continue;
+  WantedError worst;
+  for (std::size_t i = 0; i < set.columns().size(); ++i) {
+    if (!set.columns()[i].is_value) continue;
     const EstimatedValue& one = *next++;
-    if (!is_stress && set.name_of(column) != name) continue;
-    if (!one.is_estimated()) return std::nan("");
+    if (!name.empty() && set.name_of(set.columns()[i]) != name) continue;
+    if (!one.is_estimated()) return {1.0, std::nan(""), i};
     worst.value = std::max(worst.value, std::abs(one.value));
+    if (one.error > worst.error) worst.column = i;
     worst.error = std::max(worst.error, one.error);
   }
-  return worst.relative();
+  return worst;
+}
+
+/// (member): whether a derivative has rows inside of its elements.
+std::vector<unsigned char> asked_inside(const StateDerivative& quantity) {
+  const Model& model = quantity.model();
+  std::vector<unsigned char> is_asked(model.scene().members.size(), 0);
+  for_each_element(model.structure(), [&](const ElementView& element) {
+    const double* row = element.increments_in(quantity.rows().interior());
+    if (std::all_of(row, row + element.layout().increments(), [](double x) { return x == 0.0; })) return;
+    is_asked[static_cast<std::size_t>(model.mesh().elements[static_cast<std::size_t>(element.mesh_element())].member)] =
+        1;
+  });
+  return is_asked;
+}
+
+/// Without layers, which no space sees, and by one process; none where the number has no derivative.
+std::vector<ErrorOfMember> shares_of_wanted(const QuantitySet& set, const std::string& name,
+                                            const Simulation& simulation, const ErrorEstimate& estimate) {
+  const RicherStates richer(simulation, estimate);
+  if (richer.states.size() != 1 || simulation.model().map()->getComm()->getSize() > 1 ||
+      !simulation.scene().rotating_frames.empty())
+    return {};
+  const WantedError worst = wanted_error(set, name, simulation, richer);
+  const Model& model = richer.states.front().model();
+  State state = richer.states.front().state();
+  state.in_plane = false;
+  const std::vector<Reaction> reactions = mixbeam::reactions(model, state, simulation.load_factor());
+  const QuantityState there{model, state, simulation.load_factor(), reactions, strain_energy(model, state)};
+  try {
+    const std::vector<double> values = set.values(there);
+    const StateDerivative quantity = set.pinned(there, values).derivative(worst.column, there, values);
+    const std::vector<double> shares =
+        shares_of_members(simulation.model(), simulation.state(), simulation.load_factor(), estimate, quantity);
+    const std::vector<unsigned char> is_inside = asked_inside(quantity);
+    std::vector<ErrorOfMember> errors;
+    for (std::size_t m = 0; m < shares.size(); ++m) {
+      const double error = kSafety * std::abs(shares[m]) / worst.value;
+      errors.push_back(is_inside[m] != 0 ? ErrorOfMember{error, 0.0} : ErrorOfMember{0.0, error});
+    }
+    return errors;
+  } catch (const std::invalid_argument&) {  // it has no derivative
+    return {};
+  } catch (const LinearSolverError&) {
+    return {};
+  }
 }
 
 }  // namespace
 
-AccurateRunObserver::ErrorOf error_of_wanted(const Scene& scene, const QuantitySet& quantities) {
-  if (scene.accuracy_of.empty()) return {};
-  return [&scene, &quantities](const Simulation& simulation, const ErrorEstimate& estimate) {
-    return judged_error_of(scene.accuracy_of, quantities, simulation, estimate);
+bool wants_vertices(const Scene& scene, const QuantitySet& quantities) {
+  static const char* const kinds[] = {"displacement", "rotation", "position", "distance", "angle", "reaction force"};
+  const auto is_vertex = [](const std::string& point) { return point.find('@') == std::string::npos; };
+  for (const QuantitySet::Column& column : quantities.columns()) {
+    if (quantities.name_of(column) != scene.accuracy_of) continue;
+    const Quantity& asked = quantities.asked(column);
+    return std::find(std::begin(kinds), std::end(kinds), asked.kind) != std::end(kinds) && is_vertex(asked.point) &&
+           is_vertex(asked.other_point) && is_vertex(asked.corner);
+  }
+  return false;
+}
+
+void judge_wanted(const Scene& scene, const QuantitySet& quantities, AccurateRunObserver& observer) {
+  const std::string& name = scene.accuracy_of;
+  if (name.empty()) return;
+  if (name == "stress") {
+    observer.error_of = [](const Simulation& simulation, const ErrorEstimate& estimate) {
+      const QuantitySet set = set_of({largest("von Mises stress", "*")}, simulation.scene());
+      return wanted_error(set, "", simulation, RicherStates(simulation, estimate)).relative();
+    };
+    return;
+  }
+  observer.of_vertices = wants_vertices(scene, quantities);
+  observer.error_of = [&](const Simulation& simulation, const ErrorEstimate& estimate) {
+    return wanted_error(quantities, name, simulation, RicherStates(simulation, estimate)).relative();
+  };
+  observer.shares_of = [&](const Simulation& simulation, const ErrorEstimate& estimate) {
+    return shares_of_wanted(quantities, name, simulation, estimate);
   };
 }
 

@@ -32,8 +32,13 @@ std::vector<EstimatedValue> with_errors(const QuantitySet& set, const std::vecto
 void add_value_errors(const QuantitySet* quantities, const Simulation& simulation, const ErrorEstimate& estimate,
                       StepRecord& record);
 
-/// Relative error of what Scene::accuracy_of names, a quantity or "stress", NaN where it is not estimated; empty where
-/// the scene names nothing. Scene and quantities must outlive it. Collective.
-AccurateRunObserver::ErrorOf error_of_wanted(const Scene& scene, const QuantitySet& quantities);
+/// Whether Scene::accuracy_of names motions of points, forces of supports, or what is made of the former: numbers of
+/// vertices, see start_mesh().
+bool wants_vertices(const Scene& scene, const QuantitySet& quantities);
+
+/// Lets what Scene::accuracy_of names, a quantity or "stress", count in place of displacements: its relative error, NaN
+/// where it is not estimated, and the shares of members in it. Nothing where the scene names nothing. Scene and
+/// quantities must outlive the observer, whose functions are collective.
+void judge_wanted(const Scene& scene, const QuantitySet& quantities, AccurateRunObserver& observer);
 
 }  // namespace mixbeam
