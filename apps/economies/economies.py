@@ -119,6 +119,12 @@ def tip_asked_for(scene, _rod, _section, load):
     scene.quantities["tip"] = {"Quantity": "displacement", "Point": load.point}
 
 
+def tip_gradient(scene, rod, section, load):
+    """One component, with respect to 18 numbers of each element."""
+    tip_asked_for(scene, rod, section, load)
+    scene.gradient = {"Of": ["tip.y"], "By Element": True}
+
+
 def hundred_quantities(scene, _rod, _section, load):
     """A quarter each: displacements and moments at places of the rod, distances to its tip, extremes along all of it."""
     member = next(iter(scene.members))
@@ -179,6 +185,8 @@ def unused_features(given):
          ("100 quantities, 25 of them extremes along the rod", changed(rod, hundred_quantities), file)),
         ("one_quantity", ("no quantity asked for, result file written", rod, file),
          ("displacement of the tip asked for", changed(rod, tip_asked_for), file)),
+        ("gradient", ("displacement of the tip asked for, result file written", changed(rod, tip_asked_for), file),
+         ("its gradient by stiffnesses, compliances and natural strains of each element", changed(rod, tip_gradient), file)),
         ("stresses", ("stresses along members off, result file written", with_solver(shaped, **without_stresses), file),
          ("stresses at the end, of a rectangle", shaped, file)),
         ("no_stresses",

@@ -72,6 +72,10 @@ Trial solve(Application& app, const std::string& text, Follow way, bool estimate
   recording.file = app.output / "recorded.h5";
   recording.observer = observe;
   if (!read.quantities.empty()) recording.quantities = &read.quantities;
+  if (read.gradient)
+    recording.gradients = [&read](const Simulation& simulation) {
+      return gradients_or_reason(simulation, *read.gradient, read.quantities, read.xml, read.load_case);
+    };
   const RunWatch watch;
   try {
     if (way == Follow::counted) {
