@@ -331,8 +331,10 @@ void RunReport::print_gradients(std::ostream& out) const {
   for (const RecordedGradient& one : all.quantities) {
     out << "  gradient of " << one.quantity << formatted(" = %.10g\n", one.value);
     for (std::size_t i = 0; i < std::min(all.numbers.size(), kMostLines); ++i)
-      out << formatted("  %18.10g  by ", one.derivative[i]) << all.numbers[i] << "\n";
+      out << (std::isnan(one.derivative[i]) ? "       no derivative" : formatted("  %18.10g", one.derivative[i]))
+          << "  by " << all.numbers[i] << "\n";
     print_left_out(out, all.numbers.size());
+    if (!one.note.empty()) out << "  no derivative: " << one.note << "\n";
   }
 }
 

@@ -151,8 +151,13 @@ RunEnd run_case(Application& app, const std::string& load_case, const std::files
   if (!app.mesh_note.empty()) recording.properties[kMeshProperty] = app.mesh_note;
   if (!app.quantities.empty()) recording.quantities = &app.quantities;
   if (app.gradient)
-    recording.gradients = [&app, load_case](const Simulation& simulation) {
-      return gradients_or_reason(simulation, *app.gradient, app.quantities, app.xml, load_case);
+    recording.gradients = [&app, load_case, resume](const Simulation& at, const std::vector<CriticalPoint>& passed) {
+      std::vector<CriticalPoint> points;
+      Simulation before = at.at(at.state(), at.load_factor());
+      for (std::size_t i = 0; resume != nullptr && i < resume->steps().size(); ++i)
+        for (CriticalPoint& point : stored_critical_points(before, *resume, i)) points.push_back(std::move(point));
+      points.insert(points.end(), passed.begin(), passed.end());
+      return gradients_or_reason(at, *app.gradient, {app.quantities, points}, app.xml, load_case);
     };
   recording.resume = resume;
   recording.writing = writing;

@@ -180,7 +180,7 @@ py::dict gradient_table(const SolvedRun& run, const std::vector<std::string>& of
     const GradientParameters asked{of, by, by_element};
     require_known(asked, app.xml, app.quantities, app.scene);
     try {
-      return gradients_at(run.at(step), asked, app.quantities, app.xml, app.load_case);
+      return gradients_at(run.at(step), asked, {app.quantities, run.critical_points()}, app.xml, app.load_case);
     } catch (const LinearSolverError& error) {
       throw ConvergenceError(error.what());
     }

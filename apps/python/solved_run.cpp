@@ -185,6 +185,16 @@ Simulation SolvedRun::at(int step) const {
   return simulation;
 }
 
+std::vector<CriticalPoint> SolvedRun::critical_points() const {
+  std::vector<CriticalPoint> all;
+  Simulation simulation = *simulation_;
+  for (std::size_t i = 0; i < steps_.size(); ++i)
+    for (const CriticalPoint& point :
+         stored_ ? stored_critical_points(simulation, *stored_, i) : steps_[i].report.critical_points)
+      all.push_back(point);
+  return all;
+}
+
 std::string meant_case(const Scene& scene, const std::optional<std::string>& wanted) {
   const std::vector<std::string> known = alternatives(scene);
   if (!wanted && known.empty()) return "";

@@ -43,6 +43,8 @@ class SolvedRun {
 
   /// The structure in the state of a step, counted from 0, or from the end from -1 on. Throws InputError.
   Simulation at(int step) const;
+  /// Those of all steps, in the order of the path.
+  std::vector<CriticalPoint> critical_points() const;
   /// Throws InputError where the result file of the run has been replaced.
   void require_same_file() const;
   /// That step with its critical points. Throws InputError.

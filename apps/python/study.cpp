@@ -73,8 +73,8 @@ Trial solve(Application& app, const std::string& text, Follow way, bool estimate
   recording.observer = observe;
   if (!read.quantities.empty()) recording.quantities = &read.quantities;
   if (read.gradient)
-    recording.gradients = [&read](const Simulation& simulation) {
-      return gradients_or_reason(simulation, *read.gradient, read.quantities, read.xml, read.load_case);
+    recording.gradients = [&read](const Simulation& simulation, const std::vector<CriticalPoint>& points) {
+      return gradients_or_reason(simulation, *read.gradient, {read.quantities, points}, read.xml, read.load_case);
     };
   const RunWatch watch;
   try {

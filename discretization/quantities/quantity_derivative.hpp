@@ -32,6 +32,7 @@ class StateDerivative {
   /// `weights`: rows of g1, g2, g3 of the rotation of the vertex.
   void add_triad(int vertex, const Mat& weights);
   void add_held(const HeldRows& held) { held_.push_back(held); }
+  void add_rows(const MixedVector& rows) { rows_.update(1.0, rows, 1.0); }
 
   /// The same at a place in an element.
   void add_displacement(const PlaceInElement& place, const Vec& weight);

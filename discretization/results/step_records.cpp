@@ -131,6 +131,7 @@ void write_gradients(hid_t step, const RecordedGradients& gradients) {
     const auto own = hdf5::create_group(group, std::to_string(number++));
     hdf5::write_attribute(own, "quantity", one.quantity);
     hdf5::write_attribute(own, "value", one.value);
+    if (!one.note.empty()) hdf5::write_attribute(own, "no_derivative", one.note);
     hdf5::write_dataset(own, "derivative", one.derivative, 1);
     if (one.stiffness.empty()) continue;
     hdf5::write_dataset(own, "stiffness", one.stiffness, 6);

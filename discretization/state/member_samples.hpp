@@ -233,6 +233,7 @@ struct RecordedGradient {
   double value = 0.0;
   std::vector<double> derivative{};                          ///< (number)
   std::vector<double> stiffness{}, compliance{}, natural{};  ///< (element, 6); empty unless asked for
+  std::string note{};                                        ///< why derivatives are NaN, where some are
 };
 struct RecordedGradients {
   std::string not_found{};             ///< why there are none; empty where there are

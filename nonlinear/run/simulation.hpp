@@ -9,7 +9,7 @@
 #include "nonlinear/diagnosis/force_sharing.hpp"
 #include "nonlinear/path/load_path.hpp"
 #include "nonlinear/path/path_goal.hpp"
-#include "nonlinear/sensitivity/gradient.hpp"
+#include "nonlinear/sensitivity/critical_gradient.hpp"
 #include "nonlinear/stability/mode_tracks.hpp"
 
 namespace mixbeam {
@@ -78,6 +78,10 @@ class Simulation {
   /// See gradients_of(): at state() and its load factor.
   std::vector<QuantityGradient> gradients(const GradientRequest& request) const {
     return gradients_of(*problem_, state_, load_factor_, request);
+  }
+  /// See critical_gradients_of(): of a point of the path.
+  std::vector<QuantityGradient> gradients(const CriticalPoint& point, const CriticalGradientRequest& request) const {
+    return critical_gradients_of(*problem_, point, request);
   }
 
   // All of the following are collective and give the same on every rank (samples: complete on rank 0).

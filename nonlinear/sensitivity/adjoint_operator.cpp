@@ -4,6 +4,7 @@
 #include "nonlinear/linear/krylov.hpp"
 #include "nonlinear/linear/linear_solver.hpp"
 #include "nonlinear/stability/block_krylov.hpp"
+#include "nonlinear/stability/thresholds.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -58,6 +59,10 @@ AdjointOperator::AdjointOperator(BeamProblem& problem, const State& state, doubl
       unknowns_(model_, system_.remaining()),
       remaining_(system_.matrix()->getRowMap()) {
   linearize(system_.is_unsymmetric());
+}
+
+bool AdjointOperator::is_symmetric() const {
+  return !system_.is_unsymmetric() && asymmetry(unknowns_.matrix()) <= stability_limit.symmetric;
 }
 
 /// The matrix over what chains leave is that of the tangent; of its transpose the chains alone are taken.

@@ -33,6 +33,7 @@ class AdjointOperator {
   const Model& model() const { return model_; }
   const State& state() const { return state_; }
   double load_factor() const { return point_.load_factor; }
+  bool is_symmetric() const;
 
   Adjoint solve(const StateDerivative& quantity);
   /// free . Z^T rows, the projected rows of supports and joints (6 * vertex + component).

@@ -3,25 +3,13 @@
 #pragma once
 
 #include "discretization/quantities/quantity_set.hpp"
-#include "nonlinear/sensitivity/adjoint_operator.hpp"
+#include "nonlinear/sensitivity/number_derivatives.hpp"
 
 #include <array>
-#include <functional>
-#include <memory>
 #include <string>
 #include <vector>
 
 namespace mixbeam {
-
-/// A number of a scene: what the scene is with other values of it, on the same mesh.
-struct SceneNumber {
-  std::string name{};
-  double step = 0.0;  ///< for differences of the equations of a state that stays as it is
-  /// With that much more of it. Throws InputError for values that are not allowed.
-  std::function<std::shared_ptr<const Scene>(double more)> scene_with{};
-  /// The same quantities with that much more of it in their formulas; empty: none of them has it.
-  std::function<QuantitySet(double more)> quantities_with{};
-};
 
 /// Derivatives by the numbers of one element of the mesh. Order: N1, N2, N3, M1, M2, M3.
 struct ElementDerivatives {
@@ -35,6 +23,7 @@ struct QuantityGradient {
   double value = 0.0;
   std::vector<double> by_number{};             ///< (number)
   std::vector<ElementDerivatives> elements{};  ///< (element of the mesh); empty unless asked for
+  std::string note{};                          ///< why derivatives are NaN, where some are
 };
 
 /// A state in equilibrium at a fixed load factor, and quantities of it.
@@ -45,13 +34,16 @@ struct GradientRequest {
   bool by_element = false;
 };
 
+/// Throws InputError where gradients are not offered.
+void require_differentiable(const BeamProblem& problem);
+
 /// One process only. Throws InputError for a number of which the equations are no smooth function and for a quantity
 /// that has no derivative, LinearSolverError where the adjoint equations cannot be solved.
 std::vector<QuantityGradient> gradients_of(BeamProblem& problem, const State& state, double load_factor,
                                            const GradientRequest& request);
 
-/// Of one quantity, in the order of the mesh. Throws std::invalid_argument for one that is made of strains.
-std::vector<ElementDerivatives> element_gradients(const AdjointOperator& at, const StateDerivative& quantity,
+/// Of one quantity of a state, in the order of the mesh. Throws std::invalid_argument for one that is made of strains.
+std::vector<ElementDerivatives> element_gradients(const State& state, const StateDerivative& quantity,
                                                   const Adjoint& adjoint);
 
 }  // namespace mixbeam

@@ -250,7 +250,7 @@ TEST(Gradients, TangentThatIsNotTransposedFails) {
   for (const bool transposed : {true, false}) {
     AdjointOperator adjoint(problem, simulation.state(), simulation.load_factor(), transposed);
     double sum = 0.0;
-    for (const ElementDerivatives& element : element_gradients(adjoint, quantity, adjoint.solve(quantity)))
+    for (const ElementDerivatives& element : element_gradients(simulation.state(), quantity, adjoint.solve(quantity)))
       sum += element.stiffness[5];
     const double error = std::abs(sum / wanted - 1.0);
     if (transposed)

@@ -115,9 +115,6 @@ Simulation Application::try_to_solve(const Scene& solved, const SolverParameters
   }
 }
 
-namespace {
-
-/// With their states, which is all that expected values ask for; no modes.
 std::vector<CriticalPoint> stored_critical_points(Simulation& simulation, const StoredRun& run, std::size_t position) {
   std::vector<CriticalPoint> points;
   for (const RecordedCriticalPoint& stored : run.critical_points(position)) {
@@ -137,8 +134,6 @@ std::vector<CriticalPoint> stored_critical_points(Simulation& simulation, const 
   }
   return points;
 }
-
-}  // namespace
 
 /// Brings the simulation to the last step of a stored run; on the way, shows the observer those of its steps to which
 /// expected values belong.

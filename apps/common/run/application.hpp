@@ -35,8 +35,9 @@ struct Recording {
   std::function<bool()> stop{};             ///< see PathControl
   std::function<void()> restart{};          ///< what was observed so far does not count: another mesh follows
   const QuantitySet* quantities = nullptr;  ///< followed besides the motion of points
-  /// Of the state at the end of the path; none: they are not asked for.
-  std::function<RecordedGradients(const Simulation&)> gradients{};
+  /// Of the state at the end of the path, and of critical points since it began or was resumed; none: they are not
+  /// asked for.
+  std::function<RecordedGradients(const Simulation&, const std::vector<CriticalPoint>&)> gradients{};
   std::vector<RecordedBucklingMode> motions{};  ///< of the undeformed structure, beside its buckling modes
   const StoredRun* resume = nullptr;            ///< continues after its last step, in its file
   WritingOptions writing{};
@@ -48,6 +49,9 @@ struct KeptStep {
   State state{};
   RecordedStability stability{};
 };
+
+/// Critical points of a step of a run, with their states and without modes.
+std::vector<CriticalPoint> stored_critical_points(Simulation& simulation, const StoredRun& run, std::size_t position);
 
 /// `results/scene_failure.txt` of `results/scene.h5`.
 std::filesystem::path failure_file_of(const std::filesystem::path& results);

@@ -146,8 +146,10 @@ class Application::Recorder {
       step.vibration = find_modes(running);
     judge_by_modes(step);
     if (recording_.quantities != nullptr) follow_quantities(running, report, step);
-    if (recording_.gradients && running.is_end_of_path(running.load_factor()))
-      step.gradients = recording_.gradients(running);
+    if (recording_.gradients) {
+      passed_.insert(passed_.end(), report.critical_points.begin(), report.critical_points.end());
+      if (running.is_end_of_path(running.load_factor())) step.gradients = recording_.gradients(running, passed_);
+    }
     if ((report.step == 0 || running.is_between_stages()) && parameters_.analysis.buckling_modes > 0)
       step.buckling = running.buckling_modes(parameters_.analysis.buckling_modes, recording_.points_per_element);
     step.buckling.insert(step.buckling.end(), recording_.motions.begin(), recording_.motions.end());
@@ -198,6 +200,7 @@ class Application::Recorder {
   const Recording& recording_;
   std::vector<std::string> points_;
   ModeTracks tracks_{};
+  std::vector<CriticalPoint> passed_{};  ///< where gradients are asked for
   std::unique_ptr<ResultFile> results_;  ///< null: without a file
   std::optional<MonitorTable> monitor_;
   bool has_steps_ = false;

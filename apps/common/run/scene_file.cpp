@@ -73,9 +73,11 @@ namespace {
 
 /// Values at critical points need a path on which these are looked for.
 void check_critical_points_are_found(const Application& app) {
-  for (const ExpectedValue& value : app.expected) {
-    if (!value.critical_point) continue;
-    const ParameterPath path = {"Expected", value.name, "Critical Point"};
+  std::vector<ParameterPath> places;
+  for (const ExpectedValue& value : app.expected)
+    if (value.critical_point) places.push_back({"Expected", value.name, "Critical Point"});
+  if (app.gradient && asks_for_critical_points(*app.gradient)) places.push_back({"Gradient", "Of"});
+  for (const ParameterPath& path : places) {
     if (!app.solver.analysis.stability.value_or(true))
       throw app.xml.source.error(path, R"(given, but critical points are not looked for with "Stability" = false)");
     if (app.solver.load_path.method != LoadPathMethod::automatic)

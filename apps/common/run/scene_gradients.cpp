@@ -26,13 +26,18 @@ constexpr double kStepOfNumber = 0.005, kStepOfPoint = 0.002;
 constexpr std::size_t kMostNumbers = 10'000;
 
 const std::string kQuantities = "Quantities";
+/// Before the number of a critical point on the path, from 1, or a pattern of numbers.
+const std::string kCriticalLoad = "load factor at critical point ";
+
+bool means_critical_points(const std::string& text) { return text.rfind(kCriticalLoad, 0) == 0; }
 
 BoundList<GradientParameters> gradient_parameters() {
   BoundList<GradientParameters> gradient(
       "Gradients of quantities with respect to numbers of the scene, at the end of the path at its load factor: one "
       "solution for each quantity, a few evaluations for each number, no further run.");
   gradient.bind(&GradientParameters::of, array("Of", ParameterType::text_array).required(),
-                "Names of quantities, as the list Quantities gives them (\"tip.y\"), or patterns: " + kWildcards + ".");
+                "Names of quantities, as the list Quantities gives them (\"tip.y\"), or patterns: " + kWildcards +
+                    "; \"" + kCriticalLoad + "1\": of the first limit point or bifurcation of the path.");
   gradient.bind(
       &GradientParameters::by, array("With Respect To", ParameterType::text_array).by_default(),
       "Paths of numbers below the list Scene (\"Sections/*/EI2\", \"Points/tip[0]\", \"Variables/L\"), or patterns "
@@ -132,11 +137,30 @@ std::vector<std::size_t> columns_meant(const QuantitySet& quantities, const std:
   const std::vector<std::string> names = names_of_values(quantities);
   std::vector<std::size_t> columns;
   for (const std::string& text : texts)
-    for (const std::string& name : names_meant(text, names))
+    for (const std::string& name : means_critical_points(text) ? std::vector<std::string>{} : names_meant(text, names))
       for (std::size_t i = 0; i < quantities.columns().size(); ++i)
         if (quantities.columns()[i].name == name && std::count(columns.begin(), columns.end(), i) == 0)
           columns.push_back(i);
   return columns;
+}
+
+/// Places in the path of the critical points that are meant, each once. Throws InputError for one that did not come.
+std::vector<std::size_t> points_meant(std::size_t count, const std::vector<std::string>& texts) {
+  std::vector<std::string> names;
+  for (std::size_t i = 1; i <= count; ++i) names.push_back(kCriticalLoad + std::to_string(i));
+  std::vector<std::size_t> places;
+  for (const std::string& text : texts) {
+    if (!means_critical_points(text)) continue;
+    const std::vector<std::string> meant = names_meant(text, names);
+    if (meant.empty())
+      throw InputError("the gradient of the " + excerpt(text) +
+                       ": it did not come; critical points on the path: " + std::to_string(count));
+    for (const std::string& name : meant) {
+      const std::size_t place = std::find(names.begin(), names.end(), name) - names.begin();
+      if (std::count(places.begin(), places.end(), place) == 0) places.push_back(place);
+    }
+  }
+  return places;
 }
 
 /// Sizes of what a number may be that is zero now, and so are its neighbours.
@@ -220,9 +244,9 @@ void require_known(const GradientParameters& asked, const XmlParameters& xml, co
   };
   const std::vector<std::string> names = names_of_values(quantities);
   for (const std::string& text : asked.of)
-    if (names_meant(text, names).empty())
+    if (!means_critical_points(text) && names_meant(text, names).empty())
       refuse("Of", "value \"" + excerpt(text) + "\" is no number that a quantity has; allowed: " +
-                       (names.empty() ? "nothing, the scene has no list \"Quantities\"" : quoted_list(names)));
+                       (names.empty() ? "" : quoted_list(names) + ", ") + "\"" + kCriticalLoad + "1\"");
   for (const std::string& text : asked.by)
     if (numbers_meant(xml.list->sublist("Scene"), text).empty())
       refuse("With Respect To", "value \"" + excerpt(text) +
@@ -238,39 +262,68 @@ void require_known(const GradientParameters& asked, const XmlParameters& xml, co
                            "given, but the geometry has modes laid on it; allowed: scenes without such imperfections");
 }
 
-RecordedGradients gradients_at(const Simulation& simulation, const GradientParameters& asked,
-                               const QuantitySet& quantities, const XmlParameters& xml, const std::string& load_case) {
+bool asks_for_critical_points(const GradientParameters& asked) {
+  return std::any_of(asked.of.begin(), asked.of.end(), means_critical_points);
+}
+
+namespace {
+
+std::vector<SceneNumber> scene_numbers(const Simulation& at, const GradientParameters& asked, const XmlParameters& xml,
+                                       const std::string& load_case) {
   const Teuchos::ParameterList& list = xml.list->sublist("Scene");
-  GradientRequest request{quantities, columns_meant(quantities, asked.of), {}, asked.by_element};
-  RecordedGradients recorded;
+  std::vector<SceneNumber> numbers;
   for (const NumberPath& path : all_numbers(list, asked)) {
-    recorded.numbers.push_back(path.text());
-    SceneNumber& number = request.numbers.emplace_back();
+    SceneNumber& number = numbers.emplace_back();
     number.name = path.text();
-    number.step = step_of(path, entry_of(list, path), simulation);
-    number.scene_with = [&, path](double more) { return scene_with(xml, path, more, simulation.scene(), load_case); };
-    number.quantities_with = quantities_with(xml, path, simulation.scene());
+    number.step = step_of(path, entry_of(list, path), at);
+    number.scene_with = [&xml, &at, path, load_case](double more) {
+      return scene_with(xml, path, more, at.scene(), load_case);
+    };
+    number.quantities_with = quantities_with(xml, path, at.scene());
   }
-  for (const QuantityGradient& gradient : simulation.gradients(request)) {
+  return numbers;
+}
+
+void record(const std::vector<QuantityGradient>& gradients, RecordedGradients& recorded) {
+  for (const QuantityGradient& gradient : gradients) {
     RecordedGradient& one = recorded.quantities.emplace_back();
     one.quantity = gradient.quantity;
     one.value = gradient.value;
     one.derivative = gradient.by_number;
+    one.note = gradient.note;
     for (const ElementDerivatives& element : gradient.elements) {
       one.stiffness.insert(one.stiffness.end(), element.stiffness.begin(), element.stiffness.end());
       one.compliance.insert(one.compliance.end(), element.compliance.begin(), element.compliance.end());
       one.natural.insert(one.natural.end(), element.natural.begin(), element.natural.end());
     }
   }
+}
+
+}  // namespace
+
+RecordedGradients gradients_at(const Simulation& simulation, const GradientParameters& asked, const Differentiable& of,
+                               const XmlParameters& xml, const std::string& load_case) {
+  RecordedGradients recorded;
+  for (const NumberPath& path : all_numbers(xml.list->sublist("Scene"), asked)) recorded.numbers.push_back(path.text());
+  if (const std::vector<std::size_t> columns = columns_meant(of.quantities, asked.of); !columns.empty())
+    record(simulation.gradients(
+               {of.quantities, columns, scene_numbers(simulation, asked, xml, load_case), asked.by_element}),
+           recorded);
+  for (const std::size_t i : points_meant(of.points.size(), asked.of)) {
+    const Simulation there = simulation.at(of.points[i].state, of.points[i].load_factor);
+    record(there.gradients(of.points[i], {"critical point " + std::to_string(i + 1),
+                                          scene_numbers(there, asked, xml, load_case), asked.by_element}),
+           recorded);
+  }
   return recorded;
 }
 
 RecordedGradients gradients_or_reason(const Simulation& simulation, const GradientParameters& asked,
-                                      const QuantitySet& quantities, const XmlParameters& xml,
+                                      const Differentiable& of, const XmlParameters& xml,
                                       const std::string& load_case) {
   RecordedGradients none;
   try {
-    return gradients_at(simulation, asked, quantities, xml, load_case);
+    return gradients_at(simulation, asked, of, xml, load_case);
   } catch (const InputError& error) {
     none.not_found = error.what();
   } catch (const LinearSolverError& error) {

@@ -43,13 +43,20 @@ GradientParameters read_gradient(XmlParameters& xml, const QuantitySet& quantiti
 void require_known(const GradientParameters& asked, const XmlParameters& xml, const QuantitySet& quantities,
                    const Scene& scene);
 
+/// What has gradients: quantities of a state, load factors of the critical points of its path.
+struct Differentiable {
+  const QuantitySet& quantities;
+  const std::vector<CriticalPoint>& points;
+};
+
 /// At the present state of a simulation of a scene that `xml` tells, `load_case` of it. Throws InputError,
 /// LinearSolverError.
-RecordedGradients gradients_at(const Simulation& simulation, const GradientParameters& asked,
-                               const QuantitySet& quantities, const XmlParameters& xml, const std::string& load_case);
+RecordedGradients gradients_at(const Simulation& simulation, const GradientParameters& asked, const Differentiable& of,
+                               const XmlParameters& xml, const std::string& load_case);
 /// The same where a run must go on: RecordedGradients::not_found in place of an error.
 RecordedGradients gradients_or_reason(const Simulation& simulation, const GradientParameters& asked,
-                                      const QuantitySet& quantities, const XmlParameters& xml,
-                                      const std::string& load_case);
+                                      const Differentiable& of, const XmlParameters& xml, const std::string& load_case);
+/// Whether load factors of critical points are among what is asked for.
+bool asks_for_critical_points(const GradientParameters& asked);
 
 }  // namespace mixbeam

@@ -280,7 +280,7 @@ class CarriedScene {
       for (const NumberPath& path : search_.paths) asked.by.push_back(path.text());
       for (const WantedQuantity& wanted : search_.wanted)
         if (wanted.load_case == cases_[i]) asked.of.push_back(wanted.quantity);
-      const RecordedGradients found = gradients_at(accepted_[i], asked, quantities_, xml_, cases_[i]);
+      const RecordedGradients found = gradients_at(accepted_[i], asked, {quantities_, {}}, xml_, cases_[i]);
       for (std::size_t k = 0; k < search_.wanted.size(); ++k)
         for (const RecordedGradient& one : found.quantities)
           if (search_.wanted[k].load_case == cases_[i] && one.quantity == search_.wanted[k].quantity)

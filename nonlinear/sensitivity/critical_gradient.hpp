@@ -1,0 +1,20 @@
+/// Gradients of the load factors of critical points with respect to numbers of their scene, theory (81).
+#pragma once
+
+#include "nonlinear/sensitivity/gradient.hpp"
+#include "nonlinear/stability/critical_point.hpp"
+
+namespace mixbeam {
+
+struct CriticalGradientRequest {
+  std::string name{};  ///< "critical point 1"
+  std::vector<SceneNumber> numbers{};
+  bool by_element = false;
+};
+
+/// "load factor at NAME" of a limit point. `transposed` false: the mode in place of the left null vector, of which
+/// loads that follow make something else. One process only. Throws as gradients_of() does.
+std::vector<QuantityGradient> critical_gradients_of(BeamProblem& problem, const CriticalPoint& point,
+                                                    const CriticalGradientRequest& request, bool transposed = true);
+
+}  // namespace mixbeam

@@ -1,0 +1,197 @@
+#include "nonlinear/sensitivity/number_derivatives.hpp"
+
+#include "discretization/text/errors.hpp"
+#include "discretization/text/message_text.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mixbeam {
+
+namespace {
+
+/// Share of the sum of the sizes of all terms by which differences of sixth and of eighth order, whose error with steps
+/// of a few percent is that of rounding, may differ. Kinks and jumps leave ten percent, smooth functions 1e-7 at most;
+/// a step that is too large for a function is made smaller some times.
+constexpr double kSmooth = 1e-6, kSmallerStep = 0.125;
+/// Rounding of rows over their scales, theory (40), of which differences have that over the step.
+constexpr double kRoundingOfRows = 1e-12;
+constexpr int kMostSteps = 3;
+constexpr double kSameAxes = 1e-12;  ///< rounding of direction cosines
+/// Share of the sizes of all terms that states, which are known to ten digits, and differences leave of a sum that is
+/// zero.
+constexpr double kNoise = 1e-7;
+
+}  // namespace
+
+StateRows rows_at(const Model& model, const State& state, double load_factor) {
+  StateRows rows(model);
+  element_rows(model, state, load_factor, ElementLoads::with_centrifugal, rows.spatial);
+  for (const auto& energy : model.external()) energy->add_rows(state, load_factor, rows.spatial.vertex());
+  model.constraints().set(state, load_factor, MixedVector::view_of(rows.constraints));
+  return rows;
+}
+
+std::vector<double> weights_of(const ElementView& element) {
+  std::vector<double> weight(static_cast<size_t>(element.layout().moment(0)), 0.0);
+  for_each_force_rule(element.order(), element.block().force_integration, [&](int first, int count, int from, int to) {
+    double points[kMaximumOrder + 1], gauss[kMaximumOrder + 1];
+    gauss_rule(count, points, gauss);
+    for (int q = 0; q < count; ++q)
+      for (int i = from; i < to; ++i)
+        weight[static_cast<size_t>(element.layout().force(first + q) + i)] = 0.5 * element.length() * gauss[q];
+  });
+  return weight;
+}
+
+/// By both formulas, with the state as it is.
+struct NumberDerivatives::Differences {
+  StateRows rows[2];
+  std::vector<double> values[2];  ///< of the quantities
+};
+
+void NumberDerivatives::add(Adjoint adjoint, DofVector held) {
+  rounding_.push_back(work_of_scales(adjoint));
+  adjoints_.push_back(std::move(adjoint));
+  held_.push_back(std::move(held));
+}
+
+/// Of rows as large as their scales.
+double NumberDerivatives::work_of_scales(const Adjoint& adjoint) const {
+  MixedVector sizes = model_.create_vector(), motion = model_.create_vector();
+  sizes.fill(1.0);
+  unscale_rows(model_, scales_of(model_, state_, operator_.load_factor()), sizes);
+  motion.absolute_values_of(adjoint.field);
+  return motion.inner_product(sizes);
+}
+
+std::vector<NumberDerivatives::Derivative> NumberDerivatives::by(const SceneNumber& number) const {
+  return by(number.name, number.step, [&](double more) {
+    auto moved = std::make_shared<const Model>(number.scene_with(more), model_.map()->getComm(), model_.options());
+    require_alike(*moved, number.name);
+    return Moved{std::move(moved), operator_.load_factor(), &number, more};
+  });
+}
+
+std::vector<NumberDerivatives::Derivative> NumberDerivatives::by_load_factor(double step) const {
+  const std::shared_ptr<const Model> same(std::shared_ptr<void>{}, &model_);
+  return by("load factor", step, [&](double more) {
+    return Moved{same, operator_.load_factor() + more, nullptr, more};
+  });
+}
+
+std::vector<NumberDerivatives::Derivative> NumberDerivatives::by(const std::string& name, double step,
+                                                                 const Move& move) const {
+  for (int attempt = 1;; ++attempt, step *= kSmallerStep) {
+    const bool is_last = attempt == kMostSteps;
+    try {
+      std::vector<Derivative> derivatives;
+      if (pair(differentiate(step, move), step, derivatives)) return derivatives;
+      if (is_last)
+        throw InputError("the gradient with respect to \"" + excerpt(name) +
+                         "\": the equations are no smooth function of this number");
+    } catch (const InputError& error) {
+      if (is_last) throw;
+    }
+  }
+}
+
+NumberDerivatives::Differences NumberDerivatives::differentiate(double step, const Move& move) const {
+  Differences by{{StateRows(model_), StateRows(model_)}, {}};
+  for (std::vector<double>& values : by.values) values.assign(adjoints_.size(), 0.0);
+  for (int k = 0; k < kStencil; ++k)
+    for (const double sign : {1.0, -1.0}) {
+      const Moved moved = move(sign * (k + 1) * step);
+      const StateRows rows = rows_at(*moved.model, state_, moved.load_factor);
+      const std::vector<double> values = values_ ? values_(moved) : std::vector<double>{};
+      for (int order = 0; order < 2; ++order) {
+        const double factor = sign * (order == 0 ? kEighth : kSixth)[k] / step;
+        by.rows[order].add(factor, rows);
+        for (std::size_t i = 0; i < values.size(); ++i) by.values[order][i] += factor * values[i];
+      }
+    }
+  return by;
+}
+
+/// The numbers of a state must mean the same.
+void NumberDerivatives::require_alike(const Model& moved, const std::string& number) const {
+  const auto refuse = [&](const std::string& what) {
+    throw InputError("the gradient with respect to \"" + excerpt(number) + "\": " + what +
+                     "; allowed: numbers that leave them as they are");
+  };
+  const Structure &a = model_.structure(), &b = moved.structure();
+  if (a.interior_size != b.interior_size || a.local_vertex_to_global != b.local_vertex_to_global)
+    refuse("it changes the mesh");
+  const Conditions &before = model_.conditions(), &after = moved.conditions();
+  const auto differ = [](const Mat& x, const Mat& y) {
+    double largest = 0.0;
+    for (int i = 0; i < 9; ++i) largest = std::max(largest, std::abs(x(i / 3, i % 3) - y(i / 3, i % 3)));
+    return largest > kSameAxes;
+  };
+  if (before.supports.size() != after.supports.size() || before.joints.size() != after.joints.size())
+    refuse("it changes supports or joints");
+  for (std::size_t i = 0; i < before.supports.size(); ++i)
+    if (differ(before.supports[i].axes, after.supports[i].axes)) refuse("it turns the axes of a support");
+  for (std::size_t i = 0; i < before.joints.size(); ++i)
+    if (differ(before.joints[i].frame, after.joints[i].frame)) refuse("it turns the axis of a joint");
+}
+
+/// dq/dp = q_p + t . R_p of every quantity; false where the two formulas do not agree.
+bool NumberDerivatives::pair(const Differences& by, double step, std::vector<Derivative>& derivatives) const {
+  for (std::size_t i = 0; i < adjoints_.size(); ++i) {
+    double sizes = 0.0, ignored = 0.0;
+    // less what a reaction holds of it: that is its own derivative
+    const auto part = [&](int order, double& size) {
+      const double value = by.values[order][i], held = held_[i].dot(by.rows[order].spatial.vertex_dofs());
+      size += std::abs(value) + std::abs(held);
+      return work(adjoints_[i], by.rows[order], size) + value - held;
+    };
+    const double fine = part(0, sizes);
+    const double coarse = part(1, ignored);
+    const double rounding = kRoundingOfRows * rounding_[i] / step;
+    if (!(std::abs(fine - coarse) <= kSmooth * sizes + rounding)) return false;
+    derivatives.push_back({fine, kNoise * sizes + rounding});
+  }
+  return true;
+}
+
+double NumberDerivatives::work(const Adjoint& adjoint, const StateRows& rows, double& sizes) const {
+  const KernelView<const double*> vertex = rows.spatial.vertex(), motion = adjoint.field.vertex();
+  double sum = 0.0;
+  const auto add = [&](double term) {
+    sum += term;
+    sizes += std::abs(term);
+  };
+  for (std::size_t i = 0; i < vertex.extent(0); ++i) add(motion(i) * vertex(i));
+  for_each_element(model_.structure(), [&](const ElementView& element) {
+    const double* row = element.increments_in(rows.spatial.interior());
+    const double* of = element.increments_in(adjoint.field.interior());
+    const int forces = element.layout().moment(0);
+    const std::vector<double> weight = weights_of(element);
+    for (int i = 0; i < element.layout().increments(); ++i)
+      add((i < forces ? weight[static_cast<size_t>(i)] : 1.0) * of[i] * row[i]);
+  });
+  add(operator_.work_of_free(adjoint, rows.constraints));
+  add(-work_of_held(adjoint, rows.constraints));
+  return sum;
+}
+
+/// Of the motions that supports prescribe.
+double NumberDerivatives::work_of_held(const Adjoint& adjoint, const DofVector& constraints) const {
+  const KernelView<const double*> rows = MixedVector::view_of(constraints);
+  double sum = 0.0;
+  for (const VertexSupport& support : model_.conditions().supports)
+    for (int i = 0; i < kVertexDofs; ++i) {
+      if (!support.fixed[i]) continue;
+      const double row = rows(vertex_row(support.vertex, i));
+      if (row == 0.0) continue;
+      const Vec held = load_vector(&adjoint.held[vertex_row(support.vertex, i < 3 ? 0 : 3)]);
+      if (i < 3)
+        sum += row * (support.axes(i, 0) * held[0] + support.axes(i, 1) * held[1] + support.axes(i, 2) * held[2]);
+      else
+        sum += row * held[i - 3];
+    }
+  return sum;
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,165 @@
+// Gradients of critical loads against closed forms, and against differences of whole runs.
+#include "discretization/scene/section_law.hpp"
+#include "nonlinear/sensitivity/critical_gradient.hpp"
+#include "tests/support/buckling_scenes.hpp"
+#include "tests/support/solve.hpp"
+
+#include <cmath>
+#include <functional>
+
+namespace mixbeam::test::critical_gradients_test {
+namespace {
+
+/// Differences of whole runs of fourth order: eight digits.
+constexpr double kOfDifferences = 1e-8, kStep = 0.003;
+constexpr double kClosedForm = 1e-9;
+/// Two ways to the same derivative.
+constexpr double kSame = 1e-11;
+/// Error of the gradient under followers with the mode in place of the left null vector, at least.
+constexpr double kNotLeft = 1e-3;
+
+struct Parameter {
+  std::string name;
+  double value = 0.0, step = 0.0;  ///< of differences of runs
+  std::function<void(Scene&, double)> set;
+};
+
+Scene with(const Scene& scene, const Parameter& parameter, double more) {
+  Scene changed = scene;
+  parameter.set(changed, parameter.value + more);
+  return changed;
+}
+
+SceneNumber number_of(const Scene& scene, const Parameter& parameter) {
+  return {parameter.name, 0.25 * parameter.step,
+          [=](double more) { return std::make_shared<const Scene>(with(scene, parameter, more)); }};
+}
+
+/// Those up to the first of the kind.
+CriticalPoint first_point(const Scene& scene, CriticalKind kind, const SolverParameters& parameters = {}) {
+  Simulation simulation(scene, parameters, this_rank());
+  std::vector<CriticalPoint> found;
+  PathControl control;
+  control.stop = [&] { return !found.empty(); };
+  simulation.run(
+      [&](const StepReport& report, const State&) {
+        for (const CriticalPoint& point : report.critical_points)
+          if (point.kind == kind) found.push_back(point);
+      },
+      control);
+  if (found.empty()) throw std::runtime_error(scene.name + ": no " + name_of(kind));
+  return found.front();
+}
+
+std::vector<QuantityGradient> gradients(const Scene& scene, const CriticalPoint& point,
+                                        const std::vector<Parameter>& parameters, bool by_element = false,
+                                        bool transposed = true) {
+  CriticalGradientRequest request{"critical point 1", {}, by_element};
+  for (const Parameter& parameter : parameters) request.numbers.push_back(number_of(scene, parameter));
+  BeamProblem problem(scene, this_rank(), {});
+  return critical_gradients_of(problem, point, request, transposed);
+}
+
+/// Of the first critical point of the kind, by runs.
+double difference(const Scene& scene, CriticalKind kind, const Parameter& parameter) {
+  const auto load = [&](double more) { return first_point(with(scene, parameter, more), kind).load_factor; };
+  const double h = parameter.step;
+  return (8.0 * (load(h) - load(-h)) - (load(2.0 * h) - load(-2.0 * h))) / (12.0 * h);
+}
+
+void expect_as_differences(const Scene& scene, CriticalKind kind, const std::vector<Parameter>& parameters) {
+  const QuantityGradient found = gradients(scene, first_point(scene, kind), parameters).front();
+  for (size_t i = 0; i < parameters.size(); ++i) {
+    const double wanted = difference(scene, kind, parameters[i]);
+    EXPECT_NEAR(found.by_number[i] / wanted, 1.0, kOfDifferences)
+        << scene.name << " by " << parameters[i].name << ": " << found.by_number[i] << " " << wanted;
+  }
+}
+
+Parameter of_stiffness(const Scene& scene, int component, int section = 0) {
+  const std::array<double, 6> stiffness = diagonal(scene.sections[section]);
+  return {"stiffness " + std::to_string(component), stiffness[component], kStep * stiffness[component],
+          [=](Scene& changed, double value) {
+            std::array<double, 6> numbers = diagonal(changed.sections[section]);
+            numbers[component] = value;
+            set_diagonal(changed.sections[section], numbers);
+          }};
+}
+Parameter of_place(const Scene& scene, size_t point, int component, double step) {
+  return {"place of " + scene.points[point].name, scene.points[point].position[component], step,
+          [=](Scene& changed, double value) { changed.points[point].position[component] = value; }};
+}
+
+/// Its bars have the height h and the length l with l^3 = l_0 a^2 at the limit point, whose load is stationary with
+/// them.
+TEST(CriticalGradients, OfTheLimitLoadOfAToggle) {
+  const Scene scene = shallow_truss(2.0);
+  const CriticalPoint point = first_point(scene, CriticalKind::limit_point);
+  const QuantityGradient found =
+      gradients(scene, point, {of_stiffness(scene, 0), of_place(scene, 1, 1, kStep * kTrussRise)}).front();
+  const double length0 = std::hypot(kTrussHalfSpan, kTrussRise),
+               length = std::cbrt(length0 * kTrussHalfSpan * kTrussHalfSpan),
+               height = std::sqrt(length * length - kTrussHalfSpan * kTrussHalfSpan);
+  const double force = 2.0 * kTrussAxial * (1.0 / length - 1.0 / length0) * height;
+  EXPECT_NEAR(found.value, force / 2.0, kClosedForm);
+  EXPECT_NEAR(found.by_number[0], force / 2.0 / kTrussAxial, kClosedForm * force / kTrussAxial);
+  EXPECT_NEAR(found.by_number[1], kTrussAxial * height * kTrussRise / std::pow(length0, 3), kClosedForm * force);
+}
+
+/// Of half span 1, guided at its crown or not.
+Scene arch(const Support& ends, bool guided, double force, double half = 0.5) {
+  const double x = std::sin(half), y = std::cos(half);
+  Scene scene;
+  scene.name = "arch";
+  scene.sections = {section(1e4, 1e4, 1.0, 1.0)};
+  scene.points = {{"left", {-x, y, 0}}, {"crown", {0, 1, 0}}, {"right", {x, y, 0}}};
+  scene.members = {arc("left half", "left", "crown", {0, 0, 0}, {0, 0, -1}, half, 4, 6),
+                   arc("right half", "crown", "right", {0, 0, 0}, {0, 0, -1}, half, 4, 6)};
+  scene.supports = {ends, ends};
+  scene.supports[0].point = "left";
+  scene.supports[1].point = "right";
+  Support guide = clamp("crown");
+  guide.displacement_fixed = {guided, false, true};
+  guide.rotation_fixed = {true, true, guided};
+  scene.supports.push_back(guide);
+  scene.point_loads = {dead_load("crown", {0, -force, 0})};
+  return scene;
+}
+
+TEST(CriticalGradients, OfTheLimitLoadOfAnArch) {
+  const Scene scene = arch(hinged("left"), true, 60.0);
+  expect_as_differences(scene, CriticalKind::limit_point, {of_stiffness(scene, 0), of_stiffness(scene, 5)});
+  const CriticalPoint point = first_point(scene, CriticalKind::limit_point);
+  const QuantityGradient found =
+      gradients(scene, point, {of_stiffness(scene, 0), of_stiffness(scene, 5)}, true).front();
+  double axial = 0.0, bending = 0.0;
+  for (const ElementDerivatives& element : found.elements) {
+    axial += element.stiffness[0];
+    bending += element.stiffness[5];
+  }
+  EXPECT_NEAR(axial, found.by_number[0], kSame);
+  EXPECT_NEAR(bending, found.by_number[1], kSame);
+}
+
+/// At its crown, along its left half.
+TEST(CriticalGradients, OfLimitLoadsThatFollow) {
+  Scene scene = arch(hinged("left"), false, 0.0);
+  scene.name = "point load";
+  scene.point_loads = {follower_load("crown", "left half", {10.0, 100.0, 0})};
+  expect_as_differences(scene, CriticalKind::limit_point, {of_stiffness(scene, 5)});
+  const CriticalPoint point = first_point(scene, CriticalKind::limit_point);
+  const double left = gradients(scene, point, {of_stiffness(scene, 5)}).front().by_number[0],
+               right = gradients(scene, point, {of_stiffness(scene, 5)}, false, false).front().by_number[0];
+  EXPECT_GT(std::abs(right / left - 1.0), kNotLeft) << left << " " << right;
+  scene.name = "line load";
+  scene.point_loads.clear();
+  DistributedLoad along;
+  along.member = "left half";
+  along.force = {0, 100.0, 0};
+  along.frame = LoadFrame::follower;
+  scene.distributed_loads = {along};
+  expect_as_differences(scene, CriticalKind::limit_point, {of_stiffness(scene, 5)});
+}
+
+}  // namespace
+}  // namespace mixbeam::test::critical_gradients_test
