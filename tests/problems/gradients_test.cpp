@@ -158,7 +158,7 @@ TEST(RandomGradients, AreThoseOfDifferences) {
     for (const std::string& path : some_paths(*file, random)) {
       RecordedGradients found;
       try {
-        found = gradients_at(*simulation, {{"*"}, {path}, false}, set, file->xml, "");
+        found = gradients_at(*simulation, {{"*"}, {path}, false}, {set, {}}, file->xml, "");
       } catch (const InputError&) {  // an arc through points of its own
         continue;
       } catch (const LinearSolverError&) {  // closed frames of rigid members
