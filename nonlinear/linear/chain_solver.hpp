@@ -17,6 +17,8 @@ class TangentSolver : public Solver {
   /// Estimates how much the rounding of the rows left by chains may change x . K x for a motion x, where that is known.
   /// Collective.
   virtual double rounding_of_form(const DofVector&) const { return 0.0; }
+  /// Its room for chains, which others may use until the next factorize(); null: it has none.
+  virtual CondensedSystem* chains() { return nullptr; }
 };
 
 /// Solves what chains leave.
@@ -47,6 +49,7 @@ class ChainSolver : public TangentSolver {
   /// Tangents that had to be factorised as a whole.
   int fallback_factorizations() const { return fallback_factorizations_; }
   const CondensedSystem& system() const { return system_; }
+  CondensedSystem* chains() override { return &system_; }
 
  private:
   double solve_condensed(const DofVector& b, DofVector& x, double energy_reduction);

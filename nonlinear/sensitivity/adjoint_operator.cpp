@@ -27,9 +27,11 @@ constexpr int kPart = 128;
 /// Rounding of a solve beyond which it is refined, and refused: share of the sum of the terms of a row.
 constexpr double kRefinedAdjoint = 1e-15, kRefusedAdjoint = 1e-9;
 
-/// Refinements of a whole solution: three as a rule, each of which takes what is left to its share, as far as rounding.
+/// Refinements of a whole solution: one to three as a rule, each of which takes what is left to its share, as far as
+/// rounding: of products, and of one solution without a cap, a tenth of the machine's times the square of the number of
+/// elements.
 constexpr int kMostRefinements = 6;
-constexpr double kFastRefinement = 1e-2, kRefined = 1e-14;
+constexpr double kFastRefinement = 1e-2, kRefined = 1e-14, kShareOfRounding = 2e-17;
 
 /// Whether all that acts in rows is in those of elements and loads: free motions of joints and of supports that hold
 /// a part of the rotations, or spring against them, depend on the state.
@@ -55,7 +57,8 @@ AdjointOperator::AdjointOperator(BeamProblem& problem, const State& state, doubl
       residual_(model_.create_vector()),
       point_(mixed_residual(model_, state, load_factor, residual_)),
       vertex_rows_("mixbeam::adjoint::rows", model_.structure().local_elements()),
-      system_(model_),
+      lender_(problem.take_solver()),
+      system_(lender_->chains() != nullptr ? *lender_->chains() : own_.emplace(model_)),
       unknowns_(model_, system_.remaining()),
       remaining_(system_.matrix()->getRowMap()) {
   linearize(system_.is_unsymmetric());
@@ -319,16 +322,18 @@ MixedVector AdjointOperator::left_of(const MixedVector& rows, const Adjoint& adj
 /// with them. Returns whether the adjoint has converged: where forces are shared by stiffness it does not without
 /// GMRES.
 bool AdjointOperator::refine(const MixedVector& rows, bool with_gmres, Adjoint& adjoint) {
+  const double elements = model_.structure().length / model_.structure().shortest_element;
+  const double enough = std::max(kRefined, kShareOfRounding * elements * elements);
   const double whole = norm_of(adjoint.field);
   double before = whole;
   for (int pass = 0; pass < kMostRefinements; ++pass) {
     Adjoint more = respond(left_of(rows, adjoint, Parts::all));
     if (with_gmres) take_out_cap(more);
     const double size = norm_of(more.field);
-    if (!(size <= kFastRefinement * before)) return size <= kRefined * whole;
+    if (!(size <= kFastRefinement * before)) return size <= enough * whole;
     adjoint.field.update(1.0, more.field, 1.0);
     for (size_t i = 0; i < adjoint.free.size(); ++i) adjoint.free[i] += more.free[i];
-    if (size * size <= kRefined * whole * before) return true;  // as the next one would be
+    if (size * size <= enough * whole * before) return true;  // as the next one would be
     before = size;
   }
   return false;

@@ -69,8 +69,10 @@ class AdjointOperator {
   MixedVector residual_;
   EvaluationPoint point_;
   std::optional<Tangent> tangent_{};
-  KernelView<double* [12]> vertex_rows_;  ///< (local element)
-  CondensedSystem system_;
+  KernelView<double* [12]> vertex_rows_;   ///< (local element)
+  std::shared_ptr<TangentSolver> lender_;  ///< whose memory for chains is used
+  std::optional<CondensedSystem> own_{};
+  CondensedSystem& system_;
   IndependentUnknowns unknowns_;
   DofVector remaining_;
   std::unique_ptr<InertiaSolver> solver_;
