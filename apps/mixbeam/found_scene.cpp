@@ -91,54 +91,55 @@ std::string lines_of(const std::vector<std::string>& texts) {
   return all;
 }
 
-void write_numbers(const std::string& stem, const FoundScene& found) {
-  std::vector<std::string> columns = {"parameter",          "number",   "start",  "value",
-                                      "standard deviation", "at least", "at most"};
-  const std::size_t n = found.numbers.size();
-  for (std::size_t i = 0; i < n && !found.covariance.empty(); ++i)
-    columns.push_back("covariance with " + found.numbers[i].name);
-  CsvTable table(stem + ".csv", columns, Appears::when_closed);
-  for (std::size_t i = 0; i < n; ++i) {
-    const FoundNumber& one = found.numbers[i];
-    std::vector<CsvCell> row = {one.name, one.path, one.start, one.value, one.deviation, one.at_least, one.at_most};
-    for (std::size_t j = 0; j < n && !found.covariance.empty(); ++j) row.emplace_back(found.covariance[i * n + j]);
+/// Texts and columns of numbers side by side.
+void write_csv(const std::string& file, std::vector<std::string> heads, const std::vector<std::vector<CsvCell>>& texts,
+               const std::vector<TableColumn>& columns) {
+  for (const TableColumn& column : columns) heads.push_back(column.name);
+  CsvTable table(file, heads, Appears::when_closed);
+  for (std::size_t i = 0; i < columns.front().values.size(); ++i) {
+    std::vector<CsvCell> row = texts.empty() ? std::vector<CsvCell>{} : texts[i];
+    for (const TableColumn& column : columns) row.emplace_back(column.values[i]);
     table.add_row(row);
   }
   table.close();
-  std::vector<std::string> of_steps = {"step", "objective", "gradient", "change", "violation"};
-  for (const FoundNumber& number : found.numbers) of_steps.push_back(number.name);
-  CsvTable steps(stem + "-steps.csv", of_steps, Appears::when_closed);
-  for (const SearchStep& step : found.steps) {
-    std::vector<CsvCell> row = {step.number, step.objective, step.gradient, step.step, step.violation};
-    row.insert(row.end(), step.unknowns.begin(), step.unknowns.end());
-    steps.add_row(row);
-  }
-  steps.close();
 }
 
-void write_file(const std::string& stem, const SearchParameters& search, const FoundScene& found) {
-  std::vector<TableColumn> columns = {{"value"}, {"start"}, {"standard_deviation"}, {"at_least"}, {"at_most"}};
+/// NAME.csv, NAME-steps.csv and NAME.h5 with both.
+void write_tables(const std::string& name, const SearchParameters& search, const FoundScene& found) {
+  std::vector<TableColumn> numbers = {{"start"}, {"value"}, {"standard deviation"}, {"at least"}, {"at most"}};
+  std::vector<TableColumn> steps = {{"objective"}, {"gradient"}, {"change"}, {"violation"}};
+  std::vector<std::vector<CsvCell>> texts;
   std::vector<std::string> names, paths, wanted;
-  for (const FoundNumber& one : found.numbers) {
-    const double row[] = {one.value, one.start, one.deviation, one.at_least, one.at_most};
-    for (std::size_t i = 0; i < columns.size(); ++i) columns[i].values.push_back(row[i]);
+  const auto add = [](std::vector<TableColumn>& to, const std::vector<double>& row) {
+    for (std::size_t i = 0; i < row.size(); ++i) to[i].values.push_back(row[i]);
+  };
+  const std::size_t n = found.numbers.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    const FoundNumber& one = found.numbers[i];
+    add(numbers, {one.start, one.value, one.deviation, one.at_least, one.at_most});
+    texts.push_back({one.name, one.path});
     names.push_back(one.name);
     paths.push_back(one.path);
+    steps.push_back({one.name});
   }
-  const std::size_t n = names.size();
-  for (std::size_t i = 0; i < n && !found.covariance.empty(); ++i)
-    columns.push_back({"covariance/" + std::to_string(i),
-                       {found.covariance.begin() + static_cast<std::ptrdiff_t>(i * n),
-                        found.covariance.begin() + static_cast<std::ptrdiff_t>((i + 1) * n)}});
-  for (const WantedQuantity& one : search.wanted) wanted.push_back(one.name);
-  columns.push_back({"wanted", found.values});
-  TableColumn steps[] = {{"steps/objective"}, {"steps/gradient"}, {"steps/change"}};
+  for (std::size_t i = 0; i < n && !found.covariance.empty(); ++i) {
+    TableColumn& column = numbers.emplace_back(TableColumn{"covariance with " + names[i]});
+    for (std::size_t j = 0; j < n; ++j) column.values.push_back(found.covariance[j * n + i]);
+  }
   for (const SearchStep& step : found.steps) {
-    const double row[] = {step.objective, step.gradient, step.step};
-    for (std::size_t i = 0; i < 3; ++i) steps[i].values.push_back(row[i]);
+    std::vector<double> row = {step.objective, step.gradient, step.step, step.violation};
+    row.insert(row.end(), step.unknowns.begin(), step.unknowns.end());
+    add(steps, row);
   }
-  columns.insert(columns.end(), std::begin(steps), std::end(steps));
-  write_table_file(stem + ".h5", columns,
+  write_csv(name + ".csv", {"parameter", "number"}, texts, numbers);
+  write_csv(name + "-steps.csv", {}, {}, steps);
+  for (const WantedQuantity& one : search.wanted) wanted.push_back(one.name);
+  for (std::size_t i = 0; i < steps.size(); ++i)  // names may hold what is none in a file
+    steps[i].name = "steps/" + (i < 4 ? steps[i].name : std::to_string(i - 4));
+  for (std::size_t i = 5; i < numbers.size(); ++i) numbers[i].name = "covariance/" + std::to_string(i - 5);
+  numbers.insert(numbers.end(), steps.begin(), steps.end());
+  numbers.push_back({"wanted", found.values});
+  write_table_file(name + ".h5", numbers,
                    {{"names", lines_of(names)}, {"numbers", lines_of(paths)}, {"wanted", lines_of(wanted)}}, "found");
 }
 
@@ -196,8 +197,7 @@ bool take_found_numbers(Application& app, const std::filesystem::path& stem) {
   tell(app, search, found);
   if (!stem.empty()) {
     replace_file(file, found.xml, false);
-    write_numbers(name, found);
-    write_file(name, search, found);
+    write_tables(name, search, found);
     app.out() << "  scene with these numbers: " << file << "\n";
   }
   if (found.end == SearchEnd::stopped) return false;

@@ -26,45 +26,52 @@ constexpr int kMostEvaluations = 1000, kMostBlocked = 12;
 
 class MinimumSearch {
  public:
-  explicit MinimumSearch(const ConstrainedMinimum& problem)
+  MinimumSearch(const SearchProblem& problem, std::size_t equations)
       : problem_(problem),
+        equations_(equations),
         unknowns_(problem.space.start.size()),
         search_(nlopt_create(NLOPT_LD_SLSQP, static_cast<unsigned>(unknowns_)), nlopt_destroy) {}
 
-  ConstrainedMinimumResult run() {
+  SearchResult run() {
     nlopt_opt search = search_.get();
-    const std::vector<double> allowed(problem_.equations + problem_.inequalities + 1, kFeasible);
+    result_.unknowns = problem_.space.start;
+    if (!go_to(result_.unknowns)) return ended(is_stopped_ ? SearchEnd::stopped : SearchEnd::blocked);
+    const std::size_t inequalities = result_.values.size() - 1 - equations_;
+    const std::vector<double> allowed(result_.values.size(), kFeasible);
     nlopt_set_lower_bounds(search, problem_.space.lower.data());
     nlopt_set_upper_bounds(search, problem_.space.upper.data());
     nlopt_set_min_objective(search, objective, this);
-    if (problem_.equations > 0)
-      nlopt_add_equality_mconstraint(search, static_cast<unsigned>(problem_.equations), equations, this,
-                                     allowed.data());
-    if (problem_.inequalities > 0)
-      nlopt_add_inequality_mconstraint(search, static_cast<unsigned>(problem_.inequalities), inequalities, this,
+    if (equations_ > 0)
+      nlopt_add_equality_mconstraint(search, static_cast<unsigned>(equations_), equations_of, this, allowed.data());
+    if (inequalities > 0)
+      nlopt_add_inequality_mconstraint(search, static_cast<unsigned>(inequalities), inequalities_of, this,
                                        allowed.data());
     nlopt_set_xtol_rel(search, kSettled);
     nlopt_set_ftol_rel(search, kSettledObjective);
     nlopt_set_ftol_abs(search, kSettledObjective);
     nlopt_set_maxeval(search, kMostEvaluations);
-    result_.unknowns = problem_.space.start;
     double value = 0.0;
-    const nlopt_result ended = nlopt_optimize(search, result_.unknowns.data(), &value);
+    const nlopt_result reason = nlopt_optimize(search, result_.unknowns.data(), &value);
     if (failure_) std::rethrow_exception(failure_);
-    result_.end = end_of(ended);
-    return result_;
+    return ended(end_of(reason));
   }
 
  private:
-  SearchEnd end_of(nlopt_result ended) {
+  SearchResult ended(SearchEnd end) {
+    result_.end = end;
+    return result_;
+  }
+
+  SearchEnd end_of(nlopt_result reason) {
     const bool is_there = go_to(result_.unknowns);
-    if (is_there) look();
-    result_.violation = is_there ? violation() : HUGE_VAL;
-    if (is_there) result_.unknowns = at_;
+    if (is_there) {
+      look();
+      result_.unknowns = at_;
+    }
     if (is_stopped_) return SearchEnd::stopped;
     if (blocked_ >= kMostBlocked) return SearchEnd::blocked;
-    if (ended == NLOPT_MAXEVAL_REACHED) return SearchEnd::too_long;
-    if (is_there && gradient_left() <= kFlat && result_.violation <= kFeasible) return SearchEnd::found;
+    if (reason == NLOPT_MAXEVAL_REACHED) return SearchEnd::too_long;
+    if (is_there && gradient_left() <= kFlat && violation() <= kFeasible) return SearchEnd::found;
     return ends_beside_block() ? SearchEnd::blocked : SearchEnd::no_descent;
   }
 
@@ -96,24 +103,25 @@ class MinimumSearch {
       if (!self.go_to({x, x + self.unknowns_})) return;
       if (gradient != nullptr) {
         self.look();
-        std::copy_n(self.derivatives_.begin(), self.unknowns_, gradient);
+        std::copy_n(self.result_.derivatives.begin(), self.unknowns_, gradient);
       }
-      value = self.values_[0];
+      value = self.result_.values[0];
     });
     return value;
   }
-  static void equations(unsigned m, double* values, unsigned, const double*, double* gradient, void* data) {
+  static void equations_of(unsigned m, double* values, unsigned, const double*, double* gradient, void* data) {
     static_cast<MinimumSearch*>(data)->give(1, m, values, gradient);
   }
-  static void inequalities(unsigned m, double* values, unsigned, const double*, double* gradient, void* data) {
+  static void inequalities_of(unsigned m, double* values, unsigned, const double*, double* gradient, void* data) {
     auto& self = *static_cast<MinimumSearch*>(data);
-    self.give(1 + self.problem_.equations, m, values, gradient);
+    self.give(1 + self.equations_, m, values, gradient);
   }
   /// Constraints are asked for where the objective was, after it.
   void give(std::size_t first, std::size_t count, double* values, double* gradient) const {
-    std::copy_n(values_.begin() + static_cast<std::ptrdiff_t>(first), count, values);
+    std::copy_n(result_.values.begin() + static_cast<std::ptrdiff_t>(first), count, values);
     if (gradient != nullptr)
-      std::copy_n(derivatives_.begin() + static_cast<std::ptrdiff_t>(first * unknowns_), count * unknowns_, gradient);
+      std::copy_n(result_.derivatives.begin() + static_cast<std::ptrdiff_t>(first * unknowns_), count * unknowns_,
+                  gradient);
   }
 
   /// What rounding keeps off a bound is at it.
@@ -142,44 +150,44 @@ class MinimumSearch {
       return false;
     }
     at_ = x;
-    values_ = *values;
+    result_.values = *values;
     return true;
   }
 
   void look() {
     if (at_ == looked_at_) return;
-    derivatives_ = problem_.derivatives();
+    result_.derivatives = problem_.derivatives();
     double change = 0.0;
     for (std::size_t i = 0; i < unknowns_ && !looked_at_.empty(); ++i)
       change = std::max(change, std::abs(at_[i] - looked_at_[i]));
     looked_at_ = at_;
     blocked_ = 0;
-    problem_.report({steps_++, at_, values_[0], gradient_left(), change, violation()});
+    problem_.report({steps_++, at_, result_.values[0], gradient_left(), change, violation()});
   }
 
   double violation() const {
     double largest = 0.0;
-    for (std::size_t k = 1; k < values_.size(); ++k)
-      largest = std::max(largest, k <= problem_.equations ? std::abs(values_[k]) : values_[k]);
+    for (std::size_t k = 1; k < result_.values.size(); ++k)
+      largest = std::max(largest, k <= equations_ ? std::abs(result_.values[k]) : result_.values[k]);
     return largest;
   }
 
   bool is_active(std::size_t constraint) const {
-    return constraint <= problem_.equations || values_[constraint] >= -kActive;
+    return constraint <= equations_ || result_.values[constraint] >= -kActive;
   }
   /// A bound holds an unknown that it keeps from going on down the objective, or beside active constraints.
   bool is_held(std::size_t i, bool has_active) const {
-    return (at_[i] <= problem_.space.lower[i] && (has_active || derivatives_[i] >= 0.0)) ||
-           (at_[i] >= problem_.space.upper[i] && (has_active || derivatives_[i] <= 0.0));
+    return (at_[i] <= problem_.space.lower[i] && (has_active || result_.derivatives[i] >= 0.0)) ||
+           (at_[i] >= problem_.space.upper[i] && (has_active || result_.derivatives[i] <= 0.0));
   }
 
   /// The gradient less its projection on those of active constraints, over unknowns that no bound holds.
   double gradient_left() const {
     bool has_active = false;
-    for (std::size_t k = 1; k < values_.size(); ++k) has_active = has_active || is_active(k);
+    for (std::size_t k = 1; k < result_.values.size(); ++k) has_active = has_active || is_active(k);
     const auto row = [&](std::size_t value) {
-      std::vector<double> entries(derivatives_.begin() + static_cast<std::ptrdiff_t>(value * unknowns_),
-                                  derivatives_.begin() + static_cast<std::ptrdiff_t>((value + 1) * unknowns_));
+      std::vector<double> entries(result_.derivatives.begin() + static_cast<std::ptrdiff_t>(value * unknowns_),
+                                  result_.derivatives.begin() + static_cast<std::ptrdiff_t>((value + 1) * unknowns_));
       for (std::size_t i = 0; i < unknowns_; ++i)
         if (is_held(i, has_active)) entries[i] = 0.0;
       return entries;
@@ -193,7 +201,7 @@ class MinimumSearch {
       }
       return entries;
     };
-    for (std::size_t k = 1; k < values_.size(); ++k) {
+    for (std::size_t k = 1; k < result_.values.size(); ++k) {
       if (!is_active(k)) continue;
       std::vector<double> normal = project(row(k));
       double size = 0.0;
@@ -207,12 +215,12 @@ class MinimumSearch {
     return largest;
   }
 
-  const ConstrainedMinimum& problem_;
+  const SearchProblem& problem_;
+  std::size_t equations_;
   std::size_t unknowns_;
   std::unique_ptr<nlopt_opt_s, void (*)(nlopt_opt)> search_;
-  ConstrainedMinimumResult result_{};
-  std::vector<double> at_{}, values_{};  ///< of the last evaluation
-  std::vector<double> looked_at_{}, derivatives_{};
+  SearchResult result_{};
+  std::vector<double> at_{}, looked_at_{};  ///< unknowns of the last values and derivatives
   std::exception_ptr failure_{};
   bool is_stopped_ = false;
   int blocked_ = 0;  ///< since the last derivatives
@@ -221,6 +229,8 @@ class MinimumSearch {
 
 }  // namespace
 
-ConstrainedMinimumResult minimise(const ConstrainedMinimum& problem) { return MinimumSearch(problem).run(); }
+SearchResult minimise(const SearchProblem& problem, std::size_t equations) {
+  return MinimumSearch(problem, equations).run();
+}
 
 }  // namespace mixbeam

@@ -59,17 +59,18 @@ double square_sum(const std::vector<double>& numbers) {
 
 class LeastSquaresSearch {
  public:
-  explicit LeastSquaresSearch(const LeastSquares& problem) : problem_(problem), unknowns_(problem.space.start.size()) {}
+  explicit LeastSquaresSearch(const SearchProblem& problem)
+      : problem_(problem), unknowns_(problem.space.start.size()) {}
 
-  LeastSquaresResult run() {
+  SearchResult run() {
     result_.unknowns = problem_.space.start;
-    std::optional<std::vector<double>> residuals = problem_.residuals(result_.unknowns);
+    std::optional<std::vector<double>> residuals = problem_.values(result_.unknowns);
     if (!residuals) return ended(SearchEnd::blocked);
-    result_.residuals = std::move(*residuals);
+    result_.values = std::move(*residuals);
     double move = 0.0;
     for (int number = 0;; ++number) {
       look();
-      problem_.report({number, result_.unknowns, square_sum(result_.residuals), cosine_, move, 0.0});
+      problem_.report({number, result_.unknowns, square_sum(result_.values), cosine_, move, 0.0});
       if (cosine_ <= kOrthogonal) return ended(SearchEnd::found);
       if (number == kMostSearchSteps) return ended(SearchEnd::too_long);
       if (problem_.stop()) return ended(SearchEnd::stopped);
@@ -79,26 +80,26 @@ class LeastSquaresSearch {
   }
 
  private:
-  LeastSquaresResult ended(SearchEnd end) {
+  SearchResult ended(SearchEnd end) {
     result_.end = end;
     return result_;
   }
   double entry(std::size_t residual, std::size_t unknown) const {
-    return result_.jacobian[residual * unknowns_ + unknown];
+    return result_.derivatives[residual * unknowns_ + unknown];
   }
 
   /// Derivatives and which bounds hold at the present point.
   void look() {
-    result_.jacobian = problem_.jacobian();
+    result_.derivatives = problem_.derivatives();
     columns_.assign(unknowns_, 0.0);
     held_.assign(unknowns_, false);
     cosine_ = 0.0;
-    const double size = std::sqrt(square_sum(result_.residuals));
+    const double size = std::sqrt(square_sum(result_.values));
     for (std::size_t i = 0; i < unknowns_; ++i) {
       double slope = 0.0;
-      for (std::size_t k = 0; k < result_.residuals.size(); ++k) {
+      for (std::size_t k = 0; k < result_.values.size(); ++k) {
         columns_[i] += entry(k, i) * entry(k, i);
-        slope += entry(k, i) * result_.residuals[k];
+        slope += entry(k, i) * result_.values[k];
       }
       columns_[i] = std::sqrt(columns_[i]);
       const double x = result_.unknowns[i];
@@ -110,7 +111,7 @@ class LeastSquaresSearch {
 
   /// None: the search goes on.
   std::optional<SearchEnd> step(double& move) {
-    const double before = square_sum(result_.residuals);
+    const double before = square_sum(result_.values);
     double share = 1.0;  // of the step, where nothing can be evaluated at its end
     for (int trial = 0; trial < kMostTrials; ++trial) {
       std::vector<double> change = bounded_change();
@@ -124,7 +125,7 @@ class LeastSquaresSearch {
       std::vector<double> there(unknowns_);
       for (std::size_t i = 0; i < unknowns_; ++i)
         there[i] = std::clamp(result_.unknowns[i] + change[i], problem_.space.lower[i], problem_.space.upper[i]);
-      std::optional<std::vector<double>> residuals = problem_.residuals(there);
+      std::optional<std::vector<double>> residuals = problem_.values(there);
       if (!residuals) {
         share *= 0.5;
         result_.blocked_at = there;
@@ -136,7 +137,7 @@ class LeastSquaresSearch {
       }
       damping_ = std::max(damping_ * kLessDamping, kLeastDamping);
       result_.unknowns = there;
-      result_.residuals = std::move(*residuals);
+      result_.values = std::move(*residuals);
       return {};
     }
     return share < 1.0 ? SearchEnd::blocked : SearchEnd::no_descent;
@@ -144,7 +145,7 @@ class LeastSquaresSearch {
 
   /// Residuals of the linear equations after a change.
   std::vector<double> linear(const std::vector<double>& change) const {
-    std::vector<double> residuals = result_.residuals;
+    std::vector<double> residuals = result_.values;
     for (std::size_t k = 0; k < residuals.size(); ++k)
       for (std::size_t i = 0; i < unknowns_; ++i) residuals[k] += entry(k, i) * change[i];
     return residuals;
@@ -200,9 +201,9 @@ class LeastSquaresSearch {
     return {d->data, d->data + n};
   }
 
-  const LeastSquares& problem_;
+  const SearchProblem& problem_;
   std::size_t unknowns_;
-  LeastSquaresResult result_;
+  SearchResult result_;
   std::vector<double> columns_{};  ///< their lengths
   std::vector<bool> held_{};
   double cosine_ = 0.0, damping_ = kDampingAtStart;
@@ -210,7 +211,7 @@ class LeastSquaresSearch {
 
 }  // namespace
 
-LeastSquaresResult minimise(const LeastSquares& problem) { return LeastSquaresSearch(problem).run(); }
+SearchResult minimise_squares(const SearchProblem& problem) { return LeastSquaresSearch(problem).run(); }
 
 Information information_of(const std::vector<double>& jacobian, const std::vector<bool>& is_held) {
   const std::size_t all = is_held.size(), m = jacobian.size() / all;

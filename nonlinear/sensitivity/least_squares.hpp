@@ -24,12 +24,12 @@ struct SearchStep {
   double violation = 0.0;  ///< of constraints, the largest
 };
 
-struct LeastSquares {
+struct SearchProblem {
   SearchSpace space{};
   /// At these unknowns; none: where nothing can be evaluated, and then a smaller step is tried.
-  std::function<std::optional<std::vector<double>>(const std::vector<double>&)> residuals{};
-  /// Derivatives (residual, unknown) at the unknowns of the last residuals, where the search goes on from.
-  std::function<std::vector<double>()> jacobian{};
+  std::function<std::optional<std::vector<double>>(const std::vector<double>&)> values{};
+  /// Derivatives (value, unknown) at the unknowns of the last values, where the search goes on from.
+  std::function<std::vector<double>()> derivatives{};
   std::function<void(const SearchStep&)> report{};
   std::function<bool()> stop{};  ///< asked before each step
 };
@@ -42,14 +42,15 @@ enum class SearchEnd {
   too_long
 };
 
-struct LeastSquaresResult {
+struct SearchResult {
   SearchEnd end = SearchEnd::found;
-  std::vector<double> unknowns{}, residuals{}, jacobian{};
-  std::vector<double> blocked_at{};  ///< unknowns of the smallest step that could not be evaluated
+  std::vector<double> unknowns{}, values{}, derivatives{};
+  std::vector<double> blocked_at{};  ///< unknowns of the last step that could not be evaluated
 };
 
-/// Gradients of a step: largest cosine between the residuals and the column of an unknown that no bound holds.
-LeastSquaresResult minimise(const LeastSquares& problem);
+/// The least sum of squares of the values. Gradients of a step: largest cosine between the values and the column of an
+/// unknown that no bound holds.
+SearchResult minimise_squares(const SearchProblem& problem);
 
 /// Of unknowns with residuals of unit variance; NaN for one that a bound holds.
 struct Information {

@@ -262,6 +262,19 @@ TEST_F(SearchFiles, RefuseWhatIsNotOffered) {
     EXPECT_EQ(ended.exit_code, kBadInput) << to << ended.out;
     expect_in(ended.err, {message, "scene.yaml:"});
   }
+  // what has no derivative is refused as a gradient refuses it
+  const Ended count = run(changed(changed(kPlane, "{tip:", "{count: {Quantity: negative eigenvalues}, tip:"),
+                                  "{Quantity: tip.y, Value: -0.301720773799814", "{Quantity: count, Value: 0"));
+  EXPECT_EQ(count.exit_code, kBadInput);
+  expect_in(count.err, {"has no derivative"});
+  for (const auto& [from, to, message] : std::vector<std::array<std::string, 3>>{
+           {"At Least: -1.0e-5", "At Least: 1, At Most: 0", "below \"At Least\""},
+           {"{Quantity: tip, At Least: -1.0e-5}", "{Quantity: tip}", "no bound"},
+           {"{Quantity: price}", "{Quantity: cost}", "is no number that a quantity has"}}) {
+    const Ended ended = run(changed(kStepped, from, to, "Design:"));
+    EXPECT_EQ(ended.exit_code, kBadInput) << to << ended.out;
+    expect_in(ended.err, {message, "scene.yaml:"});
+  }
   const Ended batch =
       run(std::string(kPlane) + "Batch: {Vary: {x: {Parameter: Variables/P, First: 1, Last: 2, Count: 2}}}\n", "batch");
   EXPECT_EQ(batch.exit_code, kBadInput);

@@ -70,6 +70,8 @@ BoundList<WantedQuantity> constraints() {
 BoundList<WantedQuantity> objectives() {
   BoundList<WantedQuantity> wanted("What shall be as small, or as large, as bounds and constraints allow.");
   bind_quantity(wanted);
+  wanted.bind(&WantedQuantity::is_largest, text("Goal").by_default(), "Which value is looked for.",
+              {{"smallest", false}, {"largest", true}});
   return wanted;
 }
 
@@ -93,10 +95,7 @@ class SearchReader {
     if (search_.paths.size() > kMostSearched)
       refuse({kParameters}, "it means " + std::to_string(search_.paths.size()) + " numbers; allowed: up to " +
                                 std::to_string(kMostSearched));
-    if (search_.is_design) {
-      search_.is_largest = list_.sublist(kObjective).get<std::string>("Goal") == "largest";
-      add_wanted("objective", kDesigned.read(list_.sublist(kObjective)), {kObjective});
-    }
+    if (search_.is_design) add_wanted("objective", kDesigned.read(list_.sublist(kObjective)), {kObjective});
     const std::string& lists = search_.is_design ? kConstraints : kMeasurements;
     const BoundList<WantedQuantity>& declared = search_.is_design ? kConstraint : kMeasured;
     if (!list_.isSublist(lists)) return search_;
@@ -354,26 +353,6 @@ std::string scene_with_numbers(const Application& app, const std::vector<FoundNu
   return xml_text(*written.list);
 }
 
-/// What stands in the way, and where.
-std::string end_text(SearchEnd end, const SearchParameters& search, const std::vector<double>& blocked_at,
-                     const std::string& obstacle) {
-  switch (end) {
-    case SearchEnd::blocked: {
-      std::string where;
-      for (std::size_t i = 0; i < blocked_at.size() && i < kLongestList; ++i)
-        where += (i == 0 ? "" : ", ") + search.numbers[i].name + " = " + shortest(blocked_at[i]);
-      return "the equilibrium cannot be carried to " + where + ": " + obstacle +
-             "; its branch ends there, and the search before it";
-    }
-    case SearchEnd::no_descent:
-      return "no step makes the objective smaller, and it is not at its minimum";
-    case SearchEnd::too_long:
-      return "not at the minimum after the most steps that are allowed";
-    default:
-      return "";
-  }
-}
-
 /// Which changes of the numbers change no measurement.
 std::vector<std::string> untold_text(const Information& information, const SearchParameters& search) {
   std::vector<std::string> texts;
@@ -392,27 +371,29 @@ std::vector<std::string> untold_text(const Information& information, const Searc
 
 }  // namespace
 
-ListSpec design_spec() {
-  ListSpec spec(
-      "Find numbers of the scene with which a quantity is as small, or as large, as bounds of others allow. The scene "
-      "with them is written beside the results, and solved.");
+namespace {
+
+ListSpec search_spec(const std::string& meaning) {
+  ListSpec spec(meaning + " The scene with them is written beside the results, and solved.");
   spec.add_list(kParameters, ListSpec("What is looked for.").with_named_lists("parameter", kSearchedNumbers.spec, 1),
                 Presence::required);
-  ListSpec objective = kDesigned.spec;
-  objective.add(choice("Goal", {"smallest", "largest"}).by_default(std::string("smallest")),
-                "Which value is looked for.");
-  spec.add_list(kObjective, objective, Presence::required);
+  return spec;
+}
+
+}  // namespace
+
+ListSpec design_spec() {
+  ListSpec spec = search_spec(
+      "Find numbers of the scene with which a quantity is as small, or as large, as bounds of others allow.");
+  spec.add_list(kObjective, kDesigned.spec, Presence::required);
   spec.add_list(kConstraints, ListSpec("What must hold.").with_named_lists("constraint", kConstraint.spec),
                 Presence::optional);
   return spec;
 }
 
 ListSpec identification_spec() {
-  ListSpec spec(
-      "Find numbers of the scene from measured quantities, by least squares, with their standard deviations. The scene "
-      "with them is written beside the results, and solved.");
-  spec.add_list(kParameters, ListSpec("What is looked for.").with_named_lists("parameter", kSearchedNumbers.spec, 1),
-                Presence::required);
+  ListSpec spec = search_spec(
+      "Find numbers of the scene from measured quantities, by least squares, with their standard deviations.");
   spec.add_list(kMeasurements, ListSpec("What is known.").with_named_lists("measurement", kMeasured.spec, 1),
                 Presence::required);
   return spec;
@@ -441,7 +422,7 @@ class SceneSearch {
     }
     take_space();
     try {
-      found_.end = !scene_.begin() ? SearchEnd::stopped : search_.is_design ? design() : identify();
+      found_.end = scene_.begin() ? search() : SearchEnd::stopped;
     } catch (const LinearSolverError& error) {
       found_.end = SearchEnd::blocked;
       found_.failure = std::string("no gradients: ") + error.what();
@@ -473,22 +454,31 @@ class SceneSearch {
     }
     space_ = {scaled(start), scaled(space_.lower), scaled(space_.upper)};
   }
+  /// Wanted quantities, then rows of these.
   std::optional<std::vector<double>> values_at(const std::vector<double>& unknowns) {
-    std::optional<std::vector<double>> values = scene_.move(unscaled(unknowns));
-    if (values) values_ = *values;
-    return values;
+    const std::optional<std::vector<double>> values = scene_.move(unscaled(unknowns));
+    if (!values) return {};
+    values_ = *values;
+    std::vector<double> rows;
+    for (const Row& row : rows_) rows.push_back(row.factor * (values_[row.wanted] - row.limit));
+    return rows;
   }
-  /// By the unknowns.
+  /// Of these, by the unknowns.
   std::vector<double> derivatives() {
     found_.values = values_;
     if (found_.sizes.empty())
       for (const double value : values_) found_.sizes.push_back(std::abs(value));
-    std::vector<double> all = scene_.derivatives();
-    for (std::size_t i = 0; i < all.size(); ++i) all[i] *= *search_.numbers[i % search_.numbers.size()].scale;
-    return all;
+    const std::vector<double> all = scene_.derivatives();
+    const std::size_t n = search_.numbers.size();
+    std::vector<double> rows;
+    for (const Row& row : rows_)
+      for (std::size_t i = 0; i < n; ++i)
+        rows.push_back(row.factor * all[row.wanted * n + i] * *search_.numbers[i].scale);
+    return rows;
   }
   void take(SearchStep step) {
     step.unknowns = unscaled(step.unknowns);
+    if (search_.is_design) step.objective /= rows_.front().factor;
     for (std::size_t i = 0; i < step.unknowns.size(); ++i) {
       FoundNumber& number = found_.numbers[i];
       number.value = step.unknowns[i];
@@ -498,92 +488,69 @@ class SceneSearch {
     report_(step);
   }
 
-  SearchEnd identify() {
-    LeastSquares problem;
+  SearchEnd search() {
+    SearchProblem problem;
     problem.space = space_;
-    problem.residuals = [this](const std::vector<double>& unknowns) {
-      std::optional<std::vector<double>> residuals = values_at(unknowns);
-      for (std::size_t k = 0; residuals && k < residuals->size(); ++k)
-        (*residuals)[k] = ((*residuals)[k] - search_.wanted[k].value) / search_.wanted[k].deviation;
-      return residuals;
-    };
-    problem.jacobian = [this] {
-      std::vector<double> all = derivatives();
-      for (std::size_t i = 0; i < all.size(); ++i) all[i] /= search_.wanted[i / search_.numbers.size()].deviation;
-      return all;
-    };
+    problem.values = [this](const std::vector<double>& unknowns) { return values_at(unknowns); };
+    problem.derivatives = [this] { return derivatives(); };
     problem.report = [this](const SearchStep& step) { take(step); };
     problem.stop = [this] { return app_.is_asked_to_stop(); };
-    const LeastSquaresResult result = minimise(problem);
-    found_.failure =
-        end_text(result.end, search_, result.blocked_at.empty() ? std::vector<double>{} : unscaled(result.blocked_at),
-                 scene_.obstacle());
-    if (!result.jacobian.empty()) take_covariance(result.jacobian);
-    return result.end;
-  }
-
-  SearchEnd design() {
-    if (!values_at(space_.start)) throw ConvergenceError("the list \"" + search_.list + "\": " + scene_.obstacle());
-    scale_values(derivatives());
-    ConstrainedMinimum problem;
-    problem.space = space_;
-    for (const Row& row : rows_) ++(row.is_equation ? problem.equations : problem.inequalities);
-    --problem.inequalities;  // the objective
-    problem.values = [this](const std::vector<double>& unknowns) {
-      std::optional<std::vector<double>> values = values_at(unknowns);
-      if (!values) return values;
-      std::vector<double> rows;
-      for (const Row& row : rows_) rows.push_back(row.factor * ((*values)[row.wanted] - row.limit));
-      return std::optional(rows);
-    };
-    problem.derivatives = [this] {
-      const std::vector<double> all = derivatives();
-      const std::size_t n = search_.numbers.size();
-      std::vector<double> rows;
-      for (const Row& row : rows_)
-        for (std::size_t i = 0; i < n; ++i) rows.push_back(row.factor * all[row.wanted * n + i]);
-      return rows;
-    };
-    problem.report = [this](SearchStep step) {
-      step.objective /= rows_.front().factor;
-      take(step);
-    };
-    problem.stop = [this] { return app_.is_asked_to_stop(); };
-    const ConstrainedMinimumResult result = minimise(problem);
-    found_.failure =
-        end_text(result.end, search_, result.blocked_at.empty() ? std::vector<double>{} : unscaled(result.blocked_at),
-                 scene_.obstacle());
-    if (result.end == SearchEnd::no_descent && result.violation > kFeasible)
-      found_.failure = "no numbers near the last ones meet all constraints and bounds";
-    tell_bounds();
-    return result.end;
-  }
-
-  /// The objective, equations, inequalities: factors with which they change by about one where the unknowns do.
-  void scale_values(const std::vector<double>& derivatives) {
-    const std::size_t n = search_.numbers.size();
-    std::vector<Row> inequalities;
-    for (std::size_t k = 0; k < search_.wanted.size(); ++k) {
-      const WantedQuantity& wanted = search_.wanted[k];
-      double size = 0.0;
-      for (std::size_t i = 0; i < n; ++i) size = std::max(size, std::abs(derivatives[k * n + i]));
-      if (size == 0.0) size = std::max(std::abs(values_[k]), 1.0);
-      if (k == 0) {
-        rows_.push_back({k, (search_.is_largest ? -1.0 : 1.0) / size, 0.0, false});
-      } else if (wanted.at_least && wanted.at_most && *wanted.at_least == *wanted.at_most) {
-        rows_.push_back({k, 1.0 / size, *wanted.at_least, true});
-      } else {
-        if (wanted.at_least) inequalities.push_back({k, -1.0 / size, *wanted.at_least, false});
-        if (wanted.at_most) inequalities.push_back({k, 1.0 / size, *wanted.at_most, false});
-      }
-    }
-    rows_.insert(rows_.end(), inequalities.begin(), inequalities.end());
-  }
-
-  void tell_bounds() {
+    const std::size_t equations = search_.is_design ? add_rows_of_design() : add_residuals();
+    const SearchResult result = search_.is_design ? minimise(problem, equations) : minimise_squares(problem);
+    found_.failure = end_text(result);
+    if (!search_.is_design && !result.derivatives.empty()) take_covariance(result.derivatives);
     for (const FoundNumber& number : found_.numbers)
       if (number.is_held)
         found_.remarks.push_back("\"" + number.name + "\" is at its bound, " + shortest(number.value));
+    return result.end;
+  }
+
+  std::size_t add_residuals() {
+    for (std::size_t k = 0; k < search_.wanted.size(); ++k)
+      rows_.push_back({k, 1.0 / search_.wanted[k].deviation, search_.wanted[k].value});
+    return 0;
+  }
+
+  /// The objective, equations, inequalities, with factors with which they change by about one where the unknowns do.
+  /// Returns the number of equations.
+  std::size_t add_rows_of_design() {
+    for (std::size_t k = 0; k < search_.wanted.size(); ++k) rows_.push_back({k, 1.0, 0.0});
+    if (!values_at(space_.start)) throw ConvergenceError("the list \"" + search_.list + "\": " + scene_.obstacle());
+    const std::vector<double> slopes = derivatives();
+    const std::size_t n = search_.numbers.size();
+    std::vector<Row> equations, inequalities;
+    for (std::size_t k = 0; k < search_.wanted.size(); ++k) {
+      const WantedQuantity& wanted = search_.wanted[k];
+      double size = 0.0;
+      for (std::size_t i = 0; i < n; ++i) size = std::max(size, std::abs(slopes[k * n + i]));
+      if (size == 0.0) size = std::max(std::abs(values_[k]), 1.0);
+      if (k == 0)
+        rows_ = {{k, (wanted.is_largest ? -1.0 : 1.0) / size, 0.0}};
+      else if (wanted.at_least && wanted.at_most && *wanted.at_least == *wanted.at_most)
+        equations.push_back({k, 1.0 / size, *wanted.at_least});
+      else if (wanted.at_least)
+        inequalities.push_back({k, -1.0 / size, *wanted.at_least});
+      if (k > 0 && wanted.at_most && wanted.at_least != wanted.at_most)
+        inequalities.push_back({k, 1.0 / size, *wanted.at_most});
+    }
+    rows_.insert(rows_.end(), equations.begin(), equations.end());
+    rows_.insert(rows_.end(), inequalities.begin(), inequalities.end());
+    return equations.size();
+  }
+
+  /// What stands in the way, and where.
+  std::string end_text(const SearchResult& result) const {
+    if (result.end == SearchEnd::too_long) return "not at the minimum after the most steps that are allowed";
+    if (result.end == SearchEnd::no_descent && found_.steps.back().violation > kFeasible)
+      return "no numbers near the last ones meet all constraints and bounds";
+    if (result.end == SearchEnd::no_descent) return "no step makes the objective smaller, and it is not at its minimum";
+    if (result.end != SearchEnd::blocked) return "";
+    const std::vector<double> numbers = unscaled(result.blocked_at);
+    std::string where;
+    for (std::size_t i = 0; i < numbers.size() && i < kLongestList; ++i)
+      where += (i == 0 ? "" : ", ") + search_.numbers[i].name + " = " + shortest(numbers[i]);
+    return "the equilibrium cannot be carried to " + where + ": " + scene_.obstacle() +
+           "; its branch ends there, and the search before it";
   }
 
   void take_covariance(const std::vector<double>& jacobian) {
@@ -594,11 +561,7 @@ class SceneSearch {
     found_.covariance = information.covariance;
     for (std::size_t i = 0; i < n * n; ++i)
       found_.covariance[i] *= *search_.numbers[i / n].scale * *search_.numbers[i % n].scale;
-    for (std::size_t i = 0; i < n; ++i) {
-      FoundNumber& number = found_.numbers[i];
-      number.deviation = std::sqrt(found_.covariance[i * n + i]);
-    }
-    tell_bounds();
+    for (std::size_t i = 0; i < n; ++i) found_.numbers[i].deviation = std::sqrt(found_.covariance[i * n + i]);
     for (const std::string& text : untold_text(information, search_)) found_.remarks.push_back(text);
   }
 
@@ -606,7 +569,6 @@ class SceneSearch {
   struct Row {
     std::size_t wanted;
     double factor, limit;
-    bool is_equation;
   };
 
   Application& app_;

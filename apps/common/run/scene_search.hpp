@@ -26,12 +26,12 @@ struct WantedQuantity {
   std::string name{}, quantity{}, load_case{};
   double value = 0.0, deviation = 0.0;
   std::optional<double> at_least{}, at_most{};
+  bool is_largest = false;  ///< of an objective: the largest value is looked for
 };
 
 struct SearchParameters {
-  std::string list{};       ///< "Identification", "Design"
-  bool is_design = false;   ///< the first of the wanted quantities is the objective, all others are constraints
-  bool is_largest = false;  ///< that is looked for
+  std::string list{};      ///< "Identification", "Design"
+  bool is_design = false;  ///< the first of the wanted quantities is the objective, all others are constraints
   std::vector<SearchedNumber> numbers{};
   std::vector<NumberPath> paths{};  ///< of these
   std::vector<WantedQuantity> wanted{};
