@@ -230,6 +230,22 @@ TEST_F(SearchFiles, HoldTheNumbersAndTheSceneWithThem) {
   expect_in(again.out, {"-23.56023955", "53.47485879"});
 }
 
+/// Numbers of arrays, with formulas beside them and without.
+TEST_F(SearchFiles, HoldNumbersOfArrays) {
+  const std::string numbers = "{load: {Number: 'Point Loads/weight/Force[1]'}, place: {Number: 'Points/b[0]'}}";
+  const std::string text =
+      changed(changed(changed(kPlane, "[0, \"=-P\", 0]", "[\"=0*P\", -2, 0]"), "{EI: {Number: Variables/EI}}", numbers),
+              "Measurements: {",
+              "Measurements: {along: {Quantity: tip.x, Value: -0.0564332362833769, "
+              "Standard Deviation: 0.01}, ");
+  const Ended ended = run(text);
+  ASSERT_EQ(ended.exit_code, kOk) << ended.err;
+  const FoundScene found = Read(text).found();
+  EXPECT_NEAR(found.numbers[0].value, -1.5, 1e-8);  // P L^2 / EI = 1, L = 1
+  EXPECT_NEAR(found.numbers[1].value, 1.0, 1e-8);
+  expect_in(found.xml, {"{=0*P, -1.", "type=\"Array(double)\""});
+}
+
 /// The load of a strut that is to be at rest at a deflection which it has beyond its first bifurcation alone.
 TEST_F(SearchFiles, HoldTheBestNumbersWhereABranchEnds) {
   const std::string strut = changed(changed(kPlane, "[0, \"=-P\", 0]", "[\"=-P\", 0, 0]"),

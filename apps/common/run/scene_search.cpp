@@ -5,6 +5,7 @@
 #include "apps/common/tables/formatted.hpp"
 #include "discretization/parameters/access.hpp"
 #include "discretization/parameters/binding.hpp"
+#include "discretization/parameters/formula_value.hpp"
 #include "discretization/parameters/parameter_file.hpp"
 #include "discretization/reading/read_scene.hpp"
 #include "discretization/reading/variables.hpp"
@@ -348,7 +349,16 @@ std::string scene_with_numbers(const Application& app, const std::vector<FoundNu
       continue;
     }
     if (!here->isParameter(name)) here->setEntry(name, entry_of(app.xml.list->sublist("Scene"), path));
-    set_formula(here->getEntry(name), path.component, shortest(numbers[i].value));
+    Teuchos::ParameterEntry& entry = here->getEntry(name);
+    set_formula(entry, path.component, shortest(numbers[i].value));
+    if (holds_formula(value_of(entry))) continue;
+    Teuchos::Array<double> plain;
+    for (const std::string& text : Teuchos::getValue<Teuchos::Array<std::string>>(entry)) {
+      double value = 0.0;
+      parse_number(text, value);
+      plain.push_back(value);
+    }
+    entry = Teuchos::ParameterEntry(plain);
   }
   return xml_text(*written.list);
 }
