@@ -344,11 +344,13 @@ std::vector<RitzPair> largest_eigenpairs(const KrylovProblem& problem, int count
   const int width = std::min(problem.unknowns, problem.width > 0 ? problem.width : wanted + kGuardVectors);
   Vector start = start_block(problem.unknowns, width);
   KrylovSpace::Pairs pairs;
-  for (int blocks = 0; blocks < kMostBlocks;) {
+  const int longest = problem.blocks > 0 ? problem.blocks : static_cast<int>(stability_limit.longest_space);
+  const int most = problem.blocks > 0 ? 2 * problem.blocks : kMostBlocks;
+  for (int blocks = 0; blocks < most;) {
     KrylovSpace krylov(problem, std::max(width, wanted), std::move(start));
     Progress progress(problem.tolerance);
     bool ends = false;
-    for (int step = 0; !ends && step < stability_limit.longest_space && blocks < kMostBlocks; ++step, ++blocks) {
+    for (int step = 0; !ends && step < longest && blocks < most; ++step, ++blocks) {
       if (!krylov.grow()) break;
       pairs = krylov.ritz_pairs();
       ends = krylov.is_complete() || progress.is_enough(largest_residual(pairs.values, wanted)) ||

@@ -26,7 +26,8 @@ struct KrylovProblem {
   /// Asked after each block, with pairs that have no vectors yet; false ends the search with what there is. None: goes
   /// on.
   std::function<bool(const std::vector<RitzPair>& pairs)> goes_on{};
-  int width = 0;  ///< columns of a block, the largest multiplicity that is surely found; 0: count + 2
+  int blocks = 0;  ///< of a space, before it is begun again, and twice as many in all; 0: as usual
+  int width = 0;   ///< columns of a block, the largest multiplicity that is surely found; 0: count + 2
 };
 
 struct RitzPair {

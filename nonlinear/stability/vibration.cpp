@@ -17,6 +17,8 @@ namespace {
 constexpr int kModesBehind = 2;
 /// Columns of a block at least: six rigid motions share one eigenvalue.
 constexpr int kLeastBlock = 6, kBlocksOfModes = 4;
+/// Narrow blocks take two thirds of the solutions; where the count finds that modes are missing, wide ones follow.
+constexpr int kNarrowBlock = 2, kNarrowBlocksOfModes = 10, kNarrowBlocks = 45;
 /// The shift over the lowest omega^2 that is not zero: within these rigid motions and elastic modes keep their digits
 /// (rigid omega^2 at 1e-18 of the first elastic one).
 constexpr double kLeastShift = 1e-3, kMostShift = 1.0, kShift = 0.03;
@@ -63,6 +65,18 @@ class Vibration {
     if (operator_.has_forces_of_velocity()) return damped_modes(count);
     const int wanted = count + kModesBehind;
     double shift = first_shift();
+    std::vector<VibrationMode> found = search(wanted, shift, true);
+    if (operator_.symmetric() && !confirm(found, count, wanted)) {  // several modes may share a frequency
+      found = search(wanted, shift, false);
+      confirm(found, count, wanted);
+    }
+    if (static_cast<int>(found.size()) > count) found.resize(count, found.front());
+    return found;
+  }
+
+ private:
+  /// `shift` comes as an estimate, and leaves as it is for the frequencies found.
+  std::vector<VibrationMode> search(int wanted, double& shift, bool narrow) {
     std::vector<VibrationMode> found;
     double cap = kCapOfVibration;
     for (int i = 0; i < kMostShifts; ++i) {
@@ -71,7 +85,7 @@ class Vibration {
         operator_.factorize(shift, cap = kCapWithoutSymmetry, false);
       found.clear();
       double rough = 0.0;
-      std::vector<RitzPair> pairs = ritz_pairs(wanted, i + 1 < kMostShifts ? shift : 0.0, rough);
+      std::vector<RitzPair> pairs = ritz_pairs(wanted, narrow, i + 1 < kMostShifts ? shift : 0.0, rough);
       if (rough != 0.0) {
         shift = kShift * rough;
         continue;
@@ -87,12 +101,9 @@ class Vibration {
     std::stable_sort(found.begin(), found.end(), [](const VibrationMode& a, const VibrationMode& b) {
       return a.pair.eigenvalue < b.pair.eigenvalue;  // the positive imaginary part first, as they come
     });
-    if (operator_.symmetric()) confirm(found, count, wanted);
-    if (static_cast<int>(found.size()) > count) found.resize(count, found.front());
     return found;
   }
 
- private:
   void tell(const std::vector<RitzPair>& pairs, double tolerance, int wanted) const {
     if (!observer_) return;
     const auto found =
@@ -152,7 +163,7 @@ class Vibration {
     return far ? lowest : 0.0;
   }
 
-  std::vector<RitzPair> ritz_pairs(int wanted, double shift, double& rough) {
+  std::vector<RitzPair> ritz_pairs(int wanted, bool narrow, double shift, double& rough) {
     KrylovProblem eigen;
     eigen.unknowns = static_cast<int>(moving_.size());
     eigen.symmetric = operator_.symmetric();
@@ -163,6 +174,10 @@ class Vibration {
       return rough == 0.0;
     };
     eigen.width = std::max(kLeastBlock, (wanted + kBlocksOfModes - 1) / kBlocksOfModes);
+    if (narrow && eigen.symmetric) {
+      eigen.width = std::max(kNarrowBlock, wanted / kNarrowBlocksOfModes);
+      eigen.blocks = kNarrowBlocks;
+    }
     eigen.apply = [&](double* block, int columns) {
       for (int j = 0; j < columns; ++j) {
         double* own = block + static_cast<size_t>(j) * eigen.unknowns;
@@ -289,7 +304,7 @@ class Vibration {
   }
 
   /// Counts what lies below a gap behind the modes asked for.
-  void confirm(std::vector<VibrationMode>& found, int count, int wanted) {
+  bool confirm(std::vector<VibrationMode>& found, int count, int wanted) {
     const auto value = [&](int i) { return found[i].pair.eigenvalue; };
     const int have = static_cast<int>(found.size());
     int below = have;
@@ -304,6 +319,7 @@ class Vibration {
     if (have < wanted && below == have) place = 2.0 * std::abs(value(have - 1));
     const bool agrees = have > 0 && operator_.factorize(-place, stability_limit.cap_of_count, true) == below;
     for (VibrationMode& mode : found) mode.pair.converged = agrees;
+    return agrees;
   }
 
   VibrationOperator operator_;
