@@ -7,7 +7,8 @@
 namespace mixbeam::hdf5 {
 namespace {
 
-constexpr hsize_t kTableChunk = 16;        // rows and columns
+constexpr hsize_t kTableChunk = 16;  // rows and columns
+constexpr double kMissing = NAN;
 constexpr hsize_t kMonitorChunkRows = 64;  // 512 bytes a column: small for short runs, few chunks for long ones
 
 // Called from the innermost error outwards: keeps the first description, which is the cause. Not all of those of an
@@ -304,6 +305,7 @@ void append_rows(hid_t group, const std::string& name, const std::vector<double>
                                 : create_extendible(group, name, shape);
   {
     const Handle space(H5Dget_space(dataset), H5Sclose, action);
+    shape.resize(std::max(1, H5Sget_simple_extent_ndims(space)));  // a table of one column has two
     check(H5Sget_simple_extent_dims(space, shape.data(), nullptr), action);
   }
   std::vector<hsize_t> start(shape.size(), 0);
@@ -319,32 +321,27 @@ void append_rows(hid_t group, const std::string& name, const std::vector<double>
   check(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, source, target, H5P_DEFAULT, rows.data()), action);
 }
 
-void append_row(hid_t group, const std::string& name, const std::vector<double>& row) {
+void append_row(hid_t group, const std::string& name, std::vector<double> row) {
   const std::string action = "append to table " + name;
+  std::array<hsize_t, 2> shape{0, 0}, limits{H5S_UNLIMITED, H5S_UNLIMITED}, chunk{kTableChunk, kTableChunk};
   if (!has_link(group, name)) {
-    const std::array<hsize_t, 2> none{0, 0}, limits{H5S_UNLIMITED, H5S_UNLIMITED}, chunk{kTableChunk, kTableChunk};
     const Handle creation = dataset_creation(),
-                 space(H5Screate_simple(2, none.data(), limits.data()), H5Sclose, action);
-    const double missing = NAN;
+                 space(H5Screate_simple(2, shape.data(), limits.data()), H5Sclose, action);
     check(H5Pset_chunk(creation, 2, chunk.data()), action);
-    check(H5Pset_fill_value(creation, H5T_NATIVE_DOUBLE, &missing), action);
+    check(H5Pset_fill_value(creation, H5T_NATIVE_DOUBLE, &kMissing), action);
     check(H5Pset_alloc_time(creation, H5D_ALLOC_TIME_EARLY), action);
     const Handle made(H5Dcreate2(group, name.c_str(), H5T_IEEE_F64LE, space, H5P_DEFAULT, creation, H5P_DEFAULT),
                       H5Dclose, action);
   }
-  const Handle dataset(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose, action);
-  std::array<hsize_t, 2> shape{};
   {
+    const Handle dataset(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose, action);
     const Handle space(H5Dget_space(dataset), H5Sclose, action);
     check(H5Sget_simple_extent_dims(space, shape.data(), nullptr), action);
+    shape[1] = std::max<hsize_t>(shape[1], row.size());
+    check(H5Dset_extent(dataset, shape.data()), action);
   }
-  const std::array<hsize_t, 2> start{shape[0], 0}, count{1, row.size()};
-  shape = {shape[0] + 1, std::max<hsize_t>(shape[1], row.size())};
-  check(H5Dset_extent(dataset, shape.data()), action);
-  const Handle target(H5Dget_space(dataset), H5Sclose, action);
-  check(H5Sselect_hyperslab(target, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr), action);
-  const Handle source(H5Screate_simple(2, count.data(), nullptr), H5Sclose, action);
-  check(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, source, target, H5P_DEFAULT, row.data()), action);
+  row.resize(shape[1], kMissing);
+  append_rows(group, name, row, shape[1]);
 }
 
 void remove_link(hid_t parent, const std::string& name) {

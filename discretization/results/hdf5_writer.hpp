@@ -168,7 +168,7 @@ std::vector<double> read_series(hid_t group, const std::string& name, std::size_
 /// Lengthens the dataset `name` of so many columns by `rows`; creates it when it is missing.
 void append_rows(hid_t group, const std::string& name, const std::vector<double>& rows, std::size_t columns);
 /// Appends a row to a table that has as many columns as its longest row; NaN where others have none.
-void append_row(hid_t group, const std::string& name, const std::vector<double>& row);
+void append_row(hid_t group, const std::string& name, std::vector<double> row);
 
 /// An object with all that is below it.
 void copy_link(hid_t source, const std::string& name, hid_t target);
