@@ -172,7 +172,7 @@ py::list natural_modes_of(const SolvedRun& run, int count, int step, bool in_pla
   return result;
 }
 
-/// {quantity: (value, {path of a number: derivative}, stiffness, compliance, natural)}
+/// {quantity: (value, {path of a number: derivative}, stiffness, compliance, natural, note)}
 py::dict gradient_table(const SolvedRun& run, const std::vector<std::string>& of, const std::vector<std::string>& by,
                         bool by_element, int step) {
   const Application& app = run.app();
@@ -189,8 +189,9 @@ py::dict gradient_table(const SolvedRun& run, const std::vector<std::string>& of
   for (RecordedGradient& one : found.quantities) {
     py::dict derivatives;
     for (std::size_t i = 0; i < found.numbers.size(); ++i) derivatives[py::str(found.numbers[i])] = one.derivative[i];
-    all[py::str(one.quantity)] = py::make_tuple(one.value, derivatives, table(std::move(one.stiffness), 6),
-                                                table(std::move(one.compliance), 6), table(std::move(one.natural), 6));
+    all[py::str(one.quantity)] =
+        py::make_tuple(one.value, derivatives, table(std::move(one.stiffness), 6), table(std::move(one.compliance), 6),
+                       table(std::move(one.natural), 6), one.note);
   }
   return all;
 }

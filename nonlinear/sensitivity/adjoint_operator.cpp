@@ -162,13 +162,18 @@ void AdjointOperator::recover(const MixedVector& rows, MixedVector& motion) cons
 }
 
 /// Solves J t = -rows with the capped J: the tangent, or its transpose. Rows are those of a residual, of vertices
-/// spatial. `held`: motions that supports impose, with their forces among the rows.
-Adjoint AdjointOperator::respond(const MixedVector& rows, const DofVector* held) {
+/// spatial. `held`: motions that supports impose, with their forces among the rows. `projected`: see solve().
+Adjoint AdjointOperator::respond(const MixedVector& rows, const DofVector* held, const DofVector* projected) {
   DofVector& condensed = condense(rows);
   condensed.scale(-1.0);
   Adjoint found{model_.create_vector()};
   DofVector& motion = found.field.vertex_dofs();
   system_.condense_rows(condensed, remaining_, motion);
+  if (projected != nullptr) {
+    DofVector more(remaining_.getMap());
+    system_.remaining_values(*projected, more);
+    remaining_.update(-1.0, more, 1.0);
+  }
   found.free = unknowns_.reduced_remaining_rows(remaining_);
   solve_reduced(found.free);
   unknowns_.expand(found.free.data(), remaining_);
@@ -383,16 +388,16 @@ bool AdjointOperator::is_planar_for(const MixedVector& rows, const DofVector& he
   return model_.is_in_plane(both);
 }
 
-Adjoint AdjointOperator::solve(const StateDerivative& quantity) {
+Adjoint AdjointOperator::solve(const StateDerivative& quantity, const DofVector* projected) {
   MixedVector own = quantity.rows().clone(true);
   weigh_force_rows(model_.structure(), true, own);
   const DofVector held = held_motion(quantity);
   const bool holds = !quantity.held().empty();
   if (holds) add_turning(held, own.vertex());
-  if (tangent_->is_planar() && !is_planar_for(own, held)) linearize(true);
+  if (tangent_->is_planar() && (projected != nullptr || !is_planar_for(own, held))) linearize(true);
   MixedVector rows = own.clone(true);
   if (holds) add_transposed(whole_, held, rows.vertex());
-  Adjoint adjoint = respond(rows, holds ? &held : nullptr);
+  Adjoint adjoint = respond(rows, holds ? &held : nullptr, projected);
   if (tangent_->cap().cuts_off && (!knows_all_rows_ || !refine(own, false, adjoint))) {
     take_out_cap(adjoint);
     if (knows_all_rows_) refine(own, true, adjoint);

@@ -35,7 +35,8 @@ class AdjointOperator {
   double load_factor() const { return point_.load_factor; }
   bool is_symmetric() const;
 
-  Adjoint solve(const StateDerivative& quantity);
+  /// `projected`: what else the quantity has in projected rows, of vertices whose free motions turn with the state.
+  Adjoint solve(const StateDerivative& quantity, const DofVector* projected = nullptr);
   /// free . Z^T rows, the projected rows of supports and joints (6 * vertex + component).
   double work_of_free(const Adjoint& adjoint, const DofVector& projected);
   /// The motion whose work with the rows of the equations is the part of a quantity that supports hold.
@@ -51,7 +52,7 @@ class AdjointOperator {
   void for_each_part(bool condenses, const Action& action) const;
   DofVector& condense(const MixedVector& rows);
   void recover(const MixedVector& rows, MixedVector& motion) const;
-  Adjoint respond(const MixedVector& rows, const DofVector* held = nullptr);
+  Adjoint respond(const MixedVector& rows, const DofVector* held = nullptr, const DofVector* projected = nullptr);
   void solve_reduced(std::vector<double>& y) const;
   double rest(const std::vector<double>& y, std::vector<double>& given) const;
   void take_out_cap(Adjoint& adjoint);

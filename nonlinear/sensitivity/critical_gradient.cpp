@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 
 namespace mixbeam {
@@ -26,6 +27,20 @@ constexpr double kSecond[kStencil] = {8.0 / 5.0, -1.0 / 5.0, 8.0 / 315.0, -1.0 /
 /// Share of the stresses, N L^2/EI or M L/EI, that the eigenvalue at a critical point may have: points are located to a
 /// hundredth of it at least.
 constexpr double kNearZero = 1e-6;
+/// Beside the first ones: derivatives of loads that are closer hold for smaller changes alone.
+constexpr double kTogether = 1e-4;
+constexpr int kMostTogether = 6;
+/// The same of the third variation along a mode of a symmetric bifurcation, for the largest motion one.
+constexpr double kThirdVariation = 1e-6;
+/// Motion along its modes (largest rotation, or displacement over the length) by which the state at a bifurcation may
+/// lie aside of the path: derivatives of the load change with its square.
+constexpr double kAside = 1e-4;
+/// Steps of Newton's method beside the modes, until they are no larger than that.
+constexpr int kMostSettlings = 4;
+constexpr double kSettled = 1e-11;
+/// Share of the largest derivative of the load by numbers of elements that a mode of the largest motion one may lose to
+/// one of them without breaking the symmetry.
+constexpr double kBreaksSymmetry = 1e-7;
 /// Steps of the load factor in differences.
 constexpr double kStepOfLoad = 0.005;
 
@@ -69,10 +84,12 @@ class SingularTangent {
 
   AdjointOperator& beside() { return *beside_.front(); }
   const std::vector<Adjoint>& modes() const { return modes_; }
+  /// The one beside them that is nearest to another one, roughly.
+  Adjoint next_mode() const { return modes_of(*beside_.front(), static_cast<int>(modes_.size()) + 1).back(); }
   /// The adjoint of a quantity, without parts of modes.
-  Adjoint solve(const StateDerivative& quantity) {
+  Adjoint solve(const StateDerivative& quantity, const DofVector& projected) {
     return extrapolated([&](int i) {
-      Adjoint found = beside_[i]->solve(quantity);
+      Adjoint found = beside_[i]->solve(quantity, &projected);
       add_adjoint(-1.0, in_modes(i, found), found);
       return found;
     });
@@ -153,37 +170,83 @@ class SingularTangent {
 
 /// States along a motion, at one to four steps forward and back.
 struct Curve {
+  Adjoint motion;
   double step = 0.0;
   std::vector<State> states[2]{};
 };
 
+Adjoint sum_of(const Adjoint& a, const Adjoint& b) {
+  Adjoint sum = scaled_adjoint(a, 1.0);
+  add_adjoint(1.0, b, sum);
+  return sum;
+}
+
+double nan_number() { return std::numeric_limits<double>::quiet_NaN(); }
+
 class CriticalLoad {
  public:
-  CriticalLoad(BeamProblem& problem, const CriticalPoint& point, bool transposed)
-      : problem_(problem), model_(problem.model), state_(point.state), load_factor_(point.load_factor) {
-    find_modes(point.modes, transposed);
+  CriticalLoad(BeamProblem& problem, const CriticalPoint& point, const CriticalGradientRequest& request,
+               bool transposed)
+      : problem_(problem),
+        model_(problem.model),
+        request_(request),
+        state_(point.state),
+        load_factor_(point.load_factor) {
+    find_modes(point, transposed);
   }
 
-  std::vector<QuantityGradient> of_limit(const CriticalGradientRequest& request) {
-    Adjoint left = scaled_adjoint(tangent_->modes().front(), -1.0 / by_load_factor(tangent_->modes().front()));
-    QuantityGradient gradient{"load factor at " + request.name, load_factor_};
-    if (request.by_element) gradient.elements = element_gradients(state_, StateDerivative(model_, state_), left);
+  std::vector<QuantityGradient> of_limit() {
+    if (count() > 1) refuse("a limit point with a bifurcation beside it");
+    const Adjoint& mode = tangent_->modes().front();
+    NumberDerivatives by_load(tangent_->beside(), state_, {});
+    by_load.add(scaled_adjoint(mode, 1.0), DofVector(model_.map()));
+    const auto [work, noise] = by_load.by_load_factor(step_of_load()).front();
+    if (!(std::abs(work) > noise)) refuse("its loads do no work in the motion of its mode");
+    Adjoint left = scaled_adjoint(mode, -1.0 / work);
+    QuantityGradient gradient = begin("load factor at ");
+    if (request_.by_element) gradient.elements = element_gradients(state_, StateDerivative(model_, state_), left);
     NumberDerivatives derivatives(tangent_->beside(), state_, {});
     derivatives.add(std::move(left), DofVector(model_.map()));
-    for (const SceneNumber& number : request.numbers)
+    for (const SceneNumber& number : request_.numbers)
       gradient.by_number.push_back(derivatives.by(number).front().value);
     return {gradient};
   }
 
+  std::vector<QuantityGradient> of_bifurcation() {
+    if (!tangent_->beside().is_symmetric()) refuse("a bifurcation of loads that have no potential");
+    const NumberDerivatives derivatives = of_second_variations();
+    take_slopes(derivatives.by_load_factor(step_of_load()));
+    const int m = count();
+    std::vector<QuantityGradient> found{begin("load factor at ")};
+    if (m == 1)
+      found.push_back(begin("imperfection sensitivity at "));
+    else
+      found[0].note = "of several modes at one load, but one for each direction";
+    for (int k = 1; m > 1 && k <= m; ++k) {
+      found.push_back(begin("load factor at "));
+      found[k].quantity += ", direction " + std::to_string(k);
+    }
+    if (request_.by_element && m == 1) add_elements(derivatives.adjoint(1), found[0]);
+    for (const SceneNumber& number : request_.numbers) {
+      const Derivatives by = derivatives.by(number);
+      const double imperfection = imperfection_of(by);
+      std::vector<double> values = imperfection == 0.0 ? values_of(by) : std::vector<double>(m, nan_number());
+      for (int k = m == 1 ? 0 : 1; imperfection != 0.0 && k <= (m == 1 ? 0 : m); ++k)
+        found[k].note = "of numbers that break the symmetry, whose imperfection sensitivity is not zero";
+      found[0].by_number.push_back(m == 1 ? values[0] : nan_number());
+      if (m == 1) values[0] = imperfection;
+      for (int k = 0; k < m; ++k) found[k + 1].by_number.push_back(values[k]);
+    }
+    return found;
+  }
+
  private:
-  /// chi . R_lambda.
-  double by_load_factor(const Adjoint& mode) {
-    NumberDerivatives derivatives(tangent_->beside(), state_, {});
-    derivatives.add(scaled_adjoint(mode, 1.0), DofVector(model_.map()));
-    const auto [value, noise] = derivatives.by_load_factor(step_of_load()).front();
-    if (!(std::abs(value) > noise))
-      throw InputError("the gradient of a limit load: the loads do no work in the motion of its mode");
-    return value;
+  using Derivatives = std::vector<NumberDerivatives::Derivative>;
+
+  int count() const { return static_cast<int>(tangent_->modes().size()); }
+  QuantityGradient begin(const std::string& what) const { return {what + request_.name, load_factor_}; }
+  [[noreturn]] void refuse(const std::string& why) const {
+    throw InputError("the gradient of the load factor at " + request_.name + ": " + why);
   }
 
   double step_of_load() const {
@@ -192,53 +255,267 @@ class CriticalLoad {
                     to_stage > 0.0 ? to_stage / (kStencil + 1) : 1.0);
   }
 
-  void find_modes(int count, bool transposed) {
-    for (;; state_.in_plane = false) {
-      tangent_ = std::make_unique<SingularTangent>(problem_, state_, load_factor_, count, transposed);
+  /// As large as that of stresses, in the units of SingularTangent::product().
+  double eigenvalue_of_stress() const {
+    const Structure& structure = model_.structure();
+    return stress_of(model_, magnitude_of(model_, state_, load_factor_)) * structure.bending_reference /
+           (structure.length * structure.length);
+  }
+
+  /// Those that vanish, and others that nearly do.
+  void find_modes(const CriticalPoint& point, bool transposed) {
+    bool settles = point.kind == CriticalKind::bifurcation;
+    double zero = kNearZero;
+    for (int modes = point.modes;;) {
+      tangent_ = std::make_unique<SingularTangent>(problem_, state_, load_factor_, modes, transposed);
+      curves_.clear();
       double largest = 0.0;
-      for (const Adjoint& mode : tangent_->modes())
-        largest = std::max(largest, std::abs(value_and_slope(mode, mode)[0]));
-      const double unit = model_.structure().bending_reference / model_.structure().length / model_.structure().length;
-      const double zero = kNearZero * stress_of(model_, magnitude_of(model_, state_, load_factor_));
-      if (largest <= zero * unit) return;
-      if (!state_.in_plane)
-        throw LinearSolverError("the gradient of a critical load: its state has no eigenvalue next to zero");
+      for (const Adjoint& mode : tangent_->modes()) {
+        curves_.push_back(along(mode));
+        largest = std::max(largest, std::abs(second_variation(curves_.back(), model_, load_factor_)));
+      }
+      if (!(largest <= zero * eigenvalue_of_stress())) {
+        if (!state_.in_plane) refuse("its state has no eigenvalue next to zero");
+        state_.in_plane = false;
+        continue;
+      }
+      if (settles && tangent_->beside().is_symmetric() && settle()) {
+        settles = false;
+        continue;
+      }
+      const double next = second_variation(along(tangent_->next_mode()), model_, load_factor_);
+      if (!(std::abs(next) <= kTogether * eigenvalue_of_stress())) return;
+      if (++modes > kMostTogether) refuse("more modes vanish there than are separated");
+      zero = kTogether;
     }
   }
 
-  Curve along(const MixedVector& motion) const {
-    const LargestParts size = largest_parts(*model_.map()->getComm(), motion.vertex());
-    Curve curve{kStepAlongMode / std::max(size.moved / model_.structure().length, size.turned)};
+  /// Largest rotation, or displacement over the length.
+  double size_of(const Adjoint& motion) const {
+    const LargestParts size = largest_parts(*model_.map()->getComm(), motion.field.vertex());
+    return std::max(size.moved / model_.structure().length, size.turned);
+  }
+
+  Curve along(const Adjoint& motion) const {
+    Curve curve{scaled_adjoint(motion, 1.0), kStepAlongMode / size_of(motion)};
     for (int side = 0; side < 2; ++side)
       for (int k = 1; k <= kStencil; ++k)
         curve.states[side].push_back(
-            NumberDerivatives::in_space(model_.apply(state_, motion, (side == 0 ? k : -k) * curve.step)));
+            NumberDerivatives::in_space(model_.apply(state_, motion.field, (side == 0 ? k : -k) * curve.step)));
     return curve;
   }
 
-  /// chi . R_x phi and its derivative along phi.
-  std::array<double, 2> value_and_slope(const Adjoint& left, const Adjoint& right) {
-    const Curve curve = along(right.field);
-    const NumberDerivatives equations(tangent_->beside(), state_, {});
-    double ignored = 0.0;
-    const auto at = [&](const State& state) {
-      return equations.work(left, rows_at(model_, state, load_factor_), ignored);
+  /// Rows of a state beside, as work in the free motions here finds them; without those that supports hold.
+  StateRows rows_beside(const Model& model, double load_factor, const State& there) const {
+    StateRows rows = rows_at(model, there, load_factor);
+    const auto projected = [&](const State& state) {
+      DofVector forces(rows.spatial.vertex_dofs(), Teuchos::Copy);
+      model.constraints().project(state, MixedVector::view_of(forces));
+      return forces;
     };
-    std::array<double, 2> found{0.0, kSecondHere * at(NumberDerivatives::in_space(state_))};
-    for (int k = 0; k < kStencil; ++k) {
-      const double forward = at(curve.states[0][k]), back = at(curve.states[1][k]);
-      found[0] += kEighth[k] * (forward - back) / curve.step;
-      found[1] += kSecond[k] * (forward + back);
+    rows.constraints.update(1.0, projected(there), -1.0, projected(state_), 1.0);
+    const KernelView<double*> vertex = MixedVector::view_of(rows.constraints);
+    for (const VertexSupport& support : model.conditions().supports)
+      for (int i = 0; i < kVertexDofs; ++i)
+        if (support.fixed[i]) vertex(vertex_row(support.vertex, i)) = 0.0;
+    return rows;
+  }
+
+  /// psi . R_x psi.
+  double second_variation(const Curve& along, const Model& model, double load_factor) const {
+    const NumberDerivatives equations(tangent_->beside(), state_, {});
+    double sum = 0.0, ignored = 0.0;
+    for (int side = 0; side < 2; ++side)
+      for (int k = 0; k < kStencil; ++k)
+        sum += (side == 0 ? 1.0 : -1.0) * kEighth[k] / along.step *
+               equations.work(along.motion, rows_beside(model, load_factor, along.states[side][k]), ignored);
+    return sum;
+  }
+
+  /// Its derivative by the state: the second one of the rows along psi.
+  StateRows slope_of_second_variation(const Curve& along) const {
+    StateRows slope(model_);
+    slope.add(kSecondHere / (along.step * along.step),
+              rows_beside(model_, load_factor_, NumberDerivatives::in_space(state_)));
+    for (const std::vector<State>& side : along.states)
+      for (int k = 0; k < kStencil; ++k)
+        slope.add(kSecond[k] / (along.step * along.step), rows_beside(model_, load_factor_, side[k]));
+    return slope;
+  }
+
+  /// t of (82), with the motion of the state.
+  Adjoint adjoint_of(const Curve& along) const {
+    const StateRows slope = slope_of_second_variation(along);
+    const NumberDerivatives equations(tangent_->beside(), state_, {});
+    for (const Adjoint& mode : tangent_->modes()) {
+      double ignored = 0.0;
+      if (!(std::abs(amplitude(mode) * equations.work(mode, slope, ignored)) <=
+            kThirdVariation * eigenvalue_of_stress()))
+        refuse("a bifurcation that is not symmetric, whose derivatives are not offered");
     }
-    found[1] /= curve.step * curve.step;
-    return found;
+    return solve(slope);
+  }
+
+  /// -R_x^-1 times rows, beside the modes.
+  Adjoint solve(const StateRows& of) const {
+    MixedVector rows = of.spatial.clone(true);
+    const KernelView<double*> interior = rows.writable_interior(true);
+    for_each_element(model_.structure(), [&](const ElementView& element) {
+      const std::vector<double> weight = weights_of(element);
+      for (std::size_t i = 0; i < weight.size(); ++i) element.increments_in(interior)[i] *= weight[i];
+    });
+    StateDerivative quantity(model_, state_);
+    quantity.add_rows(rows);
+    return tangent_->solve(quantity, of.constraints);
+  }
+
+  /// Newton's method beside the modes: bifurcations are located by their loads, and their states to half of the digits.
+  /// Returns whether the state has moved.
+  bool settle() {
+    bool moves = false;
+    for (int i = 0; i < kMostSettlings; ++i) {
+      const Adjoint step = solve(rows_beside(model_, load_factor_, NumberDerivatives::in_space(state_)));
+      if (!(size_of(step) > kSettled)) break;
+      state_ = model_.apply(state_, step.field, 1.0);
+      moves = true;
+    }
+    return moves;
+  }
+
+  /// Of the modes themselves; then of the second variations in each mode and in each sum of two.
+  NumberDerivatives of_second_variations() {
+    for (int a = 0; a < count(); ++a)
+      for (int b = a + 1; b < count(); ++b)
+        curves_.push_back(along(sum_of(tangent_->modes()[a], tangent_->modes()[b])));
+    NumberDerivatives derivatives(tangent_->beside(), state_, [this](const NumberDerivatives::Moved& moved) {
+      std::vector<double> values(tangent_->modes().size(), 0.0);
+      for (const Curve& curve : curves_) values.push_back(second_variation(curve, *moved.model, moved.load_factor));
+      return values;
+    });
+    for (const Adjoint& mode : tangent_->modes()) derivatives.add(scaled_adjoint(mode, 1.0), DofVector(model_.map()));
+    for (const Curve& curve : curves_) derivatives.add(adjoint_of(curve), DofVector(model_.map()));
+    return derivatives;
+  }
+
+  /// (mode, mode): the form of which the second variations are known.
+  std::vector<double> form_of(const Derivatives& by) const {
+    const int m = count();
+    std::vector<double> form(static_cast<std::size_t>(m) * m);
+    for (int a = 0; a < m; ++a) form[a * (m + 1)] = by[m + a].value;
+    for (int a = 0, next = 2 * m; a < m; ++a)
+      for (int b = a + 1; b < m; ++b, ++next)
+        form[a + b * m] = form[b + a * m] = 0.5 * (by[next].value - form[a * (m + 1)] - form[b * (m + 1)]);
+    return form;
+  }
+
+  /// Finds S with S^T D S = 1 for the form D of the load, but for its sign, and how far the state lies aside of the
+  /// path, along the modes: there chi . R_lambda = D c.
+  void take_slopes(const Derivatives& by_load) {
+    const int m = count();
+    std::vector<double> of_load = form_of(by_load);
+    scale_ = small_eigenproblem(of_load, m);
+    sign_ = of_load[0] < 0.0 ? -1.0 : 1.0;
+    for (int k = 0; k < m; ++k) {
+      const double value = sign_ * of_load[k * (m + 1)];
+      if (!(value > by_load[m].noise)) refuse("its eigenvalues do not all change with the load in one direction");
+      for (int i = 0; i < m; ++i) scale_[i + k * m] /= std::sqrt(value);
+    }
+    aside_.assign(m, 0.0);
+    for (int k = 0; k < m; ++k)
+      for (int i = 0; i < m; ++i)
+        for (int j = 0; j < m; ++j) aside_[i] += sign_ * scale_[i + k * m] * scale_[j + k * m] * by_load[j].value;
+    for (int a = 0; a < m; ++a)
+      if (!(std::abs(aside_[a]) <= kAside * std::abs(amplitude(tangent_->modes()[a]))))
+        refuse("the path does not pass through it");
+  }
+
+  /// -D^-1 G: of one mode a derivative, of several one for each direction, the smallest first.
+  std::vector<double> values_of(const Derivatives& by) const {
+    const int m = count();
+    const std::vector<double> form = form_of(by);
+    std::vector<double> scaled(form.size(), 0.0), values;
+    for (int k = 0; k < m; ++k)
+      for (int l = 0; l < m; ++l)
+        for (int i = 0; i < m; ++i)
+          for (int j = 0; j < m; ++j)
+            scaled[k + l * m] -= sign_ * scale_[i + k * m] * form[i + j * m] * scale_[j + l * m];
+    small_eigenproblem(scaled, m);
+    for (int k = 0; k < m; ++k) values.push_back(scaled[k * (m + 1)]);
+    std::sort(values.begin(), values.end());
+    return values;
+  }
+
+  /// chi . R_p, without what the place of the state makes of it; over D for the largest motion one. Of several modes
+  /// the largest.
+  double imperfection_of(const Derivatives& by) const {
+    const int m = count();
+    const std::vector<double> form = form_of(by);
+    double largest = 0.0;
+    for (int a = 0; a < m; ++a) {
+      double work = by[a].value, slope = 0.0;
+      for (int b = 0; b < m; ++b) work -= form[a + b * m] * aside_[b];
+      for (int k = 0; k < m; ++k) slope += scale_[a + k * m] * scale_[a + k * m];
+      work *= sign_ * slope / amplitude(tangent_->modes()[a]);
+      if (std::abs(work) > slope * by[a].noise / std::abs(amplitude(tangent_->modes()[a])) &&
+          std::abs(work) > std::abs(largest))
+        largest = work;
+    }
+    return largest;
+  }
+
+  /// Of one mode, with the products of its own N and M, theory (82).
+  void add_elements(const Adjoint& adjoint, QuantityGradient& gradient) const {
+    const double slope = sign_ / (scale_[0] * scale_[0]);
+    const StateDerivative none(model_, state_);
+    const Adjoint& mode = tangent_->modes().front();
+    gradient.elements = element_gradients(state_, none, scaled_adjoint(adjoint, -1.0 / slope));
+    const std::vector<ElementDerivatives> own =
+        element_gradients(state_, none, scaled_adjoint(mode, -1.0 / slope), &mode.field);
+    for (std::size_t e = 0; e < own.size(); ++e)
+      for (int i = 0; i < 6; ++i) {
+        gradient.elements[e].compliance[i] += own[e].compliance[i];
+        gradient.elements[e].stiffness[i] += own[e].stiffness[i];
+      }
+    const std::vector<ElementDerivatives> breaking =
+        element_gradients(state_, none, scaled_adjoint(mode, 1.0 / (amplitude(mode) * slope)));
+    forget_breaking(breaking, gradient.elements);
+  }
+
+  /// Makes NaN of what breaks the symmetry beside the largest derivatives of forces, of moments.
+  static void forget_breaking(const std::vector<ElementDerivatives>& breaking,
+                              std::vector<ElementDerivatives>& elements) {
+    using Numbers = std::array<double, 6> ElementDerivatives::*;
+    const auto forget = [&](Numbers measured, int first, const std::vector<Numbers>& lost) {
+      double largest = 0.0;
+      for (const ElementDerivatives& element : elements)
+        for (int i = first; i < first + 3; ++i) largest = std::max(largest, std::abs((element.*measured)[i]));
+      for (std::size_t e = 0; e < elements.size(); ++e)
+        for (int i = first; i < first + 3; ++i)
+          if (std::abs((breaking[e].*measured)[i]) > kBreaksSymmetry * largest)
+            for (const Numbers numbers : lost) (elements[e].*numbers)[i] = nan_number();
+    };
+    for (const int first : {0, 3}) {
+      forget(&ElementDerivatives::compliance, first, {&ElementDerivatives::stiffness, &ElementDerivatives::compliance});
+      forget(&ElementDerivatives::natural, first, {&ElementDerivatives::natural});
+    }
+  }
+
+  /// Factor that makes the largest rotation, or displacement over the length, one.
+  double amplitude(const Adjoint& mode) const {
+    MixedVector normal = mode.field.clone(true);
+    normalize_mode(model_, normal);
+    return normal.vertex_dofs().dot(mode.field.vertex_dofs()) / mode.field.vertex_dofs().dot(mode.field.vertex_dofs());
   }
 
   BeamProblem& problem_;
   const Model& model_;
+  const CriticalGradientRequest& request_;
   State state_;
   double load_factor_;
   std::unique_ptr<SingularTangent> tangent_{};
+  std::vector<Curve> curves_{};            ///< along the modes, then along their sums
+  std::vector<double> scale_{}, aside_{};  ///< see take_slopes()
+  double sign_ = 1.0;
 };
 
 }  // namespace
@@ -246,10 +523,11 @@ class CriticalLoad {
 std::vector<QuantityGradient> critical_gradients_of(BeamProblem& problem, const CriticalPoint& point,
                                                     const CriticalGradientRequest& request, bool transposed) {
   require_differentiable(problem);
-  if (point.kind != CriticalKind::limit_point || point.modes != 1)
-    throw InputError("the gradient of the load factor at " + request.name + ": it is no limit point with one mode");
-  CriticalLoad load(problem, point, transposed);
-  return load.of_limit(request);
+  if (point.kind == CriticalKind::flutter || !point.located)
+    throw InputError("the gradient of the load factor at " + request.name +
+                     ": it is no limit point and no bifurcation that was located");
+  CriticalLoad load(problem, point, request, transposed);
+  return point.kind == CriticalKind::limit_point ? load.of_limit() : load.of_bifurcation();
 }
 
 }  // namespace mixbeam

@@ -82,17 +82,17 @@ class Gradients {
 };
 
 /// Adds dq/dS and dq/dgamma_0, dq/dkappa_0 of the products with N and M, theory (80).
-void add_products(const ElementView& element, const double* adjoint, const StateDerivative& quantity,
-                  ElementDerivatives& gradient) {
+void add_products(const ElementView& element, const double* stresses, const double* adjoint,
+                  const StateDerivative& quantity, ElementDerivatives& gradient) {
   const std::vector<double> weight = weights_of(element);
   for (int i = 0; i < element.layout().moment(0); ++i) {
-    const double n = element.unknowns()[i], w = weight[static_cast<size_t>(i)];
+    const double n = stresses[i], w = weight[static_cast<size_t>(i)];
     gradient.compliance[i % 3] += w * (0.5 * quantity.force_energy() * n - adjoint[i]) * n;
     gradient.natural[i % 3] -= w * adjoint[i];
   }
   for (int j = 0; j <= element.order(); ++j)
     for (int i = 0; i < 3; ++i) {
-      const double m = element.moment(j)[i], of = adjoint[element.layout().moment(j) + i];
+      const double m = stresses[element.layout().moment(j) + i], of = adjoint[element.layout().moment(j) + i];
       gradient.compliance[3 + i] += element.length() / (2 * j + 1) * (0.5 * quantity.moment_energy() * m - of) * m;
       if (j == 0) gradient.natural[3 + i] -= element.length() * of;
     }
@@ -101,13 +101,14 @@ void add_products(const ElementView& element, const double* adjoint, const State
 }  // namespace
 
 std::vector<ElementDerivatives> element_gradients(const State& state, const StateDerivative& quantity,
-                                                  const Adjoint& adjoint) {
+                                                  const Adjoint& adjoint, const MixedVector* stresses) {
   if (quantity.knows_compliance())
     throw std::invalid_argument("a strain, whose derivatives by compliances of elements are not offered, so it");
   std::vector<ElementDerivatives> gradients(quantity.model().structure().mesh_elements);
   for_each_element(quantity.model().structure(), state, [&](const ElementView& element) {
     ElementDerivatives& gradient = gradients[element.mesh_element()];
-    add_products(element, element.increments_in(adjoint.field.interior()), quantity, gradient);
+    const double* of = stresses == nullptr ? element.unknowns() : element.increments_in(stresses->interior());
+    add_products(element, of, element.increments_in(adjoint.field.interior()), quantity, gradient);
     const SectionConstants& section = element.section();
     for (int i = 0; i < 6; ++i) {
       const double compliance = i < 3 ? section.force_compliance[i] : section.moment_compliance[i - 3];

@@ -42,8 +42,9 @@ void require_differentiable(const BeamProblem& problem);
 std::vector<QuantityGradient> gradients_of(BeamProblem& problem, const State& state, double load_factor,
                                            const GradientRequest& request);
 
-/// Of one quantity of a state, in the order of the mesh. Throws std::invalid_argument for one that is made of strains.
+/// Of one quantity of a state, in the order of the mesh. `stresses`: increments whose N and M take the place of those
+/// of the state. Throws std::invalid_argument for one that is made of strains.
 std::vector<ElementDerivatives> element_gradients(const State& state, const StateDerivative& quantity,
-                                                  const Adjoint& adjoint);
+                                                  const Adjoint& adjoint, const MixedVector* stresses = nullptr);
 
 }  // namespace mixbeam

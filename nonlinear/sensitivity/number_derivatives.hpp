@@ -65,6 +65,7 @@ class NumberDerivatives {
 
   /// Takes the adjoint of the next quantity, and the motion of its part that supports hold.
   void add(Adjoint adjoint, DofVector held);
+  const Adjoint& adjoint(std::size_t which) const { return adjoints_[which]; }
 
   /// dq/dp of a quantity, and how much of it may be rounding and what is left of the equations.
   struct Derivative {

@@ -9,6 +9,7 @@ namespace {
 constexpr int kOk = 0, kCheckFailed = 1, kBadInput = 2;
 /// Derivative of the tip's deflection by the force: elliptic integrals, F L^2 / EI = 10.
 constexpr double kOfForce = 0.0105359712168047, kTolerance = 1e-11;
+constexpr double kOfCriticalLoad = 1e-8;
 
 class GradientList : public ::testing::Test {
  protected:
@@ -67,6 +68,30 @@ TEST_F(GradientList, RefusesWhatTheSceneDoesNotHave) {
     EXPECT_EQ(ended.exit_code, kBadInput) << gradient;
     expect_in(ended.err, {message, "allowed"});
   }
+}
+
+/// The strip as a column: P L^2 = pi^2 EI / 4; a force across it is an imperfection.
+TEST_F(GradientList, OfACriticalLoad) {
+  const Ended ended =
+      run("{Scene: {Sections: {strip: {EI2: 6}}, Point Loads: {weight: {Force: [-5, 0, 0]}}}, Gradient: {Of: [load "
+          "factor at critical point 1], "
+          "With Respect To: [Sections/*/EI3, 'Point Loads/*/Force[1]']}}");
+  expect_in(ended.out, {"gradient of load factor at critical point 1", "no derivative  by Point Loads/weight/Force[1]",
+                        "gradient of imperfection sensitivity at critical point 1"});
+  std::istringstream lines(text_of(folder_ / "out/scene-gradients.csv"));
+  std::string line;
+  std::getline(lines, line);
+  std::getline(lines, line);
+  const double critical = 0.25 * std::acos(-1.0) * std::acos(-1.0) / 5.0;
+  EXPECT_NEAR(std::stod(line.substr(line.rfind(',') + 1)), critical, kOfCriticalLoad) << line;
+  const auto contents = contents_of(folder_ / "out/scene.h5");
+  EXPECT_EQ(contents->count("steps/000001/gradients/1/derivative"), 1U);
+}
+
+TEST_F(GradientList, OfACriticalLoadThatDidNotComeIsACheckThatFailed) {
+  const Ended ended = asking("Of: [load factor at critical point 2], With Respect To: [Sections/*/EI3]");
+  EXPECT_EQ(ended.exit_code, kCheckFailed);
+  expect_in(ended.out, {"it did not come; critical points on the path: 0"});
 }
 
 /// The results stay.

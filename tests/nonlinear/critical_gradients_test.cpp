@@ -161,5 +161,109 @@ TEST(CriticalGradients, OfLimitLoadsThatFollow) {
   expect_as_differences(scene, CriticalKind::limit_point, {of_stiffness(scene, 5)});
 }
 
+/// Loads are P / 2 P: that of EI is P / EI, that of the length -2 P / L.
+TEST(CriticalGradients, OfEulersColumns) {
+  for (const ColumnEnds& ends : euler_columns()) {
+    Scene scene = column(4, 4, ends.supports);
+    scene.name = ends.name;
+    scene.point_loads[0].force[0] = -2.0 * ends.critical;
+    const CriticalPoint point = first_point(scene, CriticalKind::bifurcation);
+    const std::vector<QuantityGradient> found =
+        gradients(scene, point, {of_stiffness(scene, 5), of_place(scene, 1, 0, 0.003), of_stiffness(scene, 4)}, true);
+    EXPECT_NEAR(found[0].by_number[0] / point.load_factor, 1.0, kClosedForm) << ends.name;
+    EXPECT_NEAR(found[0].by_number[1] / point.load_factor, -2.0, 2.0 * kClosedForm) << ends.name;
+    EXPECT_NEAR(found[0].by_number[2], 0.0, kClosedForm) << ends.name;
+    double sum = 0.0;
+    for (const ElementDerivatives& element : found[0].elements) {
+      sum += element.stiffness[5];
+      EXPECT_TRUE(std::isnan(element.natural[5])) << ends.name;
+    }
+    EXPECT_NEAR(sum / point.load_factor, 1.0, kClosedForm) << ends.name;
+    for (const double imperfection : found[1].by_number) EXPECT_EQ(imperfection, 0.0);
+  }
+}
+
+/// A force q across the tip deflects it by q (tan k - k) / (k P), whose pole at k = pi / 2, on the mode 1 - cos(k x) of
+/// the largest rotation k, has the residue 16 lambda_c^2 / pi^3 for a force that grows with the load.
+TEST(CriticalGradients, RefusesANumberThatBreaksTheSymmetry) {
+  Scene scene = column(4, 4);
+  scene.point_loads[0].force[0] = -0.5 * kPi * kPi;
+  const Parameter across = {"across", 0.0, 0.01,
+                            [](Scene& changed, double value) { changed.point_loads[0].force[1] = value; }};
+  const std::vector<QuantityGradient> found = gradients(scene, first_point(scene, CriticalKind::bifurcation), {across});
+  EXPECT_TRUE(std::isnan(found[0].by_number[0]));
+  EXPECT_FALSE(found[0].note.empty());
+  EXPECT_NEAR(std::abs(found[1].by_number[0]), 16.0 * found[0].value * found[0].value / std::pow(kPi, 3), kClosedForm);
+}
+
+TEST(CriticalGradients, OfAColumnWithAJoint) {
+  const double spring = 2.0;
+  Scene scene = jointed_column(spring, 4, 4);
+  scene.point_loads[0].force[0] = -20.0;
+  const CriticalPoint point = first_point(scene, CriticalKind::bifurcation);
+  const auto set = [](Scene& changed, double value) { changed.joints[0].stiffness = value; };
+  const double found = gradients(scene, point, {{"spring", spring, kStep * spring, set}}).front().by_number[0];
+  const double k = std::sqrt(jointed_column_load(spring)), tangent = std::tan(0.5 * k);
+  const double wanted = 2.0 * k * 2.0 / (tangent + 0.5 * k * (1.0 + tangent * tangent));
+  EXPECT_NEAR(20.0 * found / wanted, 1.0, kOfDifferences);
+}
+
+/// Out of the plane of the load: P goes with sqrt(EI GIt).
+TEST(CriticalGradients, OfAStripThatRollsOver) {
+  Scene scene = narrow_cantilever(4, 8);
+  scene.point_loads[0].force[1] = -2.0 * kNarrowCantilever;
+  const CriticalPoint point = first_point(scene, CriticalKind::bifurcation);
+  const QuantityGradient found = gradients(scene, point, {of_stiffness(scene, 3), of_stiffness(scene, 4)}).front();
+  EXPECT_NEAR(found.by_number[0] * scene.sections[0].torsional_stiffness / point.load_factor, 0.5, kOfDifferences);
+  EXPECT_NEAR(found.by_number[1] * scene.sections[0].bending_stiffness[0] / point.load_factor, 0.5, kOfDifferences);
+}
+
+TEST(CriticalGradients, OfArchesThatSway) {
+  for (const bool is_deep : {false, true}) {
+    Scene scene = is_deep ? arch(hinged("left"), false, 40.0, 1.4) : arch(hinged("left"), false, 60.0);
+    scene.sections.push_back(scene.sections[0]);
+    scene.sections[1].name = "right";
+    scene.members[1].section = "right";
+    const auto both = [](Scene& changed, double value) {
+      for (Section& section : changed.sections) section.bending_stiffness[1] = value;
+    };
+    const auto spread = [](Scene& changed, double value) { changed.supports[1].prescribed_displacement[0] = value; };
+    std::vector<Parameter> parameters = {{"EI", 1.0, kStep, both}};
+    if (!is_deep) parameters.push_back({"spread", 0.0, 0.1 * kStep, spread});
+    expect_as_differences(scene, CriticalKind::bifurcation, parameters);
+    const std::vector<QuantityGradient> found =
+        gradients(scene, first_point(scene, CriticalKind::bifurcation), {of_stiffness(scene, 5, 1)});
+    EXPECT_TRUE(std::isnan(found[0].by_number[0]));
+    EXPECT_GT(std::abs(found[1].by_number[0]), kNotLeft);
+  }
+}
+
+/// A hinged column with a spring of 16 pi^2 at its middle has two modes at 4 pi^2. The stiffness of a half: 8 pi^2 / 3
+/// and none; the spring: dP/dc = 1 / 6 of the symmetric mode, c (1/2 - tan(k/2) / k) = 2 k^2, and none.
+TEST(CriticalGradients, OfTwoModesAtOneLoad) {
+  constexpr double kForce = 60.0, kSpring = 16.0 * kPi * kPi;
+  Scene scene = column(4, 4, euler_columns()[2].supports);
+  scene.points.push_back({"middle", {0.5, 0, 0}});
+  scene.sections.push_back(scene.sections[0]);
+  scene.sections[1].name = "upper";
+  scene.members = {line("lower", "clamp", "middle", 4, 8), line("upper", "middle", "tip", 4, 8)};
+  for (Member& member : scene.members) member.second_axis = {0, 1, 0};
+  scene.members[1].section = "upper";
+  scene.supports.push_back(support("middle", {}, {}));
+  scene.supports.back().displacement_stiffness = {0, kSpring, 0};
+  scene.point_loads[0].force[0] = -kForce;
+  const auto set = [](Scene& changed, double value) { changed.supports.back().displacement_stiffness[1] = value; };
+  const std::vector<QuantityGradient> found =
+      gradients(scene, first_point(scene, CriticalKind::bifurcation),
+                {of_stiffness(scene, 5), of_stiffness(scene, 5, 1), {"spring", kSpring, kStep * kSpring, set}});
+  ASSERT_EQ(found.size(), 3u);
+  const double wanted[] = {8.0 * kPi * kPi / 3.0, 8.0 * kPi * kPi / 3.0, 1.0 / 6.0};
+  for (size_t i = 0; i < 3; ++i) {
+    EXPECT_TRUE(std::isnan(found[0].by_number[i]));
+    EXPECT_NEAR(kForce * found[1].by_number[i], 0.0, kOfDifferences);
+    EXPECT_NEAR(kForce * found[2].by_number[i] / wanted[i], 1.0, kOfDifferences);
+  }
+}
+
 }  // namespace
 }  // namespace mixbeam::test::critical_gradients_test

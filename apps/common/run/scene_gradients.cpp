@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace mixbeam {
 
@@ -311,9 +312,15 @@ RecordedGradients gradients_at(const Simulation& simulation, const GradientParam
            recorded);
   for (const std::size_t i : points_meant(of.points.size(), asked.of)) {
     const Simulation there = simulation.at(of.points[i].state, of.points[i].load_factor);
-    record(there.gradients(of.points[i], {"critical point " + std::to_string(i + 1),
-                                          scene_numbers(there, asked, xml, load_case), asked.by_element}),
-           recorded);
+    const std::string name = "critical point " + std::to_string(i + 1);
+    try {
+      const std::vector<SceneNumber> numbers = scene_numbers(there, asked, xml, load_case);
+      record(there.gradients(of.points[i], {name, numbers, asked.by_element}), recorded);
+    } catch (const InputError& error) {
+      const std::vector<double> none(recorded.numbers.size(), std::numeric_limits<double>::quiet_NaN());
+      recorded.quantities.push_back({kCriticalLoad + std::to_string(i + 1), of.points[i].load_factor, none});
+      recorded.quantities.back().note = error.what();
+    }
   }
   return recorded;
 }

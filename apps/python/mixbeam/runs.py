@@ -400,13 +400,14 @@ class Run:
         return self.load_factors, table
 
     def gradient(self, of, by=(), step=-1, by_element=False):
-        """Gradients of quantities in a step, at its load factor: {name: value, by, stiffness, compliance, natural}. `of`: names or
+        """Gradients of quantities in a step, at its load factor: {name: value, by, stiffness, compliance, natural, note}. `of`: names or
         patterns of numbers of the scene's quantities; `by`: paths of numbers of the scene, or patterns ("Sections/*/EI2",
         "Points/tip[0]"), of which `by` tells the derivatives {path: derivative}. `by_element`: arrays (elements, 6) of derivatives
-        by EA, GA2, GA3, GIt, EI2, EI3 of each element, by their inverses, by natural strains."""
+        by EA, GA2, GA3, GIt, EI2, EI3 of each element, by their inverses, by natural strains. "load factor at critical point 1":
+        wherever that is on the path; where a derivative is nan, `note` tells why."""
         texts = [[one] if isinstance(one, str) else list(one) for one in (of, by)]
         found = self._core.gradients(*texts, by_element, self._number(step))
-        names = ("value", "by", "stiffness", "compliance", "natural")
+        names = ("value", "by", "stiffness", "compliance", "natural", "note")
         return {quantity: SimpleNamespace(**dict(zip(names, numbers))) for quantity, numbers in found.items()}
 
     def error_estimate(self, step=-1):
