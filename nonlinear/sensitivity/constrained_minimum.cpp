@@ -11,7 +11,7 @@ namespace mixbeam {
 namespace {
 
 /// Unknowns and the objective are of size one where the search begins.
-constexpr double kSettled = 1e-9, kSettledObjective = 1e-12;
+constexpr double kSettledUnknowns = 1e-9, kSettledObjective = 1e-12;
 /// Left of the gradient, over that where the search begins, at what counts as a minimum.
 constexpr double kFlat = 1e-4;
 /// Distance to its limit below which a constraint is active.
@@ -46,7 +46,7 @@ class MinimumSearch {
     if (inequalities > 0)
       nlopt_add_inequality_mconstraint(search, static_cast<unsigned>(inequalities), inequalities_of, this,
                                        allowed.data());
-    nlopt_set_xtol_rel(search, kSettled);
+    nlopt_set_xtol_rel(search, kSettledUnknowns);
     nlopt_set_ftol_rel(search, kSettledObjective);
     nlopt_set_ftol_abs(search, kSettledObjective);
     nlopt_set_maxeval(search, kMostEvaluations);

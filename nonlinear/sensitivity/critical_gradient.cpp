@@ -22,13 +22,13 @@ constexpr double kWeights[kNeighbours] = {4.0 / 6.0, 4.0 / 6.0, -1.0 / 6.0, -1.0
 constexpr int kInverseIterationsOfMode = 4;
 /// Motion (largest rotation, or displacement over the length) of the smallest of the differences along a mode: eighth
 /// order leaves 1e-14 of second derivatives, rounding 1e-12.
-constexpr double kStepAlongMode = 1.0 / 64.0;
+constexpr double kDifferenceAlongMode = 1.0 / 64.0;
 constexpr double kSecond[kStencil] = {8.0 / 5.0, -1.0 / 5.0, 8.0 / 315.0, -1.0 / 560.0}, kSecondHere = -205.0 / 72.0;
 /// Share of the stresses, N L^2/EI or M L/EI, that the eigenvalue at a critical point may have: points are located to a
 /// hundredth of it at least.
 constexpr double kNearZero = 1e-6;
 /// Beside the first ones: derivatives of loads that are closer hold for smaller changes alone.
-constexpr double kTogether = 1e-4;
+constexpr double kOneCluster = 1e-4;
 constexpr int kMostTogether = 6;
 /// The same of the third variation along a mode of a symmetric bifurcation, for the largest motion one.
 constexpr double kThirdVariation = 1e-6;
@@ -37,7 +37,7 @@ constexpr double kThirdVariation = 1e-6;
 constexpr double kAside = 1e-4;
 /// Steps of Newton's method beside the modes, until they are no larger than that.
 constexpr int kMostSettlings = 4;
-constexpr double kSettled = 1e-11;
+constexpr double kSettledBesideModes = 1e-11;
 /// Share of the largest derivative of the load by numbers of elements that a mode of the largest motion one may lose to
 /// one of them without breaking the symmetry.
 constexpr double kBreaksSymmetry = 1e-7;
@@ -284,9 +284,9 @@ class CriticalLoad {
         continue;
       }
       const double next = second_variation(along(tangent_->next_mode()), model_, load_factor_);
-      if (!(std::abs(next) <= kTogether * eigenvalue_of_stress())) return;
+      if (!(std::abs(next) <= kOneCluster * eigenvalue_of_stress())) return;
       if (++modes > kMostTogether) refuse("more modes vanish there than are separated");
-      zero = kTogether;
+      zero = kOneCluster;
     }
   }
 
@@ -297,7 +297,7 @@ class CriticalLoad {
   }
 
   Curve along(const Adjoint& motion) const {
-    Curve curve{scaled_adjoint(motion, 1.0), kStepAlongMode / size_of(motion)};
+    Curve curve{scaled_adjoint(motion, 1.0), kDifferenceAlongMode / size_of(motion)};
     for (int side = 0; side < 2; ++side)
       for (int k = 1; k <= kStencil; ++k)
         curve.states[side].push_back(
@@ -375,7 +375,7 @@ class CriticalLoad {
     bool moves = false;
     for (int i = 0; i < kMostSettlings; ++i) {
       const Adjoint step = solve(rows_beside(model_, load_factor_, NumberDerivatives::in_space(state_)));
-      if (!(size_of(step) > kSettled)) break;
+      if (!(size_of(step) > kSettledBesideModes)) break;
       state_ = model_.apply(state_, step.field, 1.0);
       moves = true;
     }

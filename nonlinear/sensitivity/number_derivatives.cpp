@@ -16,7 +16,7 @@ namespace {
 constexpr double kSmooth = 1e-6, kSmallerStep = 0.125;
 /// Rounding of rows over their scales, theory (40), of which differences have that over the step.
 constexpr double kRoundingOfRows = 1e-12;
-constexpr int kMostSteps = 3;
+constexpr int kMostStepsOfDifference = 3;
 constexpr double kSameAxes = 1e-12;  ///< rounding of direction cosines
 /// Share of the sizes of all terms that states, which are known to ten digits, and differences leave of a sum that is
 /// zero.
@@ -83,7 +83,7 @@ std::vector<NumberDerivatives::Derivative> NumberDerivatives::by_load_factor(dou
 std::vector<NumberDerivatives::Derivative> NumberDerivatives::by(const std::string& name, double step,
                                                                  const Move& move) const {
   for (int attempt = 1;; ++attempt, step *= kSmallerStep) {
-    const bool is_last = attempt == kMostSteps;
+    const bool is_last = attempt == kMostStepsOfDifference;
     try {
       std::vector<Derivative> derivatives;
       if (pair(differentiate(step, move), step, derivatives)) return derivatives;
