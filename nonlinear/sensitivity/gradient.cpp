@@ -21,8 +21,10 @@ class Gradients {
         state_(NumberDerivatives::in_space(state)),
         load_factor_(load_factor),
         request_(request),
-        values_(values(request.quantities, model_)),
-        pinned_(pin(request.quantities)),
+        reactions_(mixbeam::reactions(model_, state_, load_factor_)),
+        energy_(strain_energy(model_, state_)),
+        values_(request.quantities.values(here())),
+        pinned_(request.quantities.pinned(here(), values_)),
         operator_(problem, state, load_factor),
         derivatives_(operator_, state_, [this](const NumberDerivatives::Moved& moved) { return values_asked(moved); }) {
   }
@@ -38,29 +40,24 @@ class Gradients {
   }
 
  private:
-  std::vector<double> values(const QuantitySet& quantities, const Model& model) const {
-    const std::vector<Reaction> reactions = mixbeam::reactions(model, state_, load_factor_);
-    return quantities.values({model, state_, load_factor_, reactions, strain_energy(model, state_)});
-  }
+  QuantityState here() const { return {model_, state_, load_factor_, reactions_, energy_}; }
   std::vector<double> values_asked(const NumberDerivatives::Moved& moved) const {
+    const Model& model = *moved.model;
+    const std::vector<Reaction> reactions = mixbeam::reactions(model, state_, load_factor_);
+    const QuantityState there{model, state_, load_factor_, reactions, strain_energy(model, state_)};
     const bool is_in_formulas = moved.number != nullptr && moved.number->quantities_with;
     const std::vector<double> all =
-        values(is_in_formulas ? pin(moved.number->quantities_with(moved.more)) : pinned_, *moved.model);
+        is_in_formulas ? moved.number->quantities_with(moved.more).pinned(here(), values_).values(there)
+                       : pinned_.values(there);
     std::vector<double> asked;
     for (const std::size_t column : request_.columns) asked.push_back(all[column]);
     return asked;
   }
-  QuantitySet pin(const QuantitySet& quantities) const {
-    const std::vector<Reaction> reactions = mixbeam::reactions(model_, state_, load_factor_);
-    return quantities.pinned({model_, state_, load_factor_, reactions, strain_energy(model_, state_)}, values_);
-  }
 
   QuantityGradient begin(std::size_t column) {
     const std::string& name = pinned_.columns()[column].name;
-    const std::vector<Reaction> reactions = mixbeam::reactions(model_, state_, load_factor_);
     try {
-      const StateDerivative of =
-          pinned_.derivative(column, {model_, state_, load_factor_, reactions, strain_energy(model_, state_)}, values_);
+      const StateDerivative of = pinned_.derivative(column, here(), values_);
       Adjoint adjoint = operator_.solve(of);
       QuantityGradient gradient{name, values_[column]};
       if (request_.by_element) gradient.elements = element_gradients(state_, of, adjoint);
@@ -75,6 +72,8 @@ class Gradients {
   State state_;
   double load_factor_;
   const GradientRequest& request_;
+  std::vector<Reaction> reactions_;
+  StrainEnergy energy_;
   std::vector<double> values_;
   QuantitySet pinned_;
   AdjointOperator operator_;
@@ -105,10 +104,14 @@ std::vector<ElementDerivatives> element_gradients(const State& state, const Stat
   if (quantity.knows_compliance())
     throw std::invalid_argument("a strain, whose derivatives by compliances of elements are not offered, so it");
   std::vector<ElementDerivatives> gradients(quantity.model().structure().mesh_elements);
-  for_each_element(quantity.model().structure(), state, [&](const ElementView& element) {
+  const Structure& structure = quantity.model().structure();
+  // outside of the loop: threads must not count owners of views
+  const KernelView<const double*> field = adjoint.field.interior();
+  const KernelView<const double*> given = stresses == nullptr ? KernelView<const double*>() : stresses->interior();
+  for_each_element_on_threads("mixbeam::gradient::products", structure, state.views, [&](const ElementView& element) {
     ElementDerivatives& gradient = gradients[element.mesh_element()];
-    const double* of = stresses == nullptr ? element.unknowns() : element.increments_in(stresses->interior());
-    add_products(element, of, element.increments_in(adjoint.field.interior()), quantity, gradient);
+    const double* of = stresses == nullptr ? element.unknowns() : element.increments_in(given);
+    add_products(element, of, element.increments_in(field), quantity, gradient);
     const SectionConstants& section = element.section();
     for (int i = 0; i < 6; ++i) {
       const double compliance = i < 3 ? section.force_compliance[i] : section.moment_compliance[i - 3];
