@@ -20,8 +20,9 @@ sys.path.insert(0, str(ROOT / "apps" / "plots"))
 
 import verification_table  # noqa: E402
 
-BENCHMARKS = ("rollup", "superimposed_rotation", "arc_segment", "helix", "helical_rod", "slope_discontinuity", "fork", "modes",
+BENCHMARKS = ("rollup", "superimposed_rotation", "arc_segment", "helix", "helical_rod", "slope_discontinuity", "fork", "modes", "sensitivity",
               "extremes")
+VALUES = 3 * len(BENCHMARKS) + 8  # of write_all(): those of each benchmark, and of two groups of scenes
 
 
 def check(name, value, printed, comparison, tolerance, passed=True, source="a table"):
@@ -135,7 +136,7 @@ class VerificationTable(unittest.TestCase):
         self.write_benchmark("rollup")
         complaint = self.table("--update", str(page))[1]
         for part in ("verification.md is left as it is", "no results of superimposed_rotation, arc_segment",
-                     "fork, modes, extremes, verification, gallery"):
+                     "fork, modes, sensitivity, extremes, verification, gallery"):
             self.assertIn(part, complaint)
         self.assertEqual(page.read_text(), f"{before}\nold\n{after}")
         self.write_all()
@@ -144,7 +145,7 @@ class VerificationTable(unittest.TestCase):
             updated = page.read_text()
             self.assertTrue(updated.startswith(f"{before}\n| level | values | agree |"), updated)
             self.assertTrue(updated.endswith(f"\n{after}"))
-            self.assertIn("35 of 35 values agree", updated)
+            self.assertIn(f"{VALUES} of {VALUES} values agree", updated)
             self.assertNotIn("old", updated)
 
     def test_shows_studies_of_cost_where_they_were_made(self):
@@ -152,7 +153,7 @@ class VerificationTable(unittest.TestCase):
         self.write_all()
         self.assertNotIn("| trade |", self.table("--markdown")[0])
         self.write_benchmark("trade")
-        self.expect("| trade |", "38 of 38 values agree")
+        self.expect("| trade |", f"{VALUES + 3} of {VALUES + 3} values agree")
 
     def test_says_what_it_cannot_read(self):
         self.assertIn("no such folder", self.table()[1])
