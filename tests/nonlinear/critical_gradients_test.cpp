@@ -12,6 +12,7 @@ namespace {
 
 /// Differences of whole runs of fourth order: eight digits.
 constexpr double kOfDifferences = 1e-8, kStep = 0.003;
+/// Tangents beside a critical state are solved with ten digits, as kStressShare of critical_gradient.cpp has it.
 constexpr double kClosedForm = 1e-9;
 /// Two ways to the same derivative.
 constexpr double kSame = 1e-11;
@@ -106,28 +107,8 @@ TEST(CriticalGradients, OfTheLimitLoadOfAToggle) {
   EXPECT_NEAR(found.by_number[1], kTrussAxial * height * kTrussRise / std::pow(length0, 3), kClosedForm * force);
 }
 
-/// Of half span 1, guided at its crown or not.
-Scene arch(const Support& ends, bool guided, double force, double half = 0.5) {
-  const double x = std::sin(half), y = std::cos(half);
-  Scene scene;
-  scene.name = "arch";
-  scene.sections = {section(1e4, 1e4, 1.0, 1.0)};
-  scene.points = {{"left", {-x, y, 0}}, {"crown", {0, 1, 0}}, {"right", {x, y, 0}}};
-  scene.members = {arc("left half", "left", "crown", {0, 0, 0}, {0, 0, -1}, half, 4, 6),
-                   arc("right half", "crown", "right", {0, 0, 0}, {0, 0, -1}, half, 4, 6)};
-  scene.supports = {ends, ends};
-  scene.supports[0].point = "left";
-  scene.supports[1].point = "right";
-  Support guide = clamp("crown");
-  guide.displacement_fixed = {guided, false, true};
-  guide.rotation_fixed = {true, true, guided};
-  scene.supports.push_back(guide);
-  scene.point_loads = {dead_load("crown", {0, -force, 0})};
-  return scene;
-}
-
 TEST(CriticalGradients, OfTheLimitLoadOfAnArch) {
-  const Scene scene = arch(hinged("left"), true, 60.0);
+  const Scene scene = loaded_arch(hinged("left"), true, 60.0);
   expect_as_differences(scene, CriticalKind::limit_point, {of_stiffness(scene, 0), of_stiffness(scene, 5)});
   const CriticalPoint point = first_point(scene, CriticalKind::limit_point);
   const QuantityGradient found =
@@ -143,7 +124,7 @@ TEST(CriticalGradients, OfTheLimitLoadOfAnArch) {
 
 /// At its crown, along its left half.
 TEST(CriticalGradients, OfLimitLoadsThatFollow) {
-  Scene scene = arch(hinged("left"), false, 0.0);
+  Scene scene = loaded_arch(hinged("left"), false, 0.0);
   scene.name = "point load";
   scene.point_loads = {follower_load("crown", "left half", {10.0, 100.0, 0})};
   expect_as_differences(scene, CriticalKind::limit_point, {of_stiffness(scene, 5)});
@@ -220,7 +201,7 @@ TEST(CriticalGradients, OfAStripThatRollsOver) {
 
 TEST(CriticalGradients, OfArchesThatSway) {
   for (const bool is_deep : {false, true}) {
-    Scene scene = is_deep ? arch(hinged("left"), false, 40.0, 1.4) : arch(hinged("left"), false, 60.0);
+    Scene scene = is_deep ? loaded_arch(hinged("left"), false, 40.0, 1.4) : loaded_arch(hinged("left"), false, 60.0);
     scene.sections.push_back(scene.sections[0]);
     scene.sections[1].name = "right";
     scene.members[1].section = "right";

@@ -93,26 +93,6 @@ TEST(Jumps, WithoutLoadBeyondTheLimitNothingJumps) {
 
 // ---- arches, against the path
 
-/// Of half span 1, guided at its crown or not.
-Scene arch(const Support& ends, bool guided, double force) {
-  const double half = 0.5, x = std::sin(half), y = std::cos(half);
-  Scene scene;
-  scene.name = "arch";
-  scene.sections = {section(1e4, 1e4, 1.0, 1.0)};
-  scene.points = {{"left", {-x, y, 0}}, {"crown", {0, 1, 0}}, {"right", {x, y, 0}}};
-  scene.members = {arc("left half", "left", "crown", {0, 0, 0}, {0, 0, -1}, half, 4, 6),
-                   arc("right half", "crown", "right", {0, 0, 0}, {0, 0, -1}, half, 4, 6)};
-  scene.supports = {ends, ends};
-  scene.supports[0].point = "left";
-  scene.supports[1].point = "right";
-  Support guide = clamp("crown");
-  guide.displacement_fixed = {guided, false, true};
-  guide.rotation_fixed = {true, true, guided};
-  scene.supports.push_back(guide);
-  scene.point_loads = {dead_load("crown", {0, -force, 0})};
-  return scene;
-}
-
 /// The path is followed by the displacement of the crown, beyond the limit points, to where the jump has led: there it
 /// has the load of the jump's end.
 void expect_where_the_path_leads(const Scene& scene) {
@@ -136,16 +116,20 @@ void expect_where_the_path_leads(const Scene& scene) {
   EXPECT_NEAR(jumped.strain_energy().moment, followed.strain_energy().moment, kSame);
 }
 
-TEST(Jumps, AHingedArchArrivesWhereItsPathDoes) { expect_where_the_path_leads(arch(hinged("left"), true, 60.0)); }
+TEST(Jumps, AHingedArchArrivesWhereItsPathDoes) {
+  expect_where_the_path_leads(loaded_arch(hinged("left"), true, 60.0));
+}
 
 /// A clicker: two stable shapes, from one to the other by its crown.
-TEST(Jumps, AClickerArrivesWhereItsCrownIsPushed) { expect_where_the_path_leads(arch(clamp("left"), true, 100.0)); }
+TEST(Jumps, AClickerArrivesWhereItsCrownIsPushed) {
+  expect_where_the_path_leads(loaded_arch(clamp("left"), true, 100.0));
+}
 
 /// Not guided it leaves by the side, at a bifurcation, and arrives where the symmetric path does all the same.
 TEST(Jumps, AnArchThatBucklesAsideArrivesOnItsSymmetricPath) {
   constexpr int kSteps = 40;
-  Simulation free(arch(hinged("left"), false, 60.0), jumping(kSteps), this_rank()),
-      guided(arch(hinged("left"), true, 60.0), jumping(kSteps), this_rank());
+  Simulation free(loaded_arch(hinged("left"), false, 60.0), jumping(kSteps), this_rank()),
+      guided(loaded_arch(hinged("left"), true, 60.0), jumping(kSteps), this_rank());
   const Walk by_the_side = walk(free), upright = walk(guided);
   ASSERT_EQ(by_the_side.jumps.size(), 1u);
   ASSERT_EQ(upright.jumps.size(), 1u);

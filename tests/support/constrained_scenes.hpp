@@ -76,6 +76,26 @@ inline Scene portal_of_joints(int order, int elements, double load = 1.0) {
 
 inline constexpr double kTrussHalfSpan = 1.0, kTrussRise = 0.3, kTrussAxial = 100.0;
 
+/// An arch of radius 1 under a force at its crown, which is guided or not; `half`: its half angle.
+inline Scene loaded_arch(const Support& ends, bool guided, double force, double half = 0.5) {
+  const double x = std::sin(half), y = std::cos(half);
+  Scene scene;
+  scene.name = "arch";
+  scene.sections = {section(1e4, 1e4, 1.0, 1.0)};
+  scene.points = {{"left", {-x, y, 0}}, {"crown", {0, 1, 0}}, {"right", {x, y, 0}}};
+  scene.members = {arc("left half", "left", "crown", {0, 0, 0}, {0, 0, -1}, half, 4, 6),
+                   arc("right half", "crown", "right", {0, 0, 0}, {0, 0, -1}, half, 4, 6)};
+  scene.supports = {ends, ends};
+  scene.supports[0].point = "left";
+  scene.supports[1].point = "right";
+  Support guide = clamp("crown");
+  guide.displacement_fixed = {guided, false, true};
+  guide.rotation_fixed = {true, true, guided};
+  scene.supports.push_back(guide);
+  scene.point_loads = {dead_load("crown", {0, -force, 0})};
+  return scene;
+}
+
 /// `force` downwards at the apex, which is guided in the plane.
 inline Scene shallow_truss(double force) {
   Scene scene;

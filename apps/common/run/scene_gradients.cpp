@@ -26,7 +26,7 @@ constexpr double kStepOfNumber = 0.005, kStepOfPoint = 0.002;
 /// Each costs eight evaluations of the equations.
 constexpr std::size_t kMostNumbers = 10'000;
 
-const std::string kQuantities = "Quantities";
+const std::string kQuantities = "Quantities", kAnyName = "*";
 /// Before the number of a critical point on the path, from 1, or a pattern of numbers.
 const std::string kCriticalLoad = "load factor at critical point ";
 
@@ -116,6 +116,17 @@ std::vector<NumberPath> numbers_meant(const Teuchos::ParameterList& scene, const
   std::vector<NumberPath> paths;
   find_numbers(scene, number_path(text), {}, paths);
   return paths;
+}
+
+std::string unknown_number(const Teuchos::ParameterList& scene, const std::string& text) {
+  std::string any = kAnyName;
+  for (std::size_t i = 1; i < number_path(text).names.size(); ++i) any += "/" + kAnyName;
+  std::vector<std::string> known;
+  for (const NumberPath& path : numbers_meant(scene, any)) known.push_back(path.text());
+  return "value \"" + excerpt(text) +
+         "\" is no path of a finite real number of the list \"Scene\"; allowed: paths as \"Sections/NAME/EI2\" or "
+         "\"Points/NAME[0]\", patterns of them" +
+         did_you_mean(text, known);
 }
 
 namespace {
@@ -250,9 +261,7 @@ void require_known(const GradientParameters& asked, const XmlParameters& xml, co
                        (names.empty() ? "" : quoted_list(names) + ", ") + "\"" + kCriticalLoad + "1\"");
   for (const std::string& text : asked.by)
     if (numbers_meant(xml.list->sublist("Scene"), text).empty())
-      refuse("With Respect To", "value \"" + excerpt(text) +
-                                    "\" is no path of a finite real number of the list \"Scene\"; allowed: paths as "
-                                    "\"Sections/NAME/EI2\" or \"Points/NAME[0]\", patterns of them");
+      refuse("With Respect To", unknown_number(xml.list->sublist("Scene"), text));
   if (const std::size_t count = all_numbers(xml.list->sublist("Scene"), asked).size(); count > kMostNumbers)
     refuse("With Respect To", "it means " + std::to_string(count) + " numbers; allowed: up to " +
                                   std::to_string(kMostNumbers) + ", and \"By Element\" for those of elements");

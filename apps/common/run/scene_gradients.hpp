@@ -29,6 +29,8 @@ std::vector<double> numbers_in(const Teuchos::ParameterEntry& entry);
 const Teuchos::ParameterEntry& entry_of(const Teuchos::ParameterList& scene, const NumberPath& path);
 /// Finite real numbers below the list "Scene" that a path or pattern stands for.
 std::vector<NumberPath> numbers_meant(const Teuchos::ParameterList& scene, const std::string& text);
+/// Says that a path or pattern stands for none, what is allowed, and the nearest one.
+std::string unknown_number(const Teuchos::ParameterList& scene, const std::string& text);
 /// Columns that are numbers, as opposed to places of extremes.
 std::vector<std::string> names_of_values(const QuantitySet& quantities);
 /// The list "Quantities" with variables as the list "Scene" has them. Throws InputError.

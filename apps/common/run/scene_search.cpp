@@ -137,11 +137,7 @@ class SearchReader {
   void add_numbers(const std::string& name, const List& list) {
     const SearchedNumber wanted = kSearchedNumbers.read(list);
     const std::vector<NumberPath> paths = numbers_meant(scene_, wanted.path);
-    if (paths.empty())
-      refuse({kParameters, name, "Number"},
-             "value \"" + excerpt(wanted.path) +
-                 "\" is no path of a finite real number of the list \"Scene\"; allowed: paths as \"Sections/NAME/EI2\" "
-                 "or \"Points/NAME[0]\", patterns of them");
+    if (paths.empty()) refuse({kParameters, name, "Number"}, unknown_number(scene_, wanted.path));
     for (const NumberPath& path : paths) add_number(name, path, wanted, paths.size() == 1);
   }
 
