@@ -120,7 +120,7 @@ CarriedElement<K> carried(const FrameViews& frame, int e, const ElementTables<K>
           frame.spin};
 }
 
-template <int K, bool General>
+template <int K>
 struct VibrationLoop {
   VibratingBlock vibrating;
   StructureViews structure;
@@ -192,7 +192,7 @@ struct VibrationLoop {
     const ElementBlock& block = vibrating.block;
     const SectionConstants& constants = structure.sections(block.section(e));
     const StressCompliance to{&vibrating.compliance(e, 0), &vibrating.own(e, 0), &vibrating.excess(e, 0)};
-    if constexpr (General) {
+    if (block.general_section) {
       std::fill_n(to.capped, vibrating.compliance.extent(1), 0.0);
       std::fill_n(to.own, vibrating.own.extent(1), 0.0);
       std::fill_n(to.excess, vibrating.excess.extent(1), 0.0);
@@ -298,6 +298,7 @@ ElementBlock part_of(const ElementBlock& block, int first, int count) {
   part.count = count;
   part.interior_offset = block.unknowns_at()(first);
   part.increment_offset = block.increments_at()(first);
+  part.response_offset += static_cast<size_t>(first) * static_cast<size_t>(block.response_size());
   part.reference = Kokkos::subview(block.reference, rows, Kokkos::ALL);
   part.vertices = Kokkos::subview(block.vertices, rows, Kokkos::ALL);
   part.section = Kokkos::subview(block.section, rows);
@@ -338,14 +339,8 @@ VibratingBlock allocate_vibrating_block(const ElementBlock& block) {
 void evaluate_vibration(const VibratingBlock& vibrating, const StructureViews& structure, const StateViews& state,
                         double shift, bool counts, const KernelView<double**>& tangent, const FrameViews& frame) {
   for_order(vibrating.block.order, [&](auto order) {
-    const auto run = [&](auto general) {
-      const VibrationLoop<order.value, general.value> loop{vibrating, structure, state, shift, counts, tangent, frame};
-      Kokkos::parallel_for("mixbeam::vibration::condense", Range(0, vibrating.block.count), loop);
-    };
-    if (vibrating.block.general_section)
-      run(std::true_type());
-    else
-      run(std::false_type());
+    const VibrationLoop<order.value> loop{vibrating, structure, state, shift, counts, tangent, frame};
+    Kokkos::parallel_for("mixbeam::vibration::condense", Range(0, vibrating.block.count), loop);
   });
 }
 

@@ -1,8 +1,8 @@
 /// Elements side by side in the lanes of packs give what elements one by one give.
 #include "kernels/condensation/interior_factor.hpp"
-#include "kernels/loops/dispatch.hpp"
 #include "kernels/loops/element_loops.hpp"
 #include "kernels/math/rotation.hpp"
+#include "kernels/vibration/vibration.hpp"
 #include "tests/kernels/general_section_energy.hpp"
 #include "tests/support/worst_error.hpp"
 
@@ -67,7 +67,7 @@ SampleBlock random_block(const Variant& variant, int order, ForceIntegration rul
   return block;
 }
 
-/// One block and its copy, of which one element at a time is computed: by the loops with packs of one lane.
+/// One block and its copy, of which one element at a time is computed: alone in the first lane of a pack.
 struct BothWays {
   SampleBlock lanes, one_by_one;
   BothWays(const Variant& variant, int order, ForceIntegration rule, int room, int count)
@@ -80,34 +80,24 @@ struct BothWays {
     RandomNumbers random(3);
     for (size_t i = 0; i < vertex_increment.size(); ++i) vertex_increment.data()[i] = random.between(-1.0, 1.0);
     const KernelView<double*> increment("increment", samples.interior_row(samples.block.count));
-    if (&samples == &lanes)
-      recover_interior(samples.block, samples.state, samples.equations, vertex_increment, increment);
-    else
-      for_kind(samples.block, [&](auto k, auto general) {
-        recover_loop<k.value, general.value, 1>(samples.block, samples.state, samples.equations, vertex_increment,
-                                                increment);
-      });
+    for_each_part(samples, [&](const ElementBlock& part) {
+      recover_interior(part, samples.state, samples.equations, vertex_increment, increment);
+    });
     return increment;
   }
   void evaluate() {
-    evaluate_residual(lanes.block, lanes.structure, lanes.state, lanes.equations);
-    evaluate_tangent(lanes.block, lanes.structure, lanes.state, lanes.equations);
-    const SampleBlock& s = one_by_one;
-    for_kind(s.block, [&](auto k, auto general) {
-      residual_loop<k.value, general.value, 1>(s.block, s.structure, s.state, s.equations);
-      tangent_loop<k.value, general.value, 1>(s.block, s.structure, s.state, {}, s.equations);
-    });
+    for (const SampleBlock* s : {&lanes, &one_by_one})
+      for_each_part(*s, [s](const ElementBlock& part) {
+        evaluate_residual(part, s->structure, s->state, s->equations);
+        evaluate_tangent(part, s->structure, s->state, s->equations);
+      });
   }
 
  private:
   template <class Action>
-  static void for_kind(const ElementBlock& block, const Action& action) {
-    for_order(block.order, [&](auto k) {
-      if (block.general_section)
-        action(k, std::true_type());
-      else
-        action(k, std::false_type());
-    });
+  void for_each_part(const SampleBlock& samples, const Action& action) const {
+    const int at_once = &samples == &lanes ? samples.block.count : 1;
+    for (int e = 0; e < samples.block.count; e += at_once) action(part_of(samples.block, e, at_once));
   }
 };
 
