@@ -141,6 +141,11 @@ int smooth_points(int order) {
   return std::max(kFewestPoints, 2 * order + 1);
 }
 
+int recorded_points(int order, int elements) {
+  constexpr int kChordsOfMember = 1000;  // 50 to a turn of a coil of twenty: 2e-3 of its radius from chord to arc
+  return std::clamp(1 + (kChordsOfMember + elements - 1) / elements, 2, smooth_points(order));
+}
+
 namespace {
 
 /// How many samples every element of a member has.
@@ -154,7 +159,8 @@ class SamplePlan {
     if (smooth > kMostSmoothSamples) of_each_ = 2;
   }
   int points(int member) const {
-    return of_each_ != kPointsByOrder ? of_each_ : smooth_points(scene_.members[member].order);
+    return of_each_ != kPointsByOrder ? of_each_
+                                      : recorded_points(scene_.members[member].order, mesh_.elements_of(member));
   }
   size_t samples(int member) const { return static_cast<size_t>(points(member)) * mesh_.elements_of(member); }
   SampledMember description(int member) const {

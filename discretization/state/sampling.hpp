@@ -55,13 +55,16 @@ double deformed_length(const Model& model, const State& state, int member);
 /// Points at which an element of this order is drawn as a smooth curve: two for each degree of its polynomials, and
 /// enough for a kink-free arc where the order is low but the element turns by up to one radian.
 int smooth_points(int order);
+/// Points of each element of a member with so many in result files: smooth_points(), or fewer where the member is a
+/// smooth curve with those, down to both ends.
+int recorded_points(int order, int elements);
 
 /// More smooth curves than this are no better to look at: the elements of larger structures are sampled at both ends
 /// only.
 inline constexpr size_t kMostSmoothSamples = 1'000'000;
 
-/// In place of a number of points for each element: smooth_points() of its order, or both ends alone where that would
-/// make more than kMostSmoothSamples.
+/// In place of a number of points for each element: recorded_points() of its member, or both ends alone where that
+/// would make more than kMostSmoothSamples.
 inline constexpr int kPointsByOrder = 0;
 
 /// Every member of the scene, each of its elements sampled at `points_per_element` equidistant points (both ends

@@ -238,7 +238,7 @@ Needs needs_of(const Scene& scene, const SolverParameters& parameters) {
     run += n * kind.bytes();
     estimate += n * kind.estimate_bytes();
     stability += n * sizeof(double) * (kind.tangent() + kStabilityNumbers);
-    samples += n * smooth_points(kind.order);
+    samples += n * recorded_points(kind.order, elements);
     state += n * (4 + kind.interior().unknowns());
   }
   const bool iterates = iterates_with(junctions, parameters.linear.method);

@@ -27,7 +27,8 @@ std::string values_of(const Simulation& simulation, int step) {
   const Mesh& mesh = simulation.model().mesh();
   std::string lines;
   for (size_t e = 0; e < mesh.elements.size(); ++e) {
-    const int points = smooth_points(simulation.scene().members[mesh.elements[e].member].order);
+    const int member = mesh.elements[e].member;
+    const int points = recorded_points(simulation.scene().members[member].order, mesh.elements_of(member));
     for (int i = 0; i < points; ++i) {
       const double xi = -1.0 + 2.0 * i / (points - 1);
       const PointSample sample = sample_element(structure, mesh, simulation.state(), structure.local_element(e), xi);

@@ -138,6 +138,18 @@ TEST(Sampling, MembersAreSampledFromEndToEnd) {
   }
 }
 
+/// A thousand chords are a smooth curve, whatever elements they belong to; fewer elements are drawn one by one.
+TEST(Sampling, LongMembersHaveFewerPointsInEachElement) {
+  for (const int order : {1, 4}) {
+    EXPECT_EQ(recorded_points(order, 1), smooth_points(order));
+    EXPECT_EQ(recorded_points(order, 500), 3);
+    for (const int elements : {1000, 1001, 1000000}) EXPECT_EQ(recorded_points(order, elements), 2);
+    for (int elements = 1; elements < 3000; elements += 7)
+      EXPECT_TRUE((recorded_points(order, elements) - 1) * elements >= 1000 ||
+                  recorded_points(order, elements) == smooth_points(order));
+  }
+}
+
 TEST(Sampling, L2NormOfKnownFields) {
   const Model model(fork(2, 3), this_rank(), {});
   const State state = model.reference_state();
