@@ -33,6 +33,8 @@ Masses::Masses(const Model& model, bool in_plane) : model_(&model), in_plane_(in
   condensed_ = KernelView<double**>("mixbeam::vibration::condensed", local, kFullTangent);
   of_elements_ = KernelView<double**>("mixbeam::vibration::momenta", local, stride_);
   vertex_rows_ = KernelView<double* [12]>("mixbeam::vibration::rows", local);
+  place_ = KernelView<int*>("mixbeam::vibration::place", local);
+  for (int e = 0; e < local; ++e) place_(e) = stride_ * structure.local_element_to_mesh[e];
   bodies_ = vertex_bodies(model.scene(), model.mesh(), structure);
   take_damping();
   if (in_plane) keep_in_plane();
@@ -220,8 +222,15 @@ std::vector<double> Masses::momenta_of(const State& state, const MixedVector& mo
     const int count = VibrationLayout{element.order(), 0}.velocities();
     std::copy_n(&of_elements_(element.local(), 0), count, &mine[static_cast<size_t>(stride_) * element.mesh_element()]);
   });
+  take_momenta_of_bodies(state, vertex, mine.data());
+  Teuchos::reduceAll(*model_->map()->getComm(), Teuchos::REDUCE_SUM, count_, mine.data(), all.data());
+  return all;
+}
+
+void Masses::take_momenta_of_bodies(const State& state, const KernelView<const double* [6]>& vertex,
+                                    double* momenta) const {
   for (const VertexBody& body : bodies_) {
-    double* out = &mine[place_of(body)];
+    double* out = momenta + place_of(body);
     const Mat axes = body.turned_axes(state);
     const double* moved = &vertex(body.vertex, 0);
     const Vec velocity = body.axes * load_vector(moved), spin = axes * load_vector(moved + 3);
@@ -230,19 +239,18 @@ std::vector<double> Masses::momenta_of(const State& state, const MixedVector& mo
       out[3 + i] = std::sqrt(body.inertia[i]) * spin[i];
     }
   }
-  Teuchos::reduceAll(*model_->map()->getComm(), Teuchos::REDUCE_SUM, count_, mine.data(), all.data());
-  return all;
 }
 
-void Masses::gather_vertices(const KernelView<double*>& rows) const {
+/// `of`: (local element, numbers), those of both vertices from `first` on.
+void Masses::gather_vertices(const KernelView<double*>& rows, const KernelView<const double**>& of, int first) const {
   const Adjacency adjacency = model_->adjacency();
   Kokkos::parallel_for("mixbeam::vibration::gather",
                        Kokkos::RangePolicy<ExecutionSpace>(0, model_->structure().owned_vertices),
-                       [adjacency, rows, of = vertex_rows_](int v) {
+                       [adjacency, rows, of, first](int v) {
                          for (int i = 0; i < kVertexDofs; ++i) {
                            double sum = 0.0;
                            for (int a = adjacency.start(v); a < adjacency.start(v + 1); ++a)
-                             sum += of(adjacency.element(a, 0), kVertexDofs * adjacency.element(a, 1) + i);
+                             sum += of(adjacency.element(a, 0), first + kVertexDofs * adjacency.element(a, 1) + i);
                            rows(kVertexDofs * v + i) = sum;
                          }
                        });
@@ -265,7 +273,11 @@ void Masses::condense_momenta(const State& state, const double* momenta, MixedVe
     condense_rows(block, interior, vertex_rows_);
   }
   const KernelView<double*> vertex = rows.vertex();
-  gather_vertices(vertex);
+  gather_vertices(vertex, vertex_rows_);
+  add_rows_of_bodies(state, momenta, vertex);
+}
+
+void Masses::add_rows_of_bodies(const State& state, const double* momenta, const KernelView<double*>& vertex) const {
   for (const VertexBody& body : bodies_) {
     const double* own = momenta + place_of(body);
     Vec velocity{}, spin{};
@@ -284,7 +296,75 @@ void Masses::condense_momenta(const State& state, const double* momenta, MixedVe
 void Masses::condense_interior(MixedVector& rows) const {
   Kokkos::deep_copy(vertex_rows_, 0.0);
   for (const VibratingBlock& block : blocks_) condense_rows(block, rows.interior(), vertex_rows_);
-  gather_vertices(rows.vertex());
+  gather_vertices(rows.vertex(), vertex_rows_);
+}
+
+MomentumColumns Masses::columns_of(double* momenta, int columns, bool excess) {
+  MomentumColumns of{columns, static_cast<size_t>(count_), place_, momenta, momenta};
+  const size_t local = model_->structure().local_elements();
+  if (ends_.extent(1) != static_cast<size_t>(12 * columns))
+    ends_ = KernelView<double**>("mixbeam::vibration::ends", local, 12 * columns);
+  of.ends = ends_;
+  for (const VibratingBlock& block : blocks_) of.stresses = std::max(of.stresses, block.layout().stresses());
+  if (excess && excess_.extent(1) != static_cast<size_t>(of.stresses) * columns)
+    excess_ = KernelView<double**>("mixbeam::vibration::excess_rows", local, of.stresses * columns);
+  if (excess) of.excess = excess_;
+  return of;
+}
+
+void Masses::condense_columns(const State& state, const MomentumColumns& of, std::vector<MixedVector>& rows) const {
+  for (const VibratingBlock& block : blocks_) mixbeam::condense_columns(block, of);
+  for (int j = 0; j < of.columns; ++j) {
+    gather_vertices(rows[j].vertex(), of.ends, 12 * j);
+    if (of.forces != nullptr) add_rows_of_bodies(state, of.forces + of.momenta_of_column * j, rows[j].vertex());
+  }
+}
+
+void Masses::recover_columns(const State& state, const MomentumColumns& of,
+                             const std::vector<MixedVector>& motions) const {
+  const Teuchos::Comm<int>& comm = *model_->map()->getComm();
+  const size_t elements = static_cast<size_t>(stride_) * model_->structure().mesh_elements;
+  for (int j = 0; j < of.columns; ++j) {
+    const KernelView<const double* [6]> vertex = model_->local_increment(motions[j]);
+    for_each_element_on_threads("mixbeam::vibration::ends", model_->structure(), state.views,
+                                [&, ends = of.ends](const ElementView& element) {
+                                  for (int i = 0; i < 12; ++i)
+                                    ends(element.local(), 12 * j + i) = vertex(element.vertex(i / 6), i % 6);
+                                });
+  }
+  for (const VibratingBlock& block : blocks_) mixbeam::recover_columns(block, of);
+  for (int j = 0; j < of.columns; ++j) {
+    const KernelView<double*> own = motions[j].vertex();
+    double* all = of.momenta + of.momenta_of_column * j;
+    std::fill(all + elements, all + count_, 0.0);
+    take_momenta_of_bodies(state, KernelView<const double* [6]>(own.data(), own.extent(0) / kVertexDofs), all);
+  }
+  if (comm.getSize() == 1) return;
+  std::vector<double> mine(count_);
+  for (int j = 0; j < of.columns; ++j) {
+    double* all = of.momenta + of.momenta_of_column * j;
+    std::fill(mine.begin(), mine.end(), 0.0);
+    for_each_element(model_->structure(), [&](const ElementView& element) {
+      const size_t first = place_(element.local());
+      if (element.is_owned()) std::copy_n(all + first, stride_, &mine[first]);
+    });
+    std::copy_n(all + elements, count_ - elements, mine.data() + elements);
+    Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, count_, mine.data(), all);
+  }
+}
+
+std::vector<double> Masses::excess_norms(const MomentumColumns& of) const {
+  std::vector<double> norms(of.columns, 0.0);
+  for_each_element(model_->structure(), [&](const ElementView& element) {
+    if (!element.is_owned()) return;
+    for (int i = 0; i < of.stresses * of.columns; ++i) {
+      const double x = of.excess(element.local(), i);
+      norms[i / of.stresses] += x * x;
+    }
+  });
+  sum_over_ranks(*model_->map()->getComm(), norms.data(), norms.size());
+  for (double& norm : norms) norm = std::sqrt(norm);
+  return norms;
 }
 
 void Masses::recover(const MixedVector& rows, MixedVector& motion) const {

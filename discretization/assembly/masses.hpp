@@ -46,6 +46,15 @@ class Masses {
   std::vector<double> damped_strains_of(const MixedVector& motion) const;
   /// alpha times momenta, and Coriolis forces on them, theory (76): C = G^T W G of the state condensed last.
   std::vector<double> damped_momenta(const double* momenta) const;
+  /// Momenta, `columns` columns of them, that serve as forces and are replaced by those of the motions. `excess`: with
+  /// rows of the cap's excess.
+  MomentumColumns columns_of(double* momenta, int columns, bool excess);
+  /// Rows of the vertices of each column.
+  void condense_columns(const State& state, const MomentumColumns& of, std::vector<MixedVector>& rows) const;
+  /// Momenta, and excess rows, from the motions of the vertices.
+  void recover_columns(const State& state, const MomentumColumns& of, const std::vector<MixedVector>& motions) const;
+  /// Norms of the excess rows of each column.
+  std::vector<double> excess_norms(const MomentumColumns& of) const;
   /// Rows of vertices from interior rows alone.
   void condense_interior(MixedVector& rows) const;
   /// The interior of `motion` from its vertices and the interior rows.
@@ -61,7 +70,9 @@ class Masses {
   void take_damping();
   void keep_in_plane();
   void hold_vertices() const;
-  void gather_vertices(const KernelView<double*>& rows) const;
+  void gather_vertices(const KernelView<double*>& rows, const KernelView<const double**>& of, int first = 0) const;
+  void add_rows_of_bodies(const State& state, const double* momenta, const KernelView<double*>& vertex) const;
+  void take_momenta_of_bodies(const State& state, const KernelView<const double* [6]>& vertex, double* momenta) const;
   void take_coriolis(const EvaluationPoint& at);
   void add_coriolis(const double* momenta, std::vector<double>& forces) const;
   size_t place_of(const VertexBody& body) const;
@@ -74,6 +85,8 @@ class Masses {
   KernelView<double**> condensed_;        ///< (local element, kFullTangent)
   KernelView<double**> of_elements_;      ///< (local element, stride): momenta
   KernelView<double* [12]> vertex_rows_;  ///< (local element)
+  KernelView<int*> place_;                ///< (local element): its first momentum
+  KernelView<double**> ends_, excess_;    ///< of the columns of last time
   bool damped_ = false;
   std::vector<std::array<double, 2>> damping_;  ///< (mesh element): alpha, beta
   int strain_stride_ = 0, strain_count_ = 0;    ///< as those of momenta

@@ -41,6 +41,20 @@ bool answers_for(const Structure& structure, int mesh_element) {
   return ElementView(structure, block, local - block.first_element).is_owned();
 }
 
+namespace {
+
+/// Theory (8), from the displacements of both vertices and the bubbles of degree 1 and more.
+Vec displacement_at(const ElementView& view, double xi, const Vec& first, const Vec& second, const double* bubbles) {
+  Vec displacement = (0.5 * (1.0 - xi)) * first + (0.5 * (1.0 + xi)) * second;
+  double B[kMaximumOrder + 1];
+  integrated_legendre(view.order(), xi, B);
+  for (int j = 1; j < view.order(); ++j)
+    displacement += (0.5 * view.length() * B[j]) * load_vector(bubbles + 3 * (j - 1));
+  return displacement;
+}
+
+}  // namespace
+
 PointSample sample_element(const Structure& structure, const Mesh& mesh, const State& state, int local_element,
                            double xi, ForceComponents components) {
   const ElementView view(structure, state, local_element);
@@ -50,11 +64,10 @@ PointSample sample_element(const Structure& structure, const Mesh& mesh, const S
   PointSample sample;
   sample.arc_length = mesh.arc_length(element, xi);
   sample.reference_position = member.curve.position(sample.arc_length);
-  sample.displacement = (0.5 * (1.0 - xi)) * view.displacement(0) + (0.5 * (1.0 + xi)) * view.displacement(1);
-  double P[kMaximumOrder + 1], B[kMaximumOrder + 1];
+  sample.displacement =
+      displacement_at(view, xi, view.displacement(0), view.displacement(1), view.unknowns() + view.layout().bubble(1));
+  double P[kMaximumOrder + 1];
   legendre(k, xi, P);
-  integrated_legendre(k, xi, B);
-  for (int j = 1; j < k; ++j) sample.displacement += (0.5 * view.length() * B[j]) * view.bubble(j);
   sample.position = sample.reference_position + sample.displacement;
   sample.triad = view.triad() * exp_quaternion(view.relative_rotation_at(P));
   sample.force = components == ForceComponents::material ? force_at(view, xi) : force_through_space_at(view, xi);
@@ -240,6 +253,25 @@ SampledMembers sample_own_elements(const Scene& scene, const Model& model, const
       members.add(sampled(model, state, plan.description(m), mesh.first_element[m], local_elements));
   }
   return members;
+}
+
+std::vector<Vector3> sample_own_motion(const Scene& scene, const Model& model, const MixedVector& motion,
+                                       int points_per_element) {
+  const Structure& structure = model.structure();
+  const SamplePlan plan(scene, model.mesh(), points_per_element);
+  const KernelView<const double* [6]> vertex = model.local_increment(motion);
+  std::vector<Vector3> displacements;
+  for (const int local : structure.elements_in_order) {
+    const ElementView view(structure, State{}, local);
+    if (!view.is_owned()) continue;
+    const int points = plan.points(structure.member_of(model.mesh(), local));
+    const double* bubbles = view.increments_in(motion.interior()) + view.layout().bubble(1);
+    for (int i = 0; i < points; ++i)
+      displacements.push_back(vector_algebra::to_array(
+          displacement_at(view, sample_point(i, points), load_vector(&vertex(view.vertex(0), 0)),
+                          load_vector(&vertex(view.vertex(1), 0)), bubbles)));
+  }
+  return displacements;
 }
 
 std::vector<MemberSamples> sample_members(const Scene& scene, const Model& model, const State& state,

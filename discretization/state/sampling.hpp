@@ -72,6 +72,10 @@ inline constexpr int kPointsByOrder = 0;
 /// elements that start at one of its vertices. Rank 0 has descriptions of all members.
 SampledMembers sample_own_elements(const Scene& scene, const Model& model, const State& state, int points_per_element);
 
+/// The displacements of a motion there, all members in turn. Collective.
+std::vector<Vector3> sample_own_motion(const Scene& scene, const Model& model, const MixedVector& motion,
+                                       int points_per_element);
+
 /// Samples members completely on rank 0; other ranks return the members without samples. For small structures.
 /// Collective.
 std::vector<MemberSamples> sample_members(const Scene& scene, const Model& model, const State& state,

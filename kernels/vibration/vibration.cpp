@@ -419,6 +419,57 @@ void recover_motion(const VibratingBlock& vibrating, const KernelView<const doub
   });
 }
 
+namespace {
+
+/// Rows of all motions of an element with the stresses eliminated.
+KOKKOS_FORCEINLINE_FUNCTION void gather_forces(const VibratingBlock& vibrating, const MomentumColumns& of, int e,
+                                               int column, const VibrationLayout& layout, double* motions) {
+  const int local = vibrating.block.first_element + e;
+  if (of.forces == nullptr)
+    return eliminate_stresses(vibrating, e, layout, &of.excess(local, of.stresses * column), motions);
+  const double* given = of.forces + of.momenta_of_column * column + of.place(local);
+  add_transposed_product(&vibrating.momentum(e, 0), layout.velocities(), layout.motions(), layout.motions(), given,
+                         motions);
+}
+
+}  // namespace
+
+void condense_columns(const VibratingBlock& vibrating, const MomentumColumns& of) {
+  for_each_of("mixbeam::vibration::condense_columns", vibrating, [=](int e, const VibrationLayout layout) {
+    const KernelView<double**>& from = vibrating.left.extent(0) > 0 ? vibrating.left : vibrating.response;
+    for (int c = 0; c < of.columns; ++c) {
+      double motions[kMostMotions] = {};
+      gather_forces(vibrating, of, e, c, layout, motions);
+      double* out = &of.ends(vibrating.block.first_element + e, 12 * c);
+      std::copy_n(motions + layout.interior(), 12, out);
+      add_transposed_product(&from(e, 0), layout.interior(), 12, 12, motions, out);
+    }
+  });
+}
+
+void recover_columns(const VibratingBlock& vibrating, const MomentumColumns& of) {
+  for_each_of("mixbeam::vibration::recover_columns", vibrating, [=](int e, const VibrationLayout layout) {
+    const int local = vibrating.block.first_element + e, n = layout.motions();
+    for (int c = 0; c < of.columns; ++c) {
+      double motions[kMostMotions] = {};
+      gather_forces(vibrating, of, e, c, layout, motions);
+      solve_factors(&vibrating.factors(e, 0), layout.interior(), &vibrating.pivots(e, 0), motions);
+      const double* ends = &of.ends(local, 12 * c);
+      std::copy_n(ends, 12, motions + layout.interior());
+      add_product(&vibrating.response(e, 0), layout.interior(), 12, 12, 1.0, ends, motions);
+      double* out = of.momenta + of.momenta_of_column * c + of.place(local);
+      std::fill_n(out, layout.velocities(), 0.0);
+      add_product(&vibrating.momentum(e, 0), layout.velocities(), n, n, 1.0, motions, out);
+      if (of.excess.extent(0) == 0) continue;
+      double *rows = &of.excess(local, of.stresses * c), strain[kMostStresses] = {}, stress[kMostStresses];
+      if (of.forces == nullptr) std::copy_n(rows, layout.stresses(), strain);
+      add_product(&vibrating.strain(e, 0), layout.stresses(), n, n, 1.0, motions, strain);
+      of_element(vibrating, vibrating.compliance, e).multiply(strain, stress);
+      of_element(vibrating, vibrating.excess, e).multiply(stress, rows);
+    }
+  });
+}
+
 void stiffness_forms(const VibratingBlock& vibrating, const KernelView<const double* [6]>& vertex,
                      const KernelView<const double*>& increment, const KernelView<double*>& forms) {
   for_each_of("mixbeam::vibration::forms", vibrating, [=](int e, const VibrationLayout layout) {

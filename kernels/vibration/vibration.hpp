@@ -28,6 +28,19 @@ struct VibratingBlock {
   VibrationLayout layout() const { return {block.order, block.interior.force_points}; }
 };
 
+/// Several right-hand sides of momenta alone, which share one pass over the matrices of the elements; arrays of local
+/// elements have the numbers of one column after those of the other.
+struct MomentumColumns {
+  int columns = 0;
+  size_t momenta_of_column = 0;
+  KernelView<const int*> place{};  ///< (local element): its first momentum in a column
+  const double* forces = nullptr;  ///< momenta as forces; null: rows of stresses in their place
+  double* momenta = nullptr;       ///< of the motions, which may take the place of the forces
+  KernelView<double**> ends{};     ///< (local element, 12 * column): rows of both vertices, then their motions
+  int stresses = 0;                ///< of an element, at most
+  KernelView<double**> excess{};   ///< (local element, stresses * column): rows of excess_rows(); empty: no cap
+};
+
 /// Room for the elements of a block; `mass` is to be filled.
 VibratingBlock allocate_vibrating_block(const ElementBlock& block);
 /// Some elements of a block that follow each other.
@@ -75,6 +88,11 @@ void condense_rows(const VibratingBlock& vibrating, const KernelView<const doubl
 /// Motions of the interior and stresses that belong to those of the vertices, under the same interior rows.
 void recover_motion(const VibratingBlock& vibrating, const KernelView<const double*>& interior_rows,
                     const KernelView<const double* [6]>& vertex, const KernelView<double*>& increment);
+/// Rows of both vertices of each element after elimination of the interior, from forces or excess rows.
+void condense_columns(const VibratingBlock& vibrating, const MomentumColumns& of);
+/// Momenta of the motions that belong to those of the vertices, and the excess rows of their stresses where there is a
+/// cap.
+void recover_columns(const VibratingBlock& vibrating, const MomentumColumns& of);
 /// (2 dN . D dx - dN . S dN + dx . H dx) of each local element, S the true compliance: stationary at a mode.
 void stiffness_forms(const VibratingBlock& vibrating, const KernelView<const double* [6]>& vertex,
                      const KernelView<const double*>& increment, const KernelView<double*>& forms);

@@ -196,7 +196,7 @@ RecordedCriticalPoint Simulation::record(const CriticalPoint& point, int points_
     record.position.insert(record.position.end(), member.position.begin(), member.position.end());
     record.displacement.insert(record.displacement.end(), member.displacement.begin(), member.displacement.end());
   }
-  record.mode = displacement_of_mode(point.mode, points_per_element);
+  record.mode = sample_own_motion(scene(), model(), point.mode, points_per_element);
   record.monitored = motions(monitored_points);
   record.reactions = reactions();
   record.state = share_of(model(), state_);
@@ -232,8 +232,8 @@ std::vector<RecordedBucklingMode> Simulation::buckling_modes(int count, int poin
   std::vector<RecordedBucklingMode> recorded;
   try {
     for (const EigenMode& mode : linear_buckling(*problem_, count, base.state_, base.load_factor_))
-      recorded.push_back(
-          {mode.eigenvalue, base.displacement_of_mode(mode.mode, points_per_element), mode.error, mode.converged});
+      recorded.push_back({mode.eigenvalue, sample_own_motion(scene(), model(), mode.mode, points_per_element),
+                          mode.error, mode.converged});
     if (recorded.empty() || !estimates_error(parameters_.analysis, model().mesh().elements.size())) return recorded;
     std::vector<EigenMode> finer;
     if (base.load_factor_ == 0.0) {
@@ -269,7 +269,7 @@ std::vector<RecordedVibrationMode> Simulation::vibration_modes(int count, bool i
     record.participation_z = mode.participation[2];
     record.residual = mode.pair.error;
     record.confirmed = mode.pair.converged;
-    record.mode = displacement_of_mode(mode.pair.mode, points_per_element);
+    record.mode = sample_own_motion(scene(), model(), mode.pair.mode, points_per_element);
   }
   return recorded;
 }
@@ -280,15 +280,6 @@ double Simulation::natural_frequency(int mode) const {
       mixbeam::vibration_modes(*problem_, state_, load_factor_, asked.number, asked.in_plane);
   if (mode > static_cast<int>(modes.size())) return std::numeric_limits<double>::quiet_NaN();
   return modes[mode - 1].rate.imag() / (2.0 * kPi);
-}
-
-/// The centerline is linear in displacements and bubbles, whatever the state, theory (8).
-std::vector<Vector3> Simulation::displacement_of_mode(const MixedVector& mode, int points_per_element) const {
-  const State moved = model().apply(model().reference_state(), mode, 1.0);
-  std::vector<Vector3> displacement;
-  for (const MemberSamples& member : sample_own_elements(scene(), model(), moved, points_per_element))
-    displacement.insert(displacement.end(), member.displacement.begin(), member.displacement.end());
-  return displacement;
 }
 
 std::vector<MonitoredQuantity> Simulation::motions(const std::vector<std::string>& points) const {

@@ -130,7 +130,6 @@ class Simulation {
   RecordedCriticalPoint record(const CriticalPoint& point, int points_per_element,
                                const std::vector<std::string>& monitored_points) const;
   std::vector<MonitoredQuantity> motions(const std::vector<std::string>& points) const;
-  std::vector<Vector3> displacement_of_mode(const MixedVector& mode, int points_per_element) const;
 
   SolverParameters parameters_;
   Teuchos::RCP<BeamProblem> problem_;

@@ -109,15 +109,17 @@ class KrylovSpace {
     return std::sqrt(Teuchos::BLAS<int, double>().DOT(n, x, 1, dual.empty() ? x : dual.data(), 1));
   }
 
-  /// Splits the candidates of the next block, twice: the second time removes the rounding of the first.
+  /// Splits the candidates of the next block, twice: the second time removes the rounding of the first. A symmetric
+  /// operator leaves rounding alone in all blocks but the last two: the first time those do.
   void split_next() {
     const int columns = columns_next_;
     Vector before(columns);
     for (int j = 0; j < columns; ++j) before[j] = norm(&next_[static_cast<size_t>(j) * problem_.unknowns]);
-    split_.h = project(columns);
+    constexpr size_t kCoupled = 2;
+    split_.h = project(columns, problem_.symmetric ? blocks_.size() - std::min(kCoupled, blocks_.size()) : 0);
     split_.r = orthonormalize(before, split_.left);
     const int kept = columns_next_;
-    const Vector h = project(kept);
+    const Vector h = project(kept, 0);
     Vector left;
     const Vector r = orthonormalize(Vector(kept, 1.0), left);
     multiply(false, size_, columns, kept, 1.0, h.data(), split_.r.data(), 1.0, split_.h.data());
@@ -125,18 +127,19 @@ class KrylovSpace {
     split_.r.assign(static_cast<size_t>(columns_next_) * columns, 0.0);
     multiply(false, columns_next_, columns, kept, 1.0, r.data(), first.data(), 0.0, split_.r.data());
   }
-  /// Subtracts V h from the next block; returns h.
-  Vector project(int columns) {
+  /// Subtracts V h from the next block; returns h, which has zeros for the blocks before `begin`.
+  Vector project(int columns, size_t begin) {
     const int n = problem_.unknowns;
     Vector h(static_cast<size_t>(size_) * columns), part;
     int first = 0;
-    for (const Block& block : blocks_) {
+    for (size_t b = 0; b < blocks_.size(); first += blocks_[b++].columns) {
+      if (b < begin) continue;
+      const Block& block = blocks_[b];
       part.assign(static_cast<size_t>(block.columns) * columns, 0.0);
       multiply(true, block.columns, columns, n, 1.0, block.left(), next_.data(), 0.0, part.data());
       multiply(false, n, columns, block.columns, -1.0, block.v.data(), part.data(), 1.0, next_.data());
       for (int j = 0; j < columns; ++j)
         std::copy_n(&part[j * block.columns], block.columns, &h[first + static_cast<size_t>(j) * size_]);
-      first += block.columns;
     }
     return h;
   }

@@ -26,7 +26,7 @@ MixedVector combination(const std::vector<MixedVector>& vectors, const double* w
   return sum;
 }
 
-void normalize_mode(const Model& model, MixedVector& mode) {
+double normalize_mode(const Model& model, MixedVector& mode) {
   const KernelView<double*> rows = mode.vertex();
   const double length = model.structure().length;
   const auto size = [&](size_t i) { return rows(i) / (i % kVertexDofs < 3 ? length : 1.0); };
@@ -43,7 +43,9 @@ void normalize_mode(const Model& model, MixedVector& mode) {
     }
   first = maximum_over_ranks(comm, first);
   const bool turned = std::fmod(-first, 2.0) == 1.0;
-  if (largest > 0.0) mode.scale((turned ? -1.0 : 1.0) / largest);
+  const double factor = largest > 0.0 ? (turned ? -1.0 : 1.0) / largest : 1.0;
+  if (largest > 0.0) mode.scale(factor);
+  return factor;
 }
 
 void on_root(const RootCopy& root, const std::function<void()>& action) {

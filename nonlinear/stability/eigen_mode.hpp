@@ -25,8 +25,8 @@ MixedVector complete_motion(const Tangent& tangent, const IndependentUnknowns& u
 /// Sum of weights[i] times vectors[i]; at least one vector.
 MixedVector combination(const std::vector<MixedVector>& vectors, const double* weights);
 
-/// Scales a mode as EigenMode promises. Collective.
-void normalize_mode(const Model& model, MixedVector& mode);
+/// Scales a mode as EigenMode promises, by the factor returned. Collective.
+double normalize_mode(const Model& model, MixedVector& mode);
 
 /// Work of rank 0 alone; what goes wrong there is a LinearSolverError on every rank.
 void on_root(const RootCopy& root, const std::function<void()>& action);

@@ -180,11 +180,16 @@ class Vibration {
       eigen.blocks = kNarrowBlocks;
     }
     eigen.apply = [&](double* block, int columns) {
+      const size_t count = operator_.masses().momenta();
+      if (moving_.size() == count) return operator_.apply(block, columns);
+      std::vector<double> all;
       for (int j = 0; j < columns; ++j) {
-        double* own = block + static_cast<size_t>(j) * eigen.unknowns;
-        const std::vector<double> image = operator_.momenta_of(operator_.respond(all_momenta(own).data()).motion);
-        for (const int i : moving_) *own++ = image[i];
+        const std::vector<double> own = all_momenta(block + moving_.size() * j);
+        all.insert(all.end(), own.begin(), own.end());
       }
+      operator_.apply(all.data(), columns);
+      for (int j = 0; j < columns; ++j)
+        for (const int i : moving_) *block++ = all[count * j + i];
     };
     std::vector<RitzPair> pairs = largest_eigenpairs(eigen, wanted);
     double largest = 0.0;
@@ -212,7 +217,9 @@ class Vibration {
     mode.rate = rate_of(mode.pair.eigenvalue);
     mode.pair.error = pair.residual;
     if (!operator_.symmetric()) take_value(pair, shift, mode);
-    take_masses(mode);
+    const double factor = normalize_mode(operator_.model(), mode.pair.mode);
+    for (double& momentum : momenta) momentum *= factor;
+    take_masses(std::move(momenta), mode);
     return mode;
   }
 
@@ -222,9 +229,7 @@ class Vibration {
     return {omega.imag(), std::abs(omega.real())};
   }
 
-  void take_masses(VibrationMode& mode) const {
-    normalize_mode(operator_.model(), mode.pair.mode);
-    std::vector<double> momenta = operator_.momenta_of(mode.pair.mode);
+  void take_masses(std::vector<double> momenta, VibrationMode& mode) const {
     mode.modal_mass = dot_product(momenta, momenta);
     for (int axis = 0; axis < 3; ++axis)
       mode.participation[axis] = dot_product(momenta, translation_[axis]) / mode.modal_mass;
@@ -275,7 +280,8 @@ class Vibration {
       if (rate.imag() < 0.0 || !(pair.residual <= kFound)) continue;  // of motions without mass rounding is found
       VibrationMode mode{{-(rate * rate).real(), damped_response(pair.vector.data(), reference)}, rate, 0.0, {}};
       mode.pair.error = pair.residual;
-      take_masses(mode);
+      normalize_mode(operator_.model(), mode.pair.mode);
+      take_masses(operator_.momenta_of(mode.pair.mode), mode);
       if (with_momenta_) mode.momenta = complex_momenta(pair.vector, reference, rate);
       found.push_back(std::move(mode));
     }

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace mixbeam {
 
@@ -91,36 +92,101 @@ SparseMatrix VibrationOperator::outside() {
 
 /// Under rows that condense_momenta() or condense_interior() gathered, of the capped stiffness.
 VibrationOperator::Response VibrationOperator::solve(const MixedVector& rows) {
-  tangent_->project_on_free_motions(rows.vertex());
   Response response{model_.create_vector()};
-  DofVector& motion = response.motion.vertex_dofs();
-  system_.condense_rows(rows.vertex_dofs(), remaining_, motion);
-  response.y = unknowns_.reduced_remaining_rows(remaining_);
-  on_root(unknowns_.root(), [&] { solve_reduced(response.y); });
-  unknowns_.expand(response.y.data(), remaining_);
-  system_.expand(remaining_, motion);
+  response.y = condense(rows, response.motion.vertex_dofs());
+  on_root(unknowns_.root(), [&] { solve_reduced(response.y, 1); });
+  expand(response.y.data(), response.motion.vertex_dofs());
   masses_.recover(rows, response.motion);
   return response;
 }
 
-void VibrationOperator::solve_reduced(std::vector<double>& y) {
+/// Rows of the unknowns (rank 0) from those of the vertices; `motion` is half done.
+std::vector<double> VibrationOperator::condense(const MixedVector& rows, DofVector& motion) {
+  tangent_->project_on_free_motions(rows.vertex());
+  system_.condense_rows(rows.vertex_dofs(), remaining_, motion);
+  return unknowns_.reduced_remaining_rows(remaining_);
+}
+
+void VibrationOperator::expand(const double* y, DofVector& motion) {
+  unknowns_.expand(y, remaining_);
+  system_.expand(remaining_, motion);
+}
+
+void VibrationOperator::solve(const MomentumColumns& of) {
+  std::vector<MixedVector> rows, motions;
+  for (int j = 0; j < of.columns; ++j) {
+    rows.push_back(model_.create_vector());
+    motions.push_back(model_.create_vector());
+  }
+  masses_.condense_columns(state_, of, rows);
+  std::vector<double> y;
+  for (int j = 0; j < of.columns; ++j) {
+    const std::vector<double> own = condense(rows[j], motions[j].vertex_dofs());
+    y.insert(y.end(), own.begin(), own.end());
+  }
+  on_root(unknowns_.root(), [&] { solve_reduced(y, of.columns); });
+  for (int j = 0; j < of.columns; ++j) expand(y.data() + y.size() / of.columns * j, motions[j].vertex_dofs());
+  masses_.recover_columns(state_, of, motions);
+}
+
+void VibrationOperator::apply(double* momenta, int columns) {
+  const size_t count = masses_.momenta();
+  const bool corrects = tangent_->cap().cuts_off;
+  const std::vector<double> given(momenta, momenta + (corrects ? count * columns : 0));
+  if (!corrects_slowly_) {
+    MomentumColumns of = masses_.columns_of(momenta, columns, corrects);
+    solve(of);
+    if (corrects) corrects_slowly_ = !correct(of);
+  }
+  for (int j = 0; corrects_slowly_ && j < columns; ++j) {
+    const std::vector<double> image = momenta_of(respond(&given[count * j]).motion);
+    std::copy(image.begin(), image.end(), momenta + count * j);
+  }
+}
+
+/// Takes what the cap leaves out of columns that are solved; false where that is slow.
+bool VibrationOperator::correct(MomentumColumns& of) {
+  std::vector<double> left = masses_.excess_norms(of), allowed = left, more(of.momenta_of_column * of.columns);
+  for (double& norm : allowed) norm *= cap_left();
+  double* const sum = std::exchange(of.momenta, more.data());
+  of.forces = nullptr;
+  const auto is_left = [&](int j) { return left[j] > allowed[j]; };
+  const auto any_is_left = [&] {
+    bool any = false;
+    for (int j = 0; j < of.columns; ++j) any = any || (is_left(j) && std::isfinite(left[j]));
+    return any;
+  };
+  while (any_is_left()) {
+    solve(of);
+    const std::vector<double> now = masses_.excess_norms(of);
+    for (int j = 0; j < of.columns; ++j)
+      if (is_left(j) && !(now[j] <= kFastCorrection * left[j])) return false;
+    for (size_t i = 0; i < more.size(); ++i) sum[i] += more[i];
+    left = now;
+  }
+  return true;
+}
+
+void VibrationOperator::solve_reduced(std::vector<double>& y, int columns) {
   if (y.empty()) return;
   const std::vector<double> given = y;
+  const size_t n = y.size() / columns;
   InertiaSolver& solver = symmetric_ ? *of_symmetric_ : *of_general_;
-  solver.solve(y.data(), 1);
+  solver.solve(y.data(), columns);
   for (int pass = 0;; ++pass) {
     std::vector<double> left = given;
-    const double error = rest(y, left);
+    double error = 0.0;
+    for (int j = 0; j < columns; ++j) error = std::max(error, rest(&y[n * j], &left[n * j]));
     if (error <= kRefined) return;
     if (pass > 0 && !(error <= kRefused))
       throw LinearSolverError("the equations of vibration were not solved: backward error " + shortest(error));
     if (pass > 0) return;
-    solver.solve(left.data(), 1);
+    solver.solve(left.data(), columns);
     add_multiple(1.0, left, y);
   }
 }
 /// given - K y; its size, over the largest sum of the terms of a row.
-double VibrationOperator::rest(const std::vector<double>& y, std::vector<double>& given) const {
+double VibrationOperator::rest(const double* y, double* given) const {
   const SparseMatrix& matrix = unknowns_.matrix();
   double largest = 0.0, size = 0.0;
   for (int i = 0; i < matrix.rows(); ++i) {
@@ -136,6 +202,11 @@ double VibrationOperator::rest(const std::vector<double>& y, std::vector<double>
   return largest == 0.0 ? 0.0 : largest / size;
 }
 
+/// Share of the cap that may be left in a solution.
+double VibrationOperator::cap_left() const {
+  return symmetric_ && !has_forces_of_velocity() ? kCapLeft : kCapLeftWithoutSymmetry;
+}
+
 VibrationOperator::Response VibrationOperator::respond(const double* momenta, const double* strains) {
   MixedVector rows = model_.create_vector();
   masses_.condense_momenta(state_, momenta, rows, strains);
@@ -145,7 +216,7 @@ VibrationOperator::Response VibrationOperator::respond(const double* momenta, co
   masses_.excess_rows(found.motion, excess);
   const double first = norm_of(excess);
   if (!(first > 0.0) || !std::isfinite(first)) return found;
-  const double allowed = (symmetric_ && !has_forces_of_velocity() ? kCapLeft : kCapLeftWithoutSymmetry) * first;
+  const double allowed = cap_left() * first;
   double left = first;
   while (!corrects_slowly_ && left > allowed) {
     Response more = solve_interior(excess);

@@ -53,14 +53,21 @@ class VibrationOperator {
   /// for as in theory (38), g = E x with x = x_0 + S g.
   /// `strains`: rows of stresses, Masses::damped_strains() of them; null: zero.
   Response respond(const double* momenta, const double* strains = nullptr);
+  /// Replaces columns of momenta by G (K + shift M)^-1 G^T times them: respond() with one pass over the elements.
+  void apply(double* momenta, int columns);
   std::vector<double> momenta_of(const MixedVector& motion) const { return masses_.momenta_of(state_, motion); }
 
  private:
   Response solve(const MixedVector& rows);
   Response solve_interior(const MixedVector& rows);
+  void solve(const MomentumColumns& of);
+  bool correct(MomentumColumns& of);
+  std::vector<double> condense(const MixedVector& rows, DofVector& motion);
+  void expand(const double* y, DofVector& motion);
   void correct_by_gmres(MixedVector excess, double norm, double reduction, Response& found);
-  void solve_reduced(std::vector<double>& y);
-  double rest(const std::vector<double>& y, std::vector<double>& given) const;
+  void solve_reduced(std::vector<double>& y, int columns);
+  double rest(const double* y, double* given) const;
+  double cap_left() const;
 
   const Model& model_;
   State state_;
