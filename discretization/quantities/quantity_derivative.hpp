@@ -50,6 +50,9 @@ class StateDerivative {
   /// Of a quantity that compliances enter beside the state, other than energies.
   void know_compliance() { knows_compliance_ = true; }
   bool knows_compliance() const { return knows_compliance_; }
+  /// Of a quantity made of a natural frequency, whose derivative is not this one.
+  void know_mode(int mode) { modes_.push_back(mode); }
+  const std::vector<int>& modes() const { return modes_; }
 
  private:
   ElementView element_at(const PlaceInElement& place) const {
@@ -64,6 +67,7 @@ class StateDerivative {
   std::vector<HeldRows> held_{};
   double force_energy_ = 0.0, moment_energy_ = 0.0;  ///< weights
   bool knows_compliance_ = false;
+  std::vector<int> modes_{};
   KernelView<double*> vertex_, interior_;  ///< of rows_
 };
 

@@ -541,7 +541,7 @@ void QuantitySet::add_derivative(std::size_t column, double factor, const Quanti
   if (one.kind.is(QuantitySource::formula)) {
     const std::vector<double> before(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(first));
     for (std::size_t i = 0; i < first; ++i)
-      if (const double slope = slope_of(one.formula, before, i); slope != 0.0)
+      if (const double slope = slope_of(one.formula, before, i); slope != 0.0)  // NaN too
         add_derivative(i, factor * slope, at, values, sum);
     return;
   }
@@ -664,6 +664,7 @@ void QuantitySet::Resolved::add_of_reaction(std::size_t place, const Vec& weight
 /// Of kinds that have no place, or two or three.
 void QuantitySet::Resolved::add_of_whole(double weight, const QuantityState& at, StateDerivative& sum) const {
   if (kind.name == "load factor") return;
+  if (kind.is(QuantitySource::mode)) return sum.know_mode(asked.mode);
   if (kind.name.find("energy") != std::string::npos)
     return sum.add_energy(kind.name == "moment energy" ? 0.0 : weight, kind.name == "force energy" ? 0.0 : weight);
   if (!kind.is(QuantitySource::between)) throw without_derivative("the quantity \"" + kind.name + "\"");

@@ -242,19 +242,18 @@ DofVector AdjointOperator::held_motion(const StateDerivative& quantity) const {
   return motion;
 }
 
-/// Adds matrix^T times a motion of the vertices that chains leave.
-void AdjointOperator::add_transposed(const Entries& matrix, const DofVector& motion,
-                                     const KernelView<double*>& rows) const {
+/// Adds matrix^T times a motion of the vertices that chains leave, or of the tangent itself the matrix.
+void AdjointOperator::add_product(const Entries& matrix, const DofVector& motion,
+                                  const KernelView<double*>& rows) const {
   const auto local = system_.matrix()->getLocalMatrixHost();
   const KernelView<const double*> x = MixedVector::view_of(motion);
   const KernelView<int*> vertices = system_.remaining().vertices();
   const auto row_of = [&](int place) { return vertex_row(vertices(place / kVertexDofs), place % kVertexDofs); };
-  for (int i = 0; i < static_cast<int>(local.numRows()); ++i) {
-    const double by = x(row_of(i));
-    if (by == 0.0) continue;
-    for (size_t k = local.graph.row_map(i); k < local.graph.row_map(i + 1); ++k)
-      rows(row_of(local.graph.entries(k))) += by * matrix[k];
-  }
+  for (int i = 0; i < static_cast<int>(local.numRows()); ++i)
+    for (size_t k = local.graph.row_map(i); k < local.graph.row_map(i + 1); ++k) {
+      const int column = local.graph.entries(k), from = transposed_ ? i : column, to = transposed_ ? column : i;
+      rows(row_of(to)) += matrix[k] * x(row_of(from));
+    }
 }
 
 /// Rows that the cap leaves out.
@@ -319,7 +318,7 @@ MixedVector AdjointOperator::left_of(const MixedVector& rows, const Adjoint& adj
     add_equations(part, motion, adjoint.field.interior(), interior, vertex_rows_);
   });
   add_at_vertices(vertex);
-  add_transposed(outside_, adjoint.field.vertex_dofs(), vertex);
+  add_product(outside_, adjoint.field.vertex_dofs(), vertex);
   return left;
 }
 
@@ -388,15 +387,15 @@ bool AdjointOperator::is_planar_for(const MixedVector& rows, const DofVector& he
   return model_.is_in_plane(both);
 }
 
-Adjoint AdjointOperator::solve(const StateDerivative& quantity, const DofVector* projected) {
+Adjoint AdjointOperator::solve(const StateDerivative& quantity, const DofVector* projected, const DofVector* imposed) {
   MixedVector own = quantity.rows().clone(true);
   weigh_force_rows(model_.structure(), true, own);
-  const DofVector held = held_motion(quantity);
-  const bool holds = !quantity.held().empty();
-  if (holds) add_turning(held, own.vertex());
+  const DofVector held = imposed != nullptr ? DofVector(*imposed, Teuchos::Copy) : held_motion(quantity);
+  const bool holds = imposed != nullptr || !quantity.held().empty();
+  if (holds && imposed == nullptr) add_turning(held, own.vertex());
   if (tangent_->is_planar() && (projected != nullptr || !is_planar_for(own, held))) linearize(true);
   MixedVector rows = own.clone(true);
-  if (holds) add_transposed(whole_, held, rows.vertex());
+  if (holds) add_product(whole_, held, rows.vertex());
   Adjoint adjoint = respond(rows, holds ? &held : nullptr, projected);
   if (tangent_->cap().cuts_off && (!knows_all_rows_ || !refine(own, false, adjoint))) {
     take_out_cap(adjoint);

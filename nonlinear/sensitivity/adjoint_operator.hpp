@@ -36,7 +36,9 @@ class AdjointOperator {
   bool is_symmetric() const;
 
   /// `projected`: what else the quantity has in projected rows, of vertices whose free motions turn with the state.
-  Adjoint solve(const StateDerivative& quantity, const DofVector* projected = nullptr);
+  /// `imposed`: motions of supports that come with the rows, in place of what the quantity has of held rows.
+  Adjoint solve(const StateDerivative& quantity, const DofVector* projected = nullptr,
+                const DofVector* imposed = nullptr);
   /// free . Z^T rows, the projected rows of supports and joints (6 * vertex + component).
   double work_of_free(const Adjoint& adjoint, const DofVector& projected);
   /// The motion whose work with the rows of the equations is the part of a quantity that supports hold.
@@ -58,7 +60,7 @@ class AdjointOperator {
   void take_out_cap(Adjoint& adjoint);
   void excess_rows(const MixedVector& motion, MixedVector& rows) const;
   void add_at_vertices(const KernelView<double*>& vertex) const;
-  void add_transposed(const Entries& matrix, const DofVector& motion, const KernelView<double*>& rows) const;
+  void add_product(const Entries& matrix, const DofVector& motion, const KernelView<double*>& rows) const;
   void add_turning(const DofVector& held, const KernelView<double*>& rows) const;
   MixedVector left_of(const MixedVector& rows, const Adjoint& adjoint, Parts parts) const;
   bool refine(const MixedVector& rows, bool with_gmres, Adjoint& adjoint);

@@ -358,15 +358,7 @@ class CriticalLoad {
 
   /// -R_x^-1 times rows, beside the modes.
   Adjoint solve(const StateRows& of) const {
-    MixedVector rows = of.spatial.clone(true);
-    const KernelView<double*> interior = rows.writable_interior(true);
-    for_each_element(model_.structure(), [&](const ElementView& element) {
-      const std::vector<double> weight = weights_of(element);
-      for (std::size_t i = 0; i < weight.size(); ++i) element.increments_in(interior)[i] *= weight[i];
-    });
-    StateDerivative quantity(model_, state_);
-    quantity.add_rows(rows);
-    return tangent_->solve(quantity, of.constraints);
+    return tangent_->solve(derivative_of(model_, state_, of), of.constraints);
   }
 
   /// Newton's method beside the modes: bifurcations are located by their loads, and their states to half of the digits.

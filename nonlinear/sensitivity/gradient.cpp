@@ -4,10 +4,14 @@
 #include "discretization/state/reactions.hpp"
 #include "discretization/text/errors.hpp"
 #include "discretization/text/message_text.hpp"
+#include "nonlinear/sensitivity/lasting_modes.hpp"
+#include "nonlinear/stability/block_krylov.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <set>
 #include <stdexcept>
 
 namespace mixbeam {
@@ -17,69 +21,174 @@ namespace {
 class Gradients {
  public:
   Gradients(BeamProblem& problem, const State& state, double load_factor, const GradientRequest& request)
-      : model_(problem.model),
+      : problem_(problem),
+        model_(problem.model),
+        given_(state),
         state_(NumberDerivatives::in_space(state)),
         load_factor_(load_factor),
         request_(request),
         reactions_(mixbeam::reactions(model_, state_, load_factor_)),
         energy_(strain_energy(model_, state_)),
         values_(request.quantities.values(here())),
-        pinned_(request.quantities.pinned(here(), values_)),
-        operator_(problem, state, load_factor),
-        derivatives_(operator_, state_, [this](const NumberDerivatives::Moved& moved) { return values_asked(moved); }) {
-  }
+        pinned_(request.quantities.pinned(here(), values_)) {}
 
   std::vector<QuantityGradient> all() {
     std::vector<QuantityGradient> found;
     for (const std::size_t column : request_.columns) found.push_back(begin(column));
+    finish_modes(found);
+    take_sizes();
     for (const SceneNumber& number : request_.numbers) {
-      const std::vector<NumberDerivatives::Derivative> by = derivatives_.by(number);
-      for (std::size_t i = 0; i < found.size(); ++i) found[i].by_number.push_back(by[i].value);
+      if (adjoint_) take_adjoint(number, found);
+      if (!direct_.empty()) take_direct(number, found);
     }
     return found;
   }
 
  private:
-  QuantityState here() const { return {model_, state_, load_factor_, reactions_, energy_}; }
-  std::vector<double> values_asked(const NumberDerivatives::Moved& moved) const {
+  using Moved = NumberDerivatives::Moved;
+
+  QuantityState here() const {
+    QuantityState at{model_, state_, load_factor_, reactions_, energy_};
+    at.natural_frequency = [this](int mode) { return asked_modes_.count(mode) > 0 ? modes_->frequency(mode) : kAny; };
+    return at;
+  }
+
+  /// Of columns whose derivatives come by adjoints; or directly, with frequencies.
+  std::vector<double> values_asked(bool direct, const Moved& moved) const {
     const Model& model = *moved.model;
-    const std::vector<Reaction> reactions = mixbeam::reactions(model, state_, load_factor_);
-    const QuantityState there{model, state_, load_factor_, reactions, strain_energy(model, state_)};
+    const std::vector<Reaction> reactions = mixbeam::reactions(model, *moved.state, load_factor_);
+    QuantityState there{model, *moved.state, load_factor_, reactions, strain_energy(model, *moved.state)};
+    std::map<int, std::vector<double>> changes;
+    for (const int mode : direct ? asked_modes_ : std::set<int>{})
+      changes[mode] = modes_->changes(mode, model, *moved.state);
+    there.natural_frequency = [&](int mode) {
+      return changes.count(mode) == 0 ? kAny : modes_->frequency(mode) + changes[mode][0];
+    };
     const bool is_in_formulas = moved.number != nullptr && moved.number->quantities_with;
     const std::vector<double> all =
         is_in_formulas ? moved.number->quantities_with(moved.more).pinned(here(), values_).values(there)
                        : pinned_.values(there);
     std::vector<double> asked;
-    for (const std::size_t column : request_.columns) asked.push_back(all[column]);
+    for (const std::size_t place : direct ? direct_ : by_adjoint_) asked.push_back(all[request_.columns[place]]);
+    if (!direct) return asked;
+    for (const auto& [name, mode] : directions_)
+      for (const double change : changes[mode]) asked.push_back(modes_->frequency(mode) + change);
     return asked;
+  }
+
+  void take_adjoint(const SceneNumber& number, std::vector<QuantityGradient>& found) const {
+    const std::vector<NumberDerivatives::Derivative> by = derivatives_->by(number);
+    for (std::size_t i = 0; i < by.size(); ++i) found[by_adjoint_[i]].by_number.push_back(by[i].value);
+  }
+
+  void take_direct(const SceneNumber& number, std::vector<QuantityGradient>& found) const {
+    const std::vector<double> by = motion_->with_motion(number, sizes_);
+    for (std::size_t i = 0; i < direct_.size(); ++i)
+      found[direct_[i]].by_number.push_back(several_.count(direct_[i]) == 0 ? by[i] : std::nan(""));
+    auto next = by.begin() + static_cast<std::ptrdiff_t>(direct_.size());
+    std::size_t place = request_.columns.size();
+    for (const auto& [column, mode] : directions_) {
+      const int m = modes_->together(mode);
+      std::vector<double> form(next, next + m * m), slopes;
+      next += m * m;
+      small_eigenproblem(form, m);
+      for (int k = 0; k < m; ++k) slopes.push_back(form[k * (m + 1)]);
+      std::sort(slopes.begin(), slopes.end());
+      for (const double slope : slopes) found[place++].by_number.push_back(slope);
+    }
+  }
+
+  void take_modes(std::size_t column, const std::vector<int>& modes, QuantityGradient& gradient) {
+    if (!modes_) modes_ = std::make_unique<LastingModes>(problem_, given_, load_factor_, request_.modes);
+    for (const int mode : modes) {
+      asked_modes_.insert(mode);
+      if (modes_->together(mode) == 1) continue;
+      gradient.note = "of several modes with one frequency, but one for each direction";
+      several_.insert(by_adjoint_.size() + direct_.size());
+    }
+    if (request_.by_element && gradient.note.empty()) gradient.note = "of frequencies by numbers of elements";
+    if (const int mode = request_.quantities.asked(pinned_.columns()[column]).mode;
+        mode > 0 && modes_->together(mode) > 1)
+      directions_.emplace_back(gradient.quantity, mode);
+  }
+
+  /// Once the modes are known: values of frequencies, and gradients for their directions.
+  void finish_modes(std::vector<QuantityGradient>& found) {
+    if (!modes_) return;
+    values_ = request_.quantities.values(here());
+    for (const std::size_t place : direct_) found[place].value = values_[request_.columns[place]];
+    for (const auto& [name, mode] : directions_)
+      for (int k = 1; k <= modes_->together(mode); ++k)
+        found.push_back({name + ", direction " + std::to_string(k), modes_->frequency(mode)});
+  }
+
+  /// Of values that come directly; of their kind where they are zero.
+  void take_sizes() {
+    const double length = model_.structure().length;
+    const ResidualScales scales = scales_of(model_, state_, load_factor_);
+    const std::map<std::string, double> size = {{"L", length},         {"F", scales.force}, {"F L", scales.moment},
+                                                {"1/L", 1.0 / length}, {"rad", 1.0},        {"", 1.0}};
+    const std::vector<std::string> units = pinned_.units("L, F");
+    for (const std::size_t place : direct_) {
+      const std::size_t column = request_.columns[place];
+      sizes_.push_back(std::abs(values_[column]));
+      if (const auto known = size.find(units[column]); known != size.end())
+        sizes_.back() = std::max(sizes_.back(), known->second);
+    }
+    for (const auto& [name, mode] : directions_)
+      for (int k = 0; k < modes_->together(mode) * modes_->together(mode); ++k)
+        sizes_.push_back(modes_->frequency(mode));
   }
 
   QuantityGradient begin(std::size_t column) {
     const std::string& name = pinned_.columns()[column].name;
+    const std::size_t place = by_adjoint_.size() + direct_.size();
+    const bool has_fewer_numbers = !request_.numbers.empty() && request_.numbers.size() < request_.columns.size();
     try {
       const StateDerivative of = pinned_.derivative(column, here(), values_);
-      Adjoint adjoint = operator_.solve(of);
       QuantityGradient gradient{name, values_[column]};
+      if (!of.modes().empty()) take_modes(column, of.modes(), gradient);
+      if (!of.modes().empty() || request_.direct.value_or(has_fewer_numbers && !request_.by_element)) {
+        direct_.push_back(place);
+        if (!motion_)
+          motion_.emplace(tangent_.emplace(problem_, given_, load_factor_, false), state_,
+                          [this](const Moved& moved) { return values_asked(true, moved); });
+        return gradient;
+      }
+      if (!derivatives_)
+        derivatives_.emplace(adjoint_.emplace(problem_, given_, load_factor_), state_,
+                             [this](const Moved& moved) { return values_asked(false, moved); });
+      by_adjoint_.push_back(place);
+      Adjoint adjoint = adjoint_->solve(of);
       if (request_.by_element) gradient.elements = element_gradients(state_, of, adjoint);
-      derivatives_.add(std::move(adjoint), operator_.held_motion(of));
+      derivatives_->add(std::move(adjoint), adjoint_->held_motion(of));
       return gradient;
     } catch (const std::invalid_argument& error) {
       throw InputError("the gradient of \"" + excerpt(name) + "\": " + error.what());
     }
   }
 
+  /// In place of frequencies that are not known: what depends on them is found all the same.
+  static constexpr double kAny = 1.0;
+
+  BeamProblem& problem_;
   const Model& model_;
-  State state_;
+  State given_, state_;
   double load_factor_;
   const GradientRequest& request_;
+  std::unique_ptr<LastingModes> modes_{};
+  std::set<int> asked_modes_{};
+  std::set<std::size_t> several_{};                        ///< places of quantities of modes that share a frequency
+  std::vector<std::pair<std::string, int>> directions_{};  ///< quantities that are frequencies of several modes
   std::vector<Reaction> reactions_;
   StrainEnergy energy_;
   std::vector<double> values_;
   QuantitySet pinned_;
-  AdjointOperator operator_;
-  NumberDerivatives derivatives_;
+  std::vector<double> sizes_{};                       ///< of direct values, see NumberDerivatives
+  std::vector<std::size_t> by_adjoint_{}, direct_{};  ///< places among the columns that are asked for
+  std::optional<AdjointOperator> adjoint_{}, tangent_{};
+  std::optional<NumberDerivatives> derivatives_{}, motion_{};
 };
-
 /// Adds dq/dS and dq/dgamma_0, dq/dkappa_0 of the products with N and M, theory (80).
 void add_products(const ElementView& element, const double* stresses, const double* adjoint,
                   const StateDerivative& quantity, ElementDerivatives& gradient) {
@@ -102,7 +211,7 @@ void add_products(const ElementView& element, const double* stresses, const doub
 std::vector<ElementDerivatives> element_gradients(const State& state, const StateDerivative& quantity,
                                                   const Adjoint& adjoint, const MixedVector* stresses) {
   if (quantity.knows_compliance())
-    throw std::invalid_argument("a strain, whose derivatives by compliances of elements are not offered, so it");
+    throw std::invalid_argument("derivatives of strains by compliances of elements are not offered");
   std::vector<ElementDerivatives> gradients(quantity.model().structure().mesh_elements);
   const Structure& structure = quantity.model().structure();
   // outside of the loop: threads must not count owners of views

@@ -3,9 +3,11 @@
 #pragma once
 
 #include "discretization/quantities/quantity_set.hpp"
+#include "nonlinear/parameters/analysis_parameters.hpp"
 #include "nonlinear/sensitivity/number_derivatives.hpp"
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,13 +34,18 @@ struct GradientRequest {
   std::vector<std::size_t> columns{};  ///< of the quantities
   std::vector<SceneNumber> numbers{};
   bool by_element = false;
+  /// By one solution for each number in place of each quantity; not said: where there are fewer numbers, and none of
+  /// elements. Frequencies always, whose modes `modes` asks for.
+  std::optional<bool> direct{};
+  ModesParameters modes{};
 };
 
 /// Throws InputError where gradients are not offered.
 void require_differentiable(const BeamProblem& problem);
 
-/// One process only. Throws InputError for a number of which the equations are no smooth function and for a quantity
-/// that has no derivative, LinearSolverError where the adjoint equations cannot be solved.
+/// Of several modes with one frequency the derivative is NaN, and there is one for each direction, "NAME, direction 1",
+/// the smallest first. One process only. Throws InputError for a number of which the equations are no smooth function
+/// and for a quantity that has no derivative, LinearSolverError where the adjoint equations cannot be solved.
 std::vector<QuantityGradient> gradients_of(BeamProblem& problem, const State& state, double load_factor,
                                            const GradientRequest& request);
 

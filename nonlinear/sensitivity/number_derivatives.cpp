@@ -21,6 +21,8 @@ constexpr double kSameAxes = 1e-12;  ///< rounding of direction cosines
 /// Share of the sizes of all terms that states, which are known to ten digits, and differences leave of a sum that is
 /// zero.
 constexpr double kNoise = 1e-7;
+/// Rounding of values over their sizes, of which differences have that over the step.
+constexpr double kRoundingOfValues = 1e-12;
 
 }  // namespace
 
@@ -65,28 +67,39 @@ double NumberDerivatives::work_of_scales(const Adjoint& adjoint) const {
   return motion.inner_product(sizes);
 }
 
-std::vector<NumberDerivatives::Derivative> NumberDerivatives::by(const SceneNumber& number) const {
-  return by(number.name, number.step, [&](double more) {
+StateDerivative derivative_of(const Model& model, const State& state, const StateRows& rows) {
+  MixedVector weighted = rows.spatial.clone(true);
+  weigh_force_rows(model.structure(), false, weighted);
+  StateDerivative derivative(model, state);
+  derivative.add_rows(weighted);
+  return derivative;
+}
+
+NumberDerivatives::Move NumberDerivatives::move_of(const SceneNumber& number) const {
+  return [&](double more) {
     auto moved = std::make_shared<const Model>(number.scene_with(more), model_.map()->getComm(), model_.options());
     require_alike(*moved, number.name);
-    return Moved{std::move(moved), operator_.load_factor(), &number, more};
-  });
+    return Moved{std::move(moved), operator_.load_factor(), &number, more, &state_};
+  };
+}
+
+std::vector<NumberDerivatives::Derivative> NumberDerivatives::by(const SceneNumber& number) const {
+  return by(number.name, number.step, move_of(number));
 }
 
 std::vector<NumberDerivatives::Derivative> NumberDerivatives::by_load_factor(double step) const {
   const std::shared_ptr<const Model> same(std::shared_ptr<void>{}, &model_);
   return by("load factor", step, [&](double more) {
-    return Moved{same, operator_.load_factor() + more, nullptr, more};
+    return Moved{same, operator_.load_factor() + more, nullptr, more, &state_};
   });
 }
 
-std::vector<NumberDerivatives::Derivative> NumberDerivatives::by(const std::string& name, double step,
-                                                                 const Move& move) const {
+void NumberDerivatives::attempt(const std::string& name, double step,
+                                const std::function<bool(double step)>& succeeds) {
   for (int attempt = 1;; ++attempt, step *= kSmallerStep) {
     const bool is_last = attempt == kMostStepsOfDifference;
     try {
-      std::vector<Derivative> derivatives;
-      if (pair(differentiate(step, move), step, derivatives)) return derivatives;
+      if (succeeds(step)) return;
       if (is_last)
         throw InputError("the gradient with respect to \"" + excerpt(name) +
                          "\": the equations are no smooth function of this number");
@@ -94,6 +107,62 @@ std::vector<NumberDerivatives::Derivative> NumberDerivatives::by(const std::stri
       if (is_last) throw;
     }
   }
+}
+
+std::vector<NumberDerivatives::Derivative> NumberDerivatives::by(const std::string& name, double step,
+                                                                 const Move& move) const {
+  std::vector<Derivative> derivatives;
+  attempt(name, step, [&](double h) {
+    derivatives.clear();
+    return pair(differentiate(h, move), h, derivatives);
+  });
+  return derivatives;
+}
+
+/// x_p = -R_x^-1 R_p with what supports prescribe.
+Adjoint NumberDerivatives::motion_under(const StateRows& rows) const {
+  DofVector imposed(model_.map());
+  const KernelView<double*> motion = MixedVector::view_of(imposed);
+  const KernelView<const double*> given = MixedVector::view_of(rows.constraints);
+  for (const VertexSupport& support : model_.conditions().supports)
+    for (int i = 0; i < kVertexDofs; ++i) {
+      const double row = support.fixed[i] ? given(vertex_row(support.vertex, i)) : 0.0;
+      for (int j = 0; j < 3 && i < 3; ++j) motion(vertex_row(support.vertex, j)) -= row * support.axes(i, j);
+      if (i >= 3) motion(vertex_row(support.vertex, i)) -= row;
+    }
+  return operator_.solve(derivative_of(model_, state_, rows), &rows.constraints, &imposed);
+}
+
+std::vector<double> NumberDerivatives::with_motion(const SceneNumber& number, const std::vector<double>& sizes) const {
+  const Move move = move_of(number);
+  std::vector<double> derivatives;
+  attempt(number.name, number.step, [&](double h) {
+    StateRows rows(model_);
+    std::vector<std::pair<Moved, int>> moves;
+    for (int k = 0; k < kStencil; ++k)
+      for (const double sign : {1.0, -1.0}) {
+        moves.emplace_back(move(sign * (k + 1) * h), k);
+        rows.add(sign * kEighth[k] / h, rows_at(*moves.back().first.model, state_, operator_.load_factor()));
+      }
+    const Adjoint motion = motion_under(rows);
+    std::vector<double> coarse(sizes.size(), 0.0);
+    derivatives.assign(sizes.size(), 0.0);
+    for (auto& [moved, k] : moves) {
+      const State there = in_space(model_.apply(state_, motion.field, moved.more));
+      moved.state = &there;
+      const std::vector<double> values = values_(moved);
+      const double sign = moved.more < 0.0 ? -1.0 : 1.0;
+      for (std::size_t i = 0; i < sizes.size(); ++i) {
+        derivatives[i] += sign * kEighth[k] / h * values[i];
+        coarse[i] += sign * kSixth[k] / h * values[i];
+      }
+    }
+    for (std::size_t i = 0; i < sizes.size(); ++i)
+      if (!(std::abs(derivatives[i] - coarse[i]) <= kSmooth * std::abs(coarse[i]) + kRoundingOfValues * sizes[i] / h))
+        return false;
+    return true;
+  });
+  return derivatives;
 }
 
 NumberDerivatives::Differences NumberDerivatives::differentiate(double step, const Move& move) const {

@@ -38,6 +38,8 @@ struct StateRows {
 };
 
 StateRows rows_at(const Model& model, const State& state, double load_factor);
+/// The right-hand side that their spatial part makes.
+StateDerivative derivative_of(const Model& model, const State& state, const StateRows& rows);
 
 /// Of each number N of an element: weight of its Gauss point times h / 2, where it is integrated there.
 std::vector<double> weights_of(const ElementView& element);
@@ -55,8 +57,9 @@ class NumberDerivatives {
     double load_factor = 0.0;
     const SceneNumber* number = nullptr;
     double more = 0.0;
+    const State* state = nullptr;  ///< as it is, or moved with the number
   };
-  /// Of q with the state as it is, in the order in which adjoints are added.
+  /// Of q with the state of the equations, in the order in which adjoints are added.
   using Values = std::function<std::vector<double>(const Moved&)>;
 
   /// `at`, of the same motions as the state, must outlive it; `values` may be empty, of numbers that are zero.
@@ -74,6 +77,10 @@ class NumberDerivatives {
   /// Of every quantity. Throws InputError for a number of which the equations are no smooth function.
   std::vector<Derivative> by(const SceneNumber& number) const;
   std::vector<Derivative> by_load_factor(double step) const;
+  /// Of every value in the direct way, one solution for all of them: differences of values, along the motion x_p of the
+  /// state with the number. `at` must be the operator of the tangent itself; adjoints are not needed. `sizes`: of the
+  /// values, whose rounding is a share of them.
+  std::vector<double> with_motion(const SceneNumber& number, const std::vector<double>& sizes) const;
 
   static State in_space(State state) {
     state.in_plane = false;
@@ -88,6 +95,9 @@ class NumberDerivatives {
 
   std::vector<Derivative> by(const std::string& name, double step, const Move& move) const;
   Differences differentiate(double step, const Move& move) const;
+  static void attempt(const std::string& name, double step, const std::function<bool(double step)>& succeeds);
+  Move move_of(const SceneNumber& number) const;
+  Adjoint motion_under(const StateRows& rows) const;
   void require_alike(const Model& moved, const std::string& number) const;
   bool pair(const Differences& by, double step, std::vector<Derivative>& derivatives) const;
   double work_of_scales(const Adjoint& adjoint) const;

@@ -35,6 +35,8 @@ class IndependentUnknowns {
   const RootCopy& root() const { return root_; }
   bool is_root() const { return root_.is_root(); }
   int count() const { return count_; }  ///< on every rank
+  /// Measures as others of the same mesh do, of which lengths or stiffnesses may differ: before reduce().
+  void measure_as(const IndependentUnknowns& other) { measure_ = other.measure_; }
 
   /// Takes Z of the state of a tangent and reduces the tangent. Collective; rank 0 has the result, other ranks an empty
   /// matrix.

@@ -57,7 +57,7 @@ class Vibration {
  public:
   Vibration(BeamProblem& problem, const State& state, double load_factor, bool in_plane,
             const ModeSearchObserver& observer, bool with_momenta)
-      : operator_(problem, state, load_factor, in_plane),
+      : operator_(problem.model, state, load_factor, in_plane),
         load_factor_(load_factor),
         observer_(observer),
         with_momenta_(with_momenta) {}

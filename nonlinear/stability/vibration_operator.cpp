@@ -29,10 +29,10 @@ constexpr double kRefined = 1e-14, kRefused = 1e-9;
 
 }  // namespace
 
-VibrationOperator::VibrationOperator(BeamProblem& problem, const State& state, double load_factor, bool in_plane)
-    : model_(problem.model),
+VibrationOperator::VibrationOperator(const Model& model, const State& state, double load_factor, bool in_plane)
+    : model_(model),
       state_(state),
-      in_plane_(in_plane && problem.model.plane().has_value()),
+      in_plane_(in_plane && model.plane().has_value()),
       residual_(model_.create_vector()),
       point_(mixed_residual(model_, state, load_factor, residual_)),
       masses_(model_, in_plane_),
@@ -88,6 +88,28 @@ SparseMatrix VibrationOperator::outside() {
   Kokkos::deep_copy(masses_.condensed(), 0.0);
   system_.gather_outside(*tangent_, masses_.condensed());
   return unknowns_.reduce(*tangent_);
+}
+
+std::vector<double> VibrationOperator::forms(const VibrationOperator& of, const std::vector<Response>& motions,
+                                             double square) {
+  unknowns_.measure_as(of.unknowns_);
+  linearize(0.0, 1.0, false);
+  const SparseMatrix more = outside();
+  const KernelView<int*> vertices = system_.remaining().vertices();
+  const KernelView<const double*> free = MixedVector::view_of(remaining_);
+  std::vector<double> found;
+  for (const Response& one : motions) {
+    MixedVector motion = one.motion.clone(true);
+    unknowns_.expand(one.y.data(), remaining_);
+    for (size_t i = 0; i < free.extent(0); ++i)
+      motion.vertex()(vertex_row(vertices(i / kVertexDofs), i % kVertexDofs)) = free(i);
+    std::vector<double> force(one.y.size());
+    more.multiply(one.y.data(), force.data());
+    const std::vector<double> momenta = momenta_of(motion);
+    found.push_back(masses_.stiffness_form(motion) + dot_product(one.y, force) -
+                    square * dot_product(momenta, momenta));
+  }
+  return found;
 }
 
 /// Under rows that condense_momenta() or condense_interior() gathered, of the capped stiffness.

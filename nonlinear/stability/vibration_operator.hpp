@@ -23,8 +23,8 @@ class VibrationOperator {
     void add(double factor, const Response& other);
   };
 
-  /// `in_plane`: without motions that leave the plane of the model, where it has one. The problem must outlive it.
-  VibrationOperator(BeamProblem& problem, const State& state, double load_factor, bool in_plane);
+  /// `in_plane`: without motions that leave the plane of the model, where it has one. The model must outlive it.
+  VibrationOperator(const Model& model, const State& state, double load_factor, bool in_plane);
 
   const Model& model() const { return model_; }
   const State& state() const { return state_; }
@@ -56,6 +56,10 @@ class VibrationOperator {
   /// Replaces columns of momenta by G (K + shift M)^-1 G^T times them: respond() with one pass over the elements.
   void apply(double* momenta, int columns);
   std::vector<double> momenta_of(const MixedVector& motion) const { return masses_.momenta_of(state_, motion); }
+
+  /// phi . (K - square M) phi of motions of the operator `of`, on the same mesh: their free motions, interiors and
+  /// vertices in chains are kept. One process only.
+  std::vector<double> forms(const VibrationOperator& of, const std::vector<Response>& motions, double square);
 
  private:
   Response solve(const MixedVector& rows);

@@ -1,11 +1,10 @@
 // Gradients of critical loads against closed forms, and against differences of whole runs.
-#include "discretization/scene/section_law.hpp"
 #include "nonlinear/sensitivity/critical_gradient.hpp"
 #include "tests/support/buckling_scenes.hpp"
+#include "tests/support/scene_numbers.hpp"
 #include "tests/support/solve.hpp"
 
 #include <cmath>
-#include <functional>
 
 namespace mixbeam::test::critical_gradients_test {
 namespace {
@@ -18,23 +17,6 @@ constexpr double kClosedForm = 1e-9;
 constexpr double kSame = 1e-11;
 /// Error of the gradient under followers with the mode in place of the left null vector, at least.
 constexpr double kNotLeft = 1e-3;
-
-struct Parameter {
-  std::string name;
-  double value = 0.0, step = 0.0;  ///< of differences of runs
-  std::function<void(Scene&, double)> set;
-};
-
-Scene with(const Scene& scene, const Parameter& parameter, double more) {
-  Scene changed = scene;
-  parameter.set(changed, parameter.value + more);
-  return changed;
-}
-
-SceneNumber number_of(const Scene& scene, const Parameter& parameter) {
-  return {parameter.name, 0.25 * parameter.step,
-          [=](double more) { return std::make_shared<const Scene>(with(scene, parameter, more)); }};
-}
 
 /// Those up to the first of the kind.
 CriticalPoint first_point(const Scene& scene, CriticalKind kind, const SolverParameters& parameters = {}) {
@@ -77,27 +59,13 @@ void expect_as_differences(const Scene& scene, CriticalKind kind, const std::vec
   }
 }
 
-Parameter of_stiffness(const Scene& scene, int component, int section = 0) {
-  const std::array<double, 6> stiffness = diagonal(scene.sections[section]);
-  return {"stiffness " + std::to_string(component), stiffness[component], kStep * stiffness[component],
-          [=](Scene& changed, double value) {
-            std::array<double, 6> numbers = diagonal(changed.sections[section]);
-            numbers[component] = value;
-            set_diagonal(changed.sections[section], numbers);
-          }};
-}
-Parameter of_place(const Scene& scene, size_t point, int component, double step) {
-  return {"place of " + scene.points[point].name, scene.points[point].position[component], step,
-          [=](Scene& changed, double value) { changed.points[point].position[component] = value; }};
-}
-
 /// Its bars have the height h and the length l with l^3 = l_0 a^2 at the limit point, whose load is stationary with
 /// them.
 TEST(CriticalGradients, OfTheLimitLoadOfAToggle) {
   const Scene scene = shallow_truss(2.0);
   const CriticalPoint point = first_point(scene, CriticalKind::limit_point);
   const QuantityGradient found =
-      gradients(scene, point, {of_stiffness(scene, 0), of_place(scene, 1, 1, kStep * kTrussRise)}).front();
+      gradients(scene, point, {of_stiffness(scene, 0, kStep), of_place(scene, 1, 1, kStep * kTrussRise)}).front();
   const double length0 = std::hypot(kTrussHalfSpan, kTrussRise),
                length = std::cbrt(length0 * kTrussHalfSpan * kTrussHalfSpan),
                height = std::sqrt(length * length - kTrussHalfSpan * kTrussHalfSpan);
@@ -109,10 +77,11 @@ TEST(CriticalGradients, OfTheLimitLoadOfAToggle) {
 
 TEST(CriticalGradients, OfTheLimitLoadOfAnArch) {
   const Scene scene = loaded_arch(hinged("left"), true, 60.0);
-  expect_as_differences(scene, CriticalKind::limit_point, {of_stiffness(scene, 0), of_stiffness(scene, 5)});
+  expect_as_differences(scene, CriticalKind::limit_point,
+                        {of_stiffness(scene, 0, kStep), of_stiffness(scene, 5, kStep)});
   const CriticalPoint point = first_point(scene, CriticalKind::limit_point);
   const QuantityGradient found =
-      gradients(scene, point, {of_stiffness(scene, 0), of_stiffness(scene, 5)}, true).front();
+      gradients(scene, point, {of_stiffness(scene, 0, kStep), of_stiffness(scene, 5, kStep)}, true).front();
   double axial = 0.0, bending = 0.0;
   for (const ElementDerivatives& element : found.elements) {
     axial += element.stiffness[0];
@@ -127,10 +96,10 @@ TEST(CriticalGradients, OfLimitLoadsThatFollow) {
   Scene scene = loaded_arch(hinged("left"), false, 0.0);
   scene.name = "point load";
   scene.point_loads = {follower_load("crown", "left half", {10.0, 100.0, 0})};
-  expect_as_differences(scene, CriticalKind::limit_point, {of_stiffness(scene, 5)});
+  expect_as_differences(scene, CriticalKind::limit_point, {of_stiffness(scene, 5, kStep)});
   const CriticalPoint point = first_point(scene, CriticalKind::limit_point);
-  const double left = gradients(scene, point, {of_stiffness(scene, 5)}).front().by_number[0],
-               right = gradients(scene, point, {of_stiffness(scene, 5)}, false, false).front().by_number[0];
+  const double left = gradients(scene, point, {of_stiffness(scene, 5, kStep)}).front().by_number[0],
+               right = gradients(scene, point, {of_stiffness(scene, 5, kStep)}, false, false).front().by_number[0];
   EXPECT_GT(std::abs(right / left - 1.0), kNotLeft) << left << " " << right;
   scene.name = "line load";
   scene.point_loads.clear();
@@ -139,7 +108,7 @@ TEST(CriticalGradients, OfLimitLoadsThatFollow) {
   along.force = {0, 100.0, 0};
   along.frame = LoadFrame::follower;
   scene.distributed_loads = {along};
-  expect_as_differences(scene, CriticalKind::limit_point, {of_stiffness(scene, 5)});
+  expect_as_differences(scene, CriticalKind::limit_point, {of_stiffness(scene, 5, kStep)});
 }
 
 /// Loads are P / 2 P: that of EI is P / EI, that of the length -2 P / L.
@@ -150,7 +119,8 @@ TEST(CriticalGradients, OfEulersColumns) {
     scene.point_loads[0].force[0] = -2.0 * ends.critical;
     const CriticalPoint point = first_point(scene, CriticalKind::bifurcation);
     const std::vector<QuantityGradient> found =
-        gradients(scene, point, {of_stiffness(scene, 5), of_place(scene, 1, 0, 0.003), of_stiffness(scene, 4)}, true);
+        gradients(scene, point,
+                  {of_stiffness(scene, 5, kStep), of_place(scene, 1, 0, 0.003), of_stiffness(scene, 4, kStep)}, true);
     EXPECT_NEAR(found[0].by_number[0] / point.load_factor, 1.0, kClosedForm) << ends.name;
     EXPECT_NEAR(found[0].by_number[1] / point.load_factor, -2.0, 2.0 * kClosedForm) << ends.name;
     EXPECT_NEAR(found[0].by_number[2], 0.0, kClosedForm) << ends.name;
@@ -194,7 +164,8 @@ TEST(CriticalGradients, OfAStripThatRollsOver) {
   Scene scene = narrow_cantilever(4, 8);
   scene.point_loads[0].force[1] = -2.0 * kNarrowCantilever;
   const CriticalPoint point = first_point(scene, CriticalKind::bifurcation);
-  const QuantityGradient found = gradients(scene, point, {of_stiffness(scene, 3), of_stiffness(scene, 4)}).front();
+  const QuantityGradient found =
+      gradients(scene, point, {of_stiffness(scene, 3, kStep), of_stiffness(scene, 4, kStep)}).front();
   EXPECT_NEAR(found.by_number[0] * scene.sections[0].torsional_stiffness / point.load_factor, 0.5, kOfDifferences);
   EXPECT_NEAR(found.by_number[1] * scene.sections[0].bending_stiffness[0] / point.load_factor, 0.5, kOfDifferences);
 }
@@ -213,7 +184,7 @@ TEST(CriticalGradients, OfArchesThatSway) {
     if (!is_deep) parameters.push_back({"spread", 0.0, 0.1 * kStep, spread});
     expect_as_differences(scene, CriticalKind::bifurcation, parameters);
     const std::vector<QuantityGradient> found =
-        gradients(scene, first_point(scene, CriticalKind::bifurcation), {of_stiffness(scene, 5, 1)});
+        gradients(scene, first_point(scene, CriticalKind::bifurcation), {of_stiffness(scene, 5, kStep, 1)});
     EXPECT_TRUE(std::isnan(found[0].by_number[0]));
     EXPECT_GT(std::abs(found[1].by_number[0]), kNotLeft);
   }
@@ -234,9 +205,9 @@ TEST(CriticalGradients, OfTwoModesAtOneLoad) {
   scene.supports.back().displacement_stiffness = {0, kSpring, 0};
   scene.point_loads[0].force[0] = -kForce;
   const auto set = [](Scene& changed, double value) { changed.supports.back().displacement_stiffness[1] = value; };
-  const std::vector<QuantityGradient> found =
-      gradients(scene, first_point(scene, CriticalKind::bifurcation),
-                {of_stiffness(scene, 5), of_stiffness(scene, 5, 1), {"spring", kSpring, kStep * kSpring, set}});
+  const std::vector<QuantityGradient> found = gradients(
+      scene, first_point(scene, CriticalKind::bifurcation),
+      {of_stiffness(scene, 5, kStep), of_stiffness(scene, 5, kStep, 1), {"spring", kSpring, kStep * kSpring, set}});
   ASSERT_EQ(found.size(), 3u);
   const double wanted[] = {8.0 * kPi * kPi / 3.0, 8.0 * kPi * kPi / 3.0, 1.0 / 6.0};
   for (size_t i = 0; i < 3; ++i) {

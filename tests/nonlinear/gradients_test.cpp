@@ -1,12 +1,11 @@
 // Gradients against closed forms, and against differences of whole runs.
-#include "discretization/scene/section_law.hpp"
 #include "discretization/state/reactions.hpp"
 #include "nonlinear/sensitivity/gradient.hpp"
 #include "tests/support/constrained_scenes.hpp"
+#include "tests/support/scene_numbers.hpp"
 #include "tests/support/solve.hpp"
 
 #include <cmath>
-#include <functional>
 #include <map>
 
 namespace mixbeam::test {
@@ -25,25 +24,7 @@ constexpr double kOfDifferences = 1e-8, kStep = 0.02;
 constexpr double kNothing = 1e-11;
 /// Error of the gradient of a follower with the tangent itself, at least.
 constexpr double kNotTransposed = 1e-3;
-
-struct Parameter {
-  std::string name;
-  double value = 0.0, step = 0.0;  ///< of differences of runs
-  std::function<void(Scene&, double)> set;
-};
-
-Quantity asked(const std::string& name, const std::string& kind, const std::map<std::string, std::string>& given) {
-  Teuchos::ParameterList list;
-  Teuchos::ParameterList& one = list.sublist(name);
-  one.set("Quantity", kind);
-  for (const auto& [parameter, value] : given) {
-    if (parameter == "Position")
-      one.set(parameter, std::stod(value));
-    else
-      one.set(parameter, value);
-  }
-  return read_quantities(list, ParameterSource("scene.xml")).front();
-}
+constexpr int kModes = 3;
 
 QuantitySet set_of(const std::vector<Quantity>& quantities, const Scene& scene) {
   const ParameterSource source("scene.xml");
@@ -52,22 +33,19 @@ QuantitySet set_of(const std::vector<Quantity>& quantities, const Scene& scene) 
 
 std::vector<double> values_in(const QuantitySet& set, const Simulation& simulation) {
   const std::vector<Reaction> reactions = simulation.reactions();
-  return set.values(
-      {simulation.model(), simulation.state(), simulation.load_factor(), reactions, simulation.strain_energy()});
+  QuantityState at{simulation.model(), simulation.state(), simulation.load_factor(), reactions,
+                   simulation.strain_energy()};
+  at.natural_frequency = [&](int mode) { return simulation.natural_frequency(mode); };
+  return set.values(at);
 }
 
 Simulation polished(const Scene& scene) {
   SolverParameters parameters;
   parameters.analysis.stability = false;
+  parameters.analysis.modes.number = kModes;
   Simulation simulation = solved(scene, parameters);
   simulation.polish();
   return simulation;
-}
-
-Scene with(const Scene& scene, const Parameter& parameter, double more) {
-  Scene changed = scene;
-  parameter.set(changed, parameter.value + more);
-  return changed;
 }
 
 /// Of every column, by central differences of eighth order of runs.
@@ -83,11 +61,6 @@ std::vector<double> differences(const Scene& scene, const QuantitySet& set, cons
   return sum;
 }
 
-SceneNumber number_of(const Scene& scene, const Parameter& parameter) {
-  return {parameter.name, 0.25 * parameter.step,
-          [=](double more) { return std::make_shared<const Scene>(with(scene, parameter, more)); }};
-}
-
 std::vector<std::size_t> all_columns(const QuantitySet& set) {
   std::vector<std::size_t> columns;
   for (std::size_t i = 0; i < set.columns().size(); ++i)
@@ -96,8 +69,9 @@ std::vector<std::size_t> all_columns(const QuantitySet& set) {
 }
 
 std::vector<QuantityGradient> gradients(const Simulation& simulation, const QuantitySet& set,
-                                        const std::vector<Parameter>& parameters, bool by_element = false) {
-  GradientRequest request{set, all_columns(set), {}, by_element};
+                                        const std::vector<Parameter>& parameters, bool by_element = false,
+                                        std::optional<bool> direct = {}) {
+  GradientRequest request{set, all_columns(set), {}, by_element, direct};
   for (const Parameter& parameter : parameters) request.numbers.push_back(number_of(simulation.scene(), parameter));
   return simulation.gradients(request);
 }
@@ -107,30 +81,22 @@ void expect_as_differences(const Scene& scene, const std::vector<Quantity>& quan
                            const std::vector<Parameter>& parameters) {
   const QuantitySet set = set_of(quantities, scene);
   const Simulation simulation = polished(scene);
-  const std::vector<QuantityGradient> found = gradients(simulation, set, parameters);
   std::vector<std::vector<double>> wanted;
   for (const Parameter& parameter : parameters) wanted.push_back(differences(scene, set, parameter));
-  for (size_t i = 0; i < found.size(); ++i) {
-    const size_t column = all_columns(set)[i];
-    double largest = 0.0;
-    for (size_t p = 0; p < parameters.size(); ++p)
-      largest = std::max(largest, std::abs(wanted[p][column] * parameters[p].step));
-    for (size_t p = 0; p < parameters.size(); ++p)
-      EXPECT_NEAR(found[i].by_number[p] * parameters[p].step, wanted[p][column] * parameters[p].step,
-                  kOfDifferences * std::max(largest, kStep * std::abs(found[i].value)) + kNothing)
-          << scene.name << ": " << found[i].quantity << " by " << parameters[p].name << " " << found[i].by_number[p]
-          << " " << wanted[p][column];
+  for (const bool direct : {false, true}) {
+    const std::vector<QuantityGradient> found = gradients(simulation, set, parameters, false, direct);
+    for (size_t i = 0; i < found.size(); ++i) {
+      const size_t column = all_columns(set)[i];
+      double largest = 0.0;
+      for (size_t p = 0; p < parameters.size(); ++p)
+        largest = std::max(largest, std::abs(wanted[p][column] * parameters[p].step));
+      for (size_t p = 0; p < parameters.size(); ++p)
+        EXPECT_NEAR(found[i].by_number[p] * parameters[p].step, wanted[p][column] * parameters[p].step,
+                    kOfDifferences * std::max(largest, kStep * std::abs(found[i].value)) + kNothing)
+            << scene.name << ": " << found[i].quantity << " by " << parameters[p].name << " " << found[i].by_number[p]
+            << " " << wanted[p][column] << (direct ? " directly" : " by adjoints");
+    }
   }
-}
-
-Parameter of_stiffness(const Scene& scene, int component) {
-  const std::array<double, 6> stiffness = diagonal(scene.sections[0]);
-  return {"stiffness " + std::to_string(component), stiffness[component], kStep * stiffness[component],
-          [component](Scene& changed, double value) {
-            std::array<double, 6> numbers = diagonal(changed.sections[0]);
-            numbers[component] = value;
-            set_diagonal(changed.sections[0], numbers);
-          }};
 }
 
 Parameter of_force(const Scene& scene, size_t load, int component, double step) {
@@ -141,34 +107,29 @@ Parameter of_moment(const Scene& scene, size_t load, int component, double step)
   return {"moment " + std::to_string(load), scene.point_loads[load].moment[component], step,
           [=](Scene& changed, double value) { changed.point_loads[load].moment[component] = value; }};
 }
-Parameter of_place(const Scene& scene, size_t point, int component, double step) {
-  return {"place of " + scene.points[point].name, scene.points[point].position[component], step,
-          [=](Scene& changed, double value) { changed.points[point].position[component] = value; }};
-}
-
 std::vector<Quantity> usual(const std::string& point, const std::string& member) {
-  return {asked("u", "displacement", {{"Point", point}}),
-          asked("theta", "rotation", {{"Point", point}}),
-          asked("place", "position", {{"Point", member + "@37%"}}),
-          asked("turn", "rotation", {{"Point", member + "@37%"}}),
-          asked("n", "material force", {{"Member", member}, {"Position", "0.6"}}),
-          asked("m", "material moment", {{"Member", member}, {"Position", "0"}}),
-          asked("f", "spatial force", {{"Member", member}, {"Position", "0.6"}}),
-          asked("kappa", "material curvature", {{"Member", member}, {"Position", "0.3"}, {"Component", "norm"}}),
-          asked("energy", "strain energy", {}),
-          asked("length", "length", {{"Member", member}})};
+  return {quantity("u", "displacement", {{"Point", point}}),
+          quantity("theta", "rotation", {{"Point", point}}),
+          quantity("place", "position", {{"Point", member + "@37%"}}),
+          quantity("turn", "rotation", {{"Point", member + "@37%"}}),
+          quantity("n", "material force", {{"Member", member}, {"Position", "0.6"}}),
+          quantity("m", "material moment", {{"Member", member}, {"Position", "0"}}),
+          quantity("f", "spatial force", {{"Member", member}, {"Position", "0.6"}}),
+          quantity("kappa", "material curvature", {{"Member", member}, {"Position", "0.3"}, {"Component", "norm"}}),
+          quantity("energy", "strain energy", {}),
+          quantity("length", "length", {{"Member", member}})};
 }
 
 /// The first section alone bends; the tip of a rigid, straight strip.
 TEST(Gradients, OfTheElastica) {
   for (const auto& [alpha, deflection, shortening, angle] : kElasticaSlopes) {
     const Scene scene = elastica(alpha, 4, 16);
-    const QuantitySet set = set_of({asked("u", "displacement", {{"Point", "tip"}}),
-                                    asked("theta", "rotation", {{"Point", "tip"}, {"Component", "z"}})},
+    const QuantitySet set = set_of({quantity("u", "displacement", {{"Point", "tip"}}),
+                                    quantity("theta", "rotation", {{"Point", "tip"}, {"Component", "z"}})},
                                    scene);
     const Simulation simulation = polished(scene);
-    const std::vector<Parameter> parameters = {of_force(scene, 0, 1, kStep * alpha), of_stiffness(scene, 4),
-                                               of_stiffness(scene, 5)};
+    const std::vector<Parameter> parameters = {of_force(scene, 0, 1, kStep * alpha), of_stiffness(scene, 4, kStep),
+                                               of_stiffness(scene, 5, kStep)};
     const std::vector<QuantityGradient> found = gradients(simulation, set, parameters, true);
     const double wanted[] = {-shortening, deflection, 0.0, angle};
     for (size_t i = 0; i < 4; ++i) {
@@ -192,12 +153,13 @@ TEST(Gradients, OfAFork) {
   scene.point_loads[1].force = {-5, 30, -40};
   std::vector<Parameter> parameters = {of_force(scene, 0, 2, 1.0), of_force(scene, 1, 1, 1.0),
                                        of_place(scene, 0, 1, 0.01)};
-  for (int i = 0; i < 6; ++i) parameters.push_back(of_stiffness(scene, i));
+  for (int i = 0; i < 6; ++i) parameters.push_back(of_stiffness(scene, i, kStep));
   std::vector<Quantity> quantities = usual("tine 1", "shaft");
-  quantities.push_back(asked("rf", "reaction force", {{"Point", "clamp"}}));
-  quantities.push_back(asked("rm", "reaction moment", {{"Point", "clamp"}}));
-  quantities.push_back(asked("between", "distance", {{"Point", "tine 1"}, {"Other Point", "tine 2"}}));
-  quantities.push_back(asked("angle", "angle", {{"Point", "tine 1"}, {"Other Point", "tine 2"}, {"Corner", "branch"}}));
+  quantities.push_back(quantity("rf", "reaction force", {{"Point", "clamp"}}));
+  quantities.push_back(quantity("rm", "reaction moment", {{"Point", "clamp"}}));
+  quantities.push_back(quantity("between", "distance", {{"Point", "tine 1"}, {"Other Point", "tine 2"}}));
+  quantities.push_back(
+      quantity("angle", "angle", {{"Point", "tine 1"}, {"Other Point", "tine 2"}, {"Corner", "branch"}}));
   expect_as_differences(scene, quantities, parameters);
 }
 
@@ -224,28 +186,28 @@ std::vector<Parameter> of_followers(const Scene& scene) {
                                        of_place(scene, 1, 0, 0.01), of_place(scene, 1, 2, 0.01)};
   parameters.push_back(
       {"line load", 40.0, 0.4, [](Scene& changed, double value) { changed.distributed_loads[0].force[1] = value; }});
-  for (int i = 0; i < 6; ++i) parameters.push_back(of_stiffness(scene, i));
+  for (int i = 0; i < 6; ++i) parameters.push_back(of_stiffness(scene, i, kStep));
   return parameters;
 }
 
 TEST(Gradients, UnderFollowers) {
   const Scene scene = cantilever_of_followers();
   std::vector<Quantity> quantities = usual("tip", "beam");
-  quantities.push_back(asked("rf", "reaction force", {{"Point", "clamp"}}));
-  quantities.push_back(asked("rm", "reaction moment", {{"Point", "clamp"}}));
+  quantities.push_back(quantity("rf", "reaction force", {{"Point", "clamp"}}));
+  quantities.push_back(quantity("rm", "reaction moment", {{"Point", "clamp"}}));
   expect_as_differences(scene, quantities, of_followers(scene));
 }
 
 /// The tangent itself in place of its transpose.
 TEST(Gradients, TangentThatIsNotTransposedFails) {
   const Scene scene = cantilever_of_followers();
-  const QuantitySet set = set_of({asked("u", "displacement", {{"Point", "tip"}, {"Component", "y"}})}, scene);
+  const QuantitySet set = set_of({quantity("u", "displacement", {{"Point", "tip"}, {"Component", "y"}})}, scene);
   const Simulation simulation = polished(scene);
   BeamProblem problem(scene, this_rank(), {});
   StateDerivative quantity(problem.model, simulation.state());
   quantity.add_displacement(simulation.model().structure().partition.place(vertex_of(simulation.model().mesh(), "tip")),
                             {{0, 1, 0}});
-  const Parameter bending = of_stiffness(scene, 5);
+  const Parameter bending = of_stiffness(scene, 5, kStep);
   const double wanted = differences(scene, set, bending)[0];
   for (const bool transposed : {true, false}) {
     AdjointOperator adjoint(problem, simulation.state(), simulation.load_factor(), transposed);
@@ -266,7 +228,7 @@ TEST(Gradients, OfAPortalOfJoints) {
   std::vector<Parameter> parameters = {of_force(scene, 1, 1, 0.05), of_moment(scene, 2, 2, 0.05),
                                        of_force(scene, 3, 1, 0.05), of_place(scene, 2, 1, 0.02),
                                        of_place(scene, 5, 2, 0.02)};
-  for (const int i : {0, 3, 5}) parameters.push_back(of_stiffness(scene, i));
+  for (const int i : {0, 3, 5}) parameters.push_back(of_stiffness(scene, i, kStep));
   parameters.push_back(
       {"spring of a hinge", 15.0, 0.3, [](Scene& changed, double value) { changed.joints[0].stiffness = value; }});
   parameters.push_back(
@@ -276,9 +238,9 @@ TEST(Gradients, OfAPortalOfJoints) {
   parameters.push_back({"turning spring", 70.0, 1.4,
                         [](Scene& changed, double value) { changed.supports[1].rotation_stiffness[2] = value; }});
   std::vector<Quantity> quantities = usual("C", "arm");
-  quantities.push_back(asked("ra", "reaction force", {{"Point", "A"}}));
-  quantities.push_back(asked("re", "reaction force", {{"Point", "E"}}));
-  quantities.push_back(asked("rm", "reaction moment", {{"Point", "A"}}));
+  quantities.push_back(quantity("ra", "reaction force", {{"Point", "A"}}));
+  quantities.push_back(quantity("re", "reaction force", {{"Point", "E"}}));
+  quantities.push_back(quantity("rm", "reaction moment", {{"Point", "A"}}));
   expect_as_differences(scene, quantities, parameters);
 }
 
@@ -301,7 +263,7 @@ TEST(Gradients, OfAFrameWithRigidMembers) {
   scene.eigenstrains = {warm};
   std::vector<Parameter> parameters = {of_force(scene, 0, 1, 0.02), of_place(scene, 1, 0, 0.005),
                                        of_place(scene, 2, 1, 0.005)};
-  for (const int i : {4, 5}) parameters.push_back(of_stiffness(scene, i));
+  for (const int i : {4, 5}) parameters.push_back(of_stiffness(scene, i, kStep));
   parameters.push_back(
       {"soft EA", 50.0, 1.0, [](Scene& changed, double value) { changed.sections[1].axial_stiffness = value; }});
   parameters.push_back({"motion", -0.1, 0.002,
@@ -313,9 +275,9 @@ TEST(Gradients, OfAFrameWithRigidMembers) {
   parameters.push_back(
       {"bow", 0.1, 0.002, [](Scene& changed, double value) { changed.eigenstrains[0].curvature[2] = value; }});
   std::vector<Quantity> quantities = usual("tip", "leg");
-  quantities.push_back(asked("rf", "reaction force", {{"Point", "far"}}));
-  quantities.push_back(asked("rm", "reaction moment", {{"Point", "far"}}));
-  quantities.push_back(asked("rfoot", "reaction force", {{"Point", "foot"}}));
+  quantities.push_back(quantity("rf", "reaction force", {{"Point", "far"}}));
+  quantities.push_back(quantity("rm", "reaction moment", {{"Point", "far"}}));
+  quantities.push_back(quantity("rfoot", "reaction force", {{"Point", "foot"}}));
   expect_as_differences(scene, quantities, parameters);
 }
 
@@ -329,10 +291,10 @@ TEST(Gradients, OutOfThePlane) {
   std::vector<Parameter> parameters = {of_force(scene, 0, 1, 0.6), of_force(scene, 0, 2, 0.6),
                                        of_moment(scene, 0, 0, 0.6), of_place(scene, 1, 0, 0.01),
                                        of_place(scene, 1, 2, 0.01)};
-  for (int i = 0; i < 6; ++i) parameters.push_back(of_stiffness(scene, i));
+  for (int i = 0; i < 6; ++i) parameters.push_back(of_stiffness(scene, i, kStep));
   std::vector<Quantity> quantities = usual("tip", "beam");
-  quantities.push_back(asked("rf", "reaction force", {{"Point", "clamp"}}));
-  quantities.push_back(asked("rm", "reaction moment", {{"Point", "clamp"}}));
+  quantities.push_back(quantity("rf", "reaction force", {{"Point", "clamp"}}));
+  quantities.push_back(quantity("rm", "reaction moment", {{"Point", "clamp"}}));
   expect_as_differences(scene, quantities, parameters);
 }
 
@@ -355,7 +317,7 @@ TEST(Gradients, OfCoupledAndTaperedMembers) {
   scene.members[1].section = "coupled";
   scene.supports[0].prescribed_rotation = {0.1, 0.3, -0.2};
   std::vector<Parameter> parameters = {of_force(scene, 0, 2, 0.3), of_place(scene, 0, 2, 0.01)};
-  for (int i = 0; i < 6; ++i) parameters.push_back(of_stiffness(scene, i));
+  for (int i = 0; i < 6; ++i) parameters.push_back(of_stiffness(scene, i, kStep));
   parameters.push_back(
       {"thin EI2", 50.0, 1.0, [](Scene& changed, double value) { changed.sections[1].bending_stiffness[0] = value; }});
   parameters.push_back({"coupling", 200.0, 4.0, [](Scene& changed, double value) {
@@ -364,8 +326,8 @@ TEST(Gradients, OfCoupledAndTaperedMembers) {
   parameters.push_back(
       {"turn", 0.3, 0.006, [](Scene& changed, double value) { changed.supports[0].prescribed_rotation[1] = value; }});
   std::vector<Quantity> quantities = usual("tine 1", "shaft");
-  quantities.push_back(asked("rf", "reaction force", {{"Point", "clamp"}}));
-  quantities.push_back(asked("rm", "reaction moment", {{"Point", "clamp"}}));
+  quantities.push_back(quantity("rf", "reaction force", {{"Point", "clamp"}}));
+  quantities.push_back(quantity("rm", "reaction moment", {{"Point", "clamp"}}));
   expect_as_differences(scene, quantities, parameters);
 }
 

@@ -1,6 +1,7 @@
 /// Quantities of solved structures: against closed forms, and extremes against 1e5 points of the same fields.
 #include "discretization/quantities/quantity_set.hpp"
 #include "discretization/scene/section_shape.hpp"
+#include "tests/support/scene_numbers.hpp"
 #include "tests/support/solve.hpp"
 #include "tests/support/text.hpp"
 
@@ -11,20 +12,6 @@ namespace mixbeam::test {
 namespace {
 
 using Numbers = std::map<std::string, double>;
-
-/// kind; then pairs of a parameter and its value
-Quantity quantity(const std::string& name, const std::string& kind, const std::map<std::string, std::string>& given) {
-  Teuchos::ParameterList list;
-  Teuchos::ParameterList& one = list.sublist(name);
-  one.set("Quantity", kind);
-  for (const auto& [parameter, value] : given) {
-    if (parameter == "Position")
-      one.set(parameter, std::stod(value));
-    else
-      one.set(parameter, value);
-  }
-  return read_quantities(list, ParameterSource("scene.xml")).front();
-}
 
 Numbers numbers_of(const std::vector<Quantity>& quantities, const Simulation& simulation, bool has_samples = true) {
   const ParameterSource source("scene.xml");
