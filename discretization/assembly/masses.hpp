@@ -2,7 +2,6 @@
 #pragma once
 
 #include "discretization/assembly/tangent.hpp"
-#include "discretization/constraints/vertex_body.hpp"
 #include "kernels/vibration/vibration.hpp"
 
 #include <array>

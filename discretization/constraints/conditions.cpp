@@ -14,13 +14,6 @@ namespace {
 
 using namespace vector_algebra;
 
-Mat matrix_of(const Axes& axes) {
-  Mat rows;
-  for (int i = 0; i < 3; ++i)
-    for (int c = 0; c < 3; ++c) rows(i, c) = axes[i][c];
-  return rows;
-}
-
 bool has_rotation_spring(const Support& support) {
   for (int i = 0; i < 3; ++i)
     if (!support.rotation_fixed[i] && support.rotation_stiffness[i] != 0.0) return true;
@@ -59,16 +52,14 @@ VertexSupport vertex_support(const Support& support, int stages, int index, int 
   return result;
 }
 
-/// With the directions as rows.
-Mat frame_matrix(const Joint& joint) {
-  const Axes frame = joint_frame(joint);
+}  // namespace
+
+Mat matrix_of(const Axes& axes) {
   Mat rows;
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) rows(i, j) = frame[i][j];
+    for (int c = 0; c < 3; ++c) rows(i, c) = axes[i][c];
   return rows;
 }
-
-}  // namespace
 
 double CountedAngle::operator()(double angle, const State& state) const {
   return place < 0 ? angle : angle + 4.0 * kPi * state.turns[place];
@@ -96,7 +87,7 @@ Conditions build_conditions(const Scene& scene, const Mesh& mesh, const Structur
     const int master = partition.place(joint.master);
     if (master < 0) continue;
     conditions.joints.push_back(
-        {master, partition.place(joint.slave), described.kind, frame_matrix(described), described.stiffness});
+        {master, partition.place(joint.slave), described.kind, matrix_of(joint_frame(described)), described.stiffness});
     if (is_counted(described)) conditions.joints.back().angle.place = static_cast<int>(scene.supports.size() + i);
   }
   if (counts) conditions.counted_angles = static_cast<int>(scene.supports.size() + mesh.joints.size());

@@ -9,6 +9,9 @@
 
 namespace mixbeam {
 
+/// Axes as rows.
+Mat3<double> matrix_of(const Axes& axes);
+
 /// How a support holds rotations: see constraint_rows.hpp.
 enum class SupportRotation { free, fixed, hinge, vector };
 

@@ -66,6 +66,18 @@ void MatrixRows::combine(int vertex, VertexPart part, const Mat& factor) const {
 
 namespace {
 
+// Supports as equations of a vertex: theory (41).
+//
+// The force rows are turned into the axes e_i of the support; a fixed one becomes e_i . (u - prescribed), a free one
+// keeps e_i . f, to which external_energy.hpp has added the spring k_i e_i . u. Rotations come in four ways:
+//   - free: the moment rows stay as they are;
+//   - all fixed: the rotation vector from the prescribed to the present triad;
+//   - two fixed (a hinge about the third axis, any number of turns): the swings of Lambda_V (swing.hpp), and the moment
+//     about the third axis, with a spring there + k angle (State::turns);
+//   - one fixed, or springs and less than two: with theta the rotation vector of Lambda_V in the axes, a fixed one
+//   becomes theta_i, a
+//     free one (T(theta) e_i) . m + k_i theta_i, the derivative of the energy with respect to theta_i; |theta| < 2 pi.
+
 Vec axis(const VertexSupport& support, int i) { return {{support.axes(i, 0), support.axes(i, 1), support.axes(i, 2)}}; }
 
 Quat triad_of(const VertexSupport& support, const State& state) {
@@ -104,13 +116,13 @@ Mat moment_directions(const VertexSupport& support, const State& state) {
   return support.axes * transpose(tangent_map(continued_log(triad_of(support, state))));
 }
 
-}  // namespace
-
+/// Marks the rows that hold a constraint in place of an equilibrium.
 void mark_fixed_rows(const VertexSupport& support, const KernelView<unsigned char*>& fixed) {
   for (int c = 0; c < kVertexDofs; ++c)
     if (support.fixed[c]) fixed(vertex_row(support.vertex, c)) = 1;
 }
 
+/// Rows of the vertex, spatial forces and moments, in the form described above; those of fixed components become zero.
 void project_rows(const VertexSupport& support, const State& state, const KernelView<double*>& rows) {
   const int v = support.vertex;
   if (support.turns_forces) set_rows_of(rows, v, kForcePart, support.axes * rows_of(rows, v, kForcePart));
@@ -120,6 +132,7 @@ void project_rows(const VertexSupport& support, const State& state, const Kernel
     if (support.fixed[c]) rows(vertex_row(v, c)) = 0.0;
 }
 
+/// Adds springs against rotation and writes the fixed rows, after project_rows.
 void set_support_rows(const VertexSupport& support, const State& state, double load_factor,
                       const KernelView<double*>& rows) {
   const double amplitude = support.amplitude(load_factor);
@@ -156,6 +169,7 @@ void set_support_rows(const VertexSupport& support, const State& state, double l
   }
 }
 
+/// Derivative of the fixed rows with respect to the load factor.
 void set_support_slopes(const VertexSupport& support, double load_factor, const KernelView<double*>& rows) {
   const double slope = support.amplitude.slope(load_factor);
   for (int i = 0; i < 3; ++i) {
@@ -165,8 +179,6 @@ void set_support_slopes(const VertexSupport& support, double load_factor, const 
           support.rotation_kind == SupportRotation::fixed ? -slope * support.rotation[i] : 0.0;
   }
 }
-
-namespace {
 
 void turn_force_rows(const VertexSupport& support, const MatrixRows& matrix) {
   const int v = support.vertex;
@@ -211,8 +223,8 @@ void set_rotation_vector_rows(const VertexSupport& support, const State& state, 
   }
 }
 
-}  // namespace
-
+/// Derivative of the rows above; the matrix holds the derivative of the spatial rows, `moment` is the spatial moment
+/// row itself.
 void project_matrix_rows(const VertexSupport& support, const State& state, const Vec& moment,
                          const MatrixRows& matrix) {
   turn_force_rows(support, matrix);
@@ -234,6 +246,145 @@ void project_matrix_rows(const VertexSupport& support, const State& state, const
   }
 }
 
+/// Distance from a whole number of turns beyond which a state is no equilibrium, and tells nothing.
+constexpr double kWholeTurn = 1e-3;
+
+void follow_turns(const VertexSupport& support, const State& from, State& to) {
+  Mat frame;
+  if (support.angle.place >= 0)
+    support.angle.follow(hinge_swing(support, from, frame).angle, from, hinge_swing(support, to, frame).angle, to);
+}
+
+// Joints as equations of two vertices, theory (43): the master, which the rest of the point shares, and the slave, the
+// end of one member with displacement and triad of its own.
+//
+// The frame (b1, b2, a) of a joint turns with the master, a = Lambda_m a_0; p = x_s - x_m. In virtual motions that the
+// joint permits, du_s = du_m + dtheta_m x p (+ dq a for a slider) and dtheta_s = dtheta_m (+ dq a for a hinge), so
+//   master:  f_m + f_s,   m_m + m_s + p x f_s;
+//   hinge:   u_s - u_m;   swings of Lambda_m^T Lambda_s against a_0 (swing.hpp),  a . m_s + k angle;
+//   ball:    u_s - u_m;   m_s (which the master then does without);
+//   slider:  b1 . p, b2 . p, a . f_s + k a . p;   rotation vector of Lambda_s Lambda_m^T.
+
+/// Present position of a joint.
+struct JointState {
+  Quat master, slave;
+  Mat frame;   ///< rows b1, b2, a, spatial
+  Vec offset;  ///< p = x_s - x_m
+
+  JointState(const VertexJoint& joint, const State& state)
+      : master(load_quaternion(&state.views.vertex_rotation(joint.master, 0))),
+        slave(load_quaternion(&state.views.vertex_rotation(joint.slave, 0))),
+        frame(joint.frame * transpose(rotation_matrix(master))),
+        offset(load_vector(&state.views.vertex_displacement(joint.slave, 0)) -
+               load_vector(&state.views.vertex_displacement(joint.master, 0))) {}
+
+  Vec direction(int i) const { return {{frame(i, 0), frame(i, 1), frame(i, 2)}}; }
+  SwingTwist swing(const VertexJoint& joint) const { return SwingTwist(conjugate(master) * slave, joint.frame); }
+  Vec turn() const { return log_quaternion(slave * conjugate(master)); }
+};
+
+/// Moment of the slave's spatial rows in the master's moment row.
+Vec moment_on_master(const VertexJoint& joint, const JointState& at, const Vec& force, const Vec& moment) {
+  const Vec by_force = cross(at.offset, force);
+  return joint.kind == JointKind::ball ? by_force : by_force + moment;
+}
+
+void clear_constraint_rows(const VertexJoint& joint, const KernelView<double*>& rows) {
+  for (int c = 0; c < kVertexDofs; ++c)
+    if (joint.holds(c)) rows(vertex_row(joint.slave, c)) = 0.0;
+}
+
+void mark_fixed_rows(const VertexJoint& joint, const KernelView<unsigned char*>& fixed) {
+  for (int c = 0; c < kVertexDofs; ++c)
+    if (joint.holds(c)) fixed(vertex_row(joint.slave, c)) = 1;
+}
+
+/// Adds the spring and writes the constraint rows, after join_rows.
+void set_joint_rows(const VertexJoint& joint, const State& state, const KernelView<double*>& rows) {
+  const JointState at(joint, state);
+  const int s = joint.slave;
+  if (joint.kind != JointKind::slider) set_rows_of(rows, s, kForcePart, at.offset);
+  if (joint.kind == JointKind::hinge) {
+    const SwingTwist swing = at.swing(joint);
+    for (int i = 0; i < 2; ++i) rows(vertex_row(s, 3 + i)) = swing.swing[i];
+    rows(vertex_row(s, 5)) += joint.stiffness * joint.angle(swing.angle, state);
+  }
+  if (joint.kind == JointKind::slider) {
+    for (int i = 0; i < 2; ++i) rows(vertex_row(s, i)) = dot(at.direction(i), at.offset);
+    rows(vertex_row(s, 2)) += joint.stiffness * dot(at.direction(2), at.offset);
+    set_rows_of(rows, s, kMomentPart, at.turn());
+  }
+}
+
+/// The slave's forces and moments on the master: p x f_s also changes with p.
+void add_to_master(const VertexJoint& joint, const JointState& at, const Vec& force, const MatrixRows& matrix) {
+  const int m = joint.master, s = joint.slave;
+  const Mat identity = identity_matrix<double>();
+  matrix.add_rows(m, kForcePart, identity, s, kForcePart);
+  matrix.add_rows(m, kMomentPart, hat(at.offset), s, kForcePart);
+  if (joint.kind != JointKind::ball) matrix.add_rows(m, kMomentPart, identity, s, kMomentPart);
+  matrix.add(m, kMomentPart, s, kForcePart, -1.0 * hat(force));
+  matrix.add(m, kMomentPart, m, kForcePart, hat(force));
+}
+
+/// A row value . (u_s - u_m).
+void add_relative(const VertexJoint& joint, int row, VertexPart part, const Vec& value, const MatrixRows& matrix) {
+  matrix.add(joint.slave, row, joint.slave, part, value);
+  matrix.add(joint.slave, row, joint.master, part, -value);
+}
+
+void set_hinge_rows(const VertexJoint& joint, const JointState& at, const Vec& moment, const MatrixRows& matrix) {
+  const int s = joint.slave;
+  const SwingTwist swing = at.swing(joint);
+  for (int i = 0; i < 2; ++i)
+    add_relative(joint, 3 + i, kMomentPart, transpose_times(at.frame, swing.swing_slope[i]), matrix);
+  // a turns with the master: (dtheta_m x a) . m = dtheta_m . (a x m)
+  matrix.add(s, 5, joint.master, kMomentPart, cross(at.direction(2), moment));
+  add_relative(joint, 5, kMomentPart, joint.stiffness * transpose_times(at.frame, swing.angle_slope), matrix);
+}
+
+void set_slider_rows(const VertexJoint& joint, const JointState& at, const Vec& force, const MatrixRows& matrix) {
+  const int s = joint.slave;
+  const Mat inverse = inverse_tangent_map(at.turn());
+  for (int i = 0; i < 3; ++i) {
+    const Vec b = at.direction(i);
+    const double factor = i < 2 ? 1.0 : joint.stiffness;
+    add_relative(joint, i, kForcePart, factor * b, matrix);
+    matrix.add(s, i, joint.master, kMomentPart, cross(b, factor * at.offset + (i < 2 ? 0.0 : 1.0) * force));
+  }
+  matrix.add(s, kMomentPart, s, kMomentPart, inverse);
+  // Lambda_s Lambda_m^T turns by -(Lambda_s Lambda_m^T) dtheta_m when the master does
+  const Mat turn = rotation_matrix(at.slave * conjugate(at.master));
+  matrix.add(s, kMomentPart, joint.master, kMomentPart, -1.0 * (inverse * turn));
+}
+
+/// Derivative of the rows above; the matrix holds the derivative of the spatial rows, and `force`, `moment` are the
+/// spatial rows of the slave themselves.
+void join_matrix_rows(const VertexJoint& joint, const State& state, const Vec& force, const Vec& moment,
+                      const MatrixRows& matrix) {
+  const JointState at(joint, state);
+  const int s = joint.slave;
+  add_to_master(joint, at, force, matrix);
+  if (joint.kind == JointKind::hinge) matrix.combine(s, kMomentPart, at.frame);
+  if (joint.kind == JointKind::slider) matrix.combine(s, kForcePart, at.frame);
+  for (int c = 0; c < kVertexDofs; ++c)
+    if (joint.holds(c)) matrix.clear(s, c);
+  if (joint.kind != JointKind::slider) {
+    const Mat identity = identity_matrix<double>();
+    matrix.add(s, kForcePart, s, kForcePart, identity);
+    matrix.add(s, kForcePart, joint.master, kForcePart, -1.0 * identity);
+  }
+  if (joint.kind == JointKind::hinge) set_hinge_rows(joint, at, moment, matrix);
+  if (joint.kind == JointKind::slider) set_slider_rows(joint, at, force, matrix);
+}
+
+void follow_turns(const VertexJoint& joint, const State& from, State& to) {
+  if (joint.angle.place >= 0)
+    joint.angle.follow(JointState(joint, from).swing(joint).angle, from, JointState(joint, to).swing(joint).angle, to);
+}
+
+}  // namespace
+
 SpatialLoad support_reaction(const VertexSupport& support, const State& state, const Vec& force, const Vec& moment) {
   const Vec u = support.axes * displacement_of(support, state), f = support.axes * force;
   Vec reaction, turning{};
@@ -252,6 +403,17 @@ SpatialLoad support_reaction(const VertexSupport& support, const State& state, c
   return result;
 }
 
+void join_rows(const VertexJoint& joint, const State& state, const KernelView<double*>& rows) {
+  const JointState at(joint, state);
+  const Vec force = rows_of(rows, joint.slave, kForcePart), moment = rows_of(rows, joint.slave, kMomentPart);
+  set_rows_of(rows, joint.master, kForcePart, rows_of(rows, joint.master, kForcePart) + force);
+  set_rows_of(rows, joint.master, kMomentPart,
+              rows_of(rows, joint.master, kMomentPart) + moment_on_master(joint, at, force, moment));
+  clear_constraint_rows(joint, rows);
+  if (joint.kind == JointKind::hinge) rows(vertex_row(joint.slave, 5)) = dot(at.direction(2), moment);
+  if (joint.kind == JointKind::slider) rows(vertex_row(joint.slave, 2)) = dot(at.direction(2), force);
+}
+
 double stored_energy(const VertexSupport& support, const State& state) {
   double energy = 0.0;
   if (support.rotation_kind != SupportRotation::vector && support.angle.place < 0) return energy;
@@ -262,13 +424,12 @@ double stored_energy(const VertexSupport& support, const State& state) {
   return energy;
 }
 
-/// Distance from a whole number of turns beyond which a state is no equilibrium, and tells nothing.
-constexpr double kWholeTurn = 1e-3;
-
-void follow_turns(const VertexSupport& support, const State& from, State& to) {
-  Mat frame;
-  if (support.angle.place >= 0)
-    support.angle.follow(hinge_swing(support, from, frame).angle, from, hinge_swing(support, to, frame).angle, to);
+double stored_energy(const VertexJoint& joint, const State& state) {
+  if (joint.kind == JointKind::ball || joint.stiffness == 0.0) return 0.0;
+  const JointState at(joint, state);
+  const double moved =
+      joint.kind == JointKind::hinge ? joint.angle(at.swing(joint).angle, state) : dot(at.direction(2), at.offset);
+  return 0.5 * joint.stiffness * moved * moved;
 }
 
 void ConstraintRows::follow(const State& from, State& to) const {
@@ -343,7 +504,8 @@ CarriedForces ConstraintRows::carried(const State& state, const KernelView<doubl
   }
   for (const VertexJoint& joint : joints_) {
     const CarriedForce& slave = carried[index_of(joint.slave)];
-    carried[index_of(joint.master)].joined_moment += moment_on_master(joint, state, slave.force, slave.moment);
+    carried[index_of(joint.master)].joined_moment +=
+        moment_on_master(joint, JointState(joint, state), slave.force, slave.moment);
   }
   return carried;
 }

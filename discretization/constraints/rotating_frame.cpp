@@ -1,6 +1,5 @@
 #include "discretization/constraints/rotating_frame.hpp"
 
-#include "discretization/constraints/vertex_body.hpp"
 #include "kernels/math/vector_algebra.hpp"
 #include "kernels/vibration/rotating_frame.hpp"
 
@@ -24,10 +23,8 @@ std::vector<VertexBody> vertex_bodies(const Scene& scene, const Mesh& mesh, cons
     const int local = structure.partition.place(vertex_of(mesh, all[i].point));
     if (local < 0) continue;
     const double m = all[i].mass;
-    VertexBody body{local, {{m, m, m}}, vector_algebra::to_vec3(all[i].inertia), {}, static_cast<int>(i)};
-    for (int r = 0; r < 3; ++r)
-      for (int c = 0; c < 3; ++c) body.axes(r, c) = all[i].axes[r][c];
-    bodies.push_back(body);
+    bodies.push_back(
+        {local, {{m, m, m}}, vector_algebra::to_vec3(all[i].inertia), matrix_of(all[i].axes), static_cast<int>(i)});
   }
   return bodies;
 }

@@ -1,4 +1,5 @@
-/// The frame of a scene that turns, and the bodies in it: theory (75). Elements in it: assembly/rotating_elements.hpp.
+/// The frame of a scene that turns, and bodies at vertices, which it carries: theory (75). Elements in it:
+/// assembly/rotating_elements.hpp.
 #pragma once
 
 #include "discretization/constraints/external_energy.hpp"
@@ -31,6 +32,22 @@ class FrameSpin {
   Vec point_{}, full_{};
   Amplitude amplitude_{}, square_{};
 };
+
+/// A body at an owned local vertex.
+struct VertexBody {
+  int vertex = 0;
+  Vec mass{}, inertia{};  ///< along and about its axes
+  Mat axes{};             ///< rows: its axes in the undeformed structure
+  int number = 0;         ///< in Scene::point_masses
+
+  /// Its axes as they are turned with the vertex, as rows.
+  Mat turned_axes(const State& state) const {
+    return times_transpose(axes, rotation_matrix(load_quaternion(&state.views.vertex_rotation(vertex, 0))));
+  }
+};
+
+/// All bodies of a scene at vertices of this rank.
+std::vector<VertexBody> vertex_bodies(const Scene& scene, const Mesh& mesh, const Structure& structure);
 
 /// Centrifugal forces and couples on bodies at vertices; null: without a frame, or bodies.
 std::unique_ptr<const ExternalEnergy> bodies_in_frame(const Scene& scene, const Mesh& mesh, const Structure& structure,
