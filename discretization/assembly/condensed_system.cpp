@@ -1,7 +1,9 @@
 #include "discretization/assembly/condensed_system.hpp"
 
 #include "discretization/mesh/element_view.hpp"
+#include "kernels/execution/pack.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace mixbeam {
@@ -49,50 +51,261 @@ std::vector<unsigned char> kept_vertices(const Model& model, const std::vector<i
   return kept;
 }
 
-/// Forces and moments of one end of an element taken from `left`, and the sum of |entry| times the largest unknown of
-/// its kind added to `size`. `at`: unknowns of both ends.
-KOKKOS_INLINE_FUNCTION void subtract_full(const double* tangent, int end, const double* const* at,
-                                          const LargestParts& sizes, double* left, double* size) {
-  const double* matrix = tangent + 12 * kVertexDofs * end;
-  for (int side = 0; side < 2; ++side)
-    for (int r = 0; r < kVertexDofs; ++r)
-      for (int c = 0; c < kVertexDofs; ++c) {
-        const double k = matrix[12 * r + kVertexDofs * side + c];
-        left[r] -= k * at[side][c];
-        size[r] += (k < 0.0 ? -k : k) * (c < 3 ? sizes.moved : sizes.turned);
-      }
-}
-/// Subtracts a tangent of kSymmetricTangent numbers.
-KOKKOS_INLINE_FUNCTION void subtract_symmetric(const double* tangent, int end, const double* const* at,
-                                               const LargestParts& sizes, double* left, double* size) {
-  double change[9];
-  for (int c = 0; c < 3; ++c) {
-    change[c] = at[1][c] - at[0][c];
-    change[3 + c] = at[0][3 + c];
-    change[6 + c] = at[1][3 + c];
+/// (p, q, theta) of six spatial components, or these themselves.
+template <int N>
+KOKKOS_INLINE_FUNCTION void from_space(const PlaneAxes& axes, const double* spatial, double* own) {
+  const Vec moved = load_vector(spatial), turned = load_vector(spatial + 3);
+  if constexpr (N == kPlanarDofs) {
+    own[0] = dot(axes.p, moved);
+    own[1] = dot(axes.q, moved);
+    own[2] = dot(axes.n, turned);
+  } else {
+    store_vector(moved, own);
+    store_vector(turned, own + 3);
   }
-  const double sign = end == 0 ? -1.0 : 1.0;
-  const int moments = end == 0 ? 3 : 6;
-  for (int r = 0; r < 3; ++r) {
-    double force = 0.0, moment = 0.0, force_size = 0.0, moment_size = 0.0;
-    for (int c = 0; c < 9; ++c) {
-      const int m = moments + r;
-      const double f = tangent[r > c ? triangle(r, c) : triangle(c, r)];
-      const double k = tangent[m > c ? triangle(m, c) : triangle(c, m)];
-      const double largest = c < 3 ? 2.0 * sizes.moved : sizes.turned;
-      force += f * change[c];
-      force_size += (f < 0.0 ? -f : f) * largest;
-      moment += k * change[c];
-      moment_size += (k < 0.0 ? -k : k) * largest;
+}
+template <int N>
+KOKKOS_INLINE_FUNCTION void to_space(const PlaneAxes& axes, const double* own, double* spatial) {
+  store_vector(N == kPlanarDofs ? own[0] * axes.p + own[1] * axes.q : load_vector(own), spatial);
+  store_vector(N == kPlanarDofs ? own[2] * axes.n : load_vector(own + N - 3), spatial + 3);
+}
+
+using Real = Pack<kLanes>;
+
+/// Some of the elements at kLanes vertices: the tangent of each, its ends and which of them the vertex is. Lanes
+/// without an element, or with one that is in no condensed chain, are not active.
+struct ElementsAtVertices {
+  const double *tangent[kLanes], *start[kLanes], *end[kLanes];
+  Real::Mask active, ends_here;
+};
+
+/// Forces and moments of elements at vertices taken from `left`, and the sum of |entry| times the largest unknown of
+/// its kind added to `size`. Tangents are kSymmetric numbers of their layout.
+template <int N>
+KOKKOS_INLINE_FUNCTION void subtract_symmetric(const ElementsAtVertices& elements, const LargestParts& sizes,
+                                               Real* left, Real* size) {
+  using Layout = TangentLayout<N>;
+  Real k[Layout::kSymmetric], a[N], b[N], change[Layout::kReduced];
+  gather_lanes(elements.tangent, Layout::kSymmetric, k);
+  gather_lanes(elements.start, N, a);
+  gather_lanes(elements.end, N, b);
+  for (int c = 0; c < Layout::kMoved; ++c) change[c] = b[c] - a[c];
+  for (int c = Layout::kMoved; c < N; ++c) change[c] = a[c], change[c + Layout::kTurned] = b[c];
+  for (int r = 0; r < N; ++r) {
+    Real force = 0.0, bound = 0.0;
+    for (int c = 0; c < Layout::kReduced; ++c) {
+      Real entry = k[Layout::place(r, c)];
+      if (r >= Layout::kMoved) entry = select(elements.ends_here, k[Layout::place(r + Layout::kTurned, c)], entry);
+      force += entry * change[c];
+      bound += fabs(entry) * (c < Layout::kMoved ? 2.0 * sizes.moved : sizes.turned);
     }
-    left[r] -= sign * force;
-    size[r] += force_size;
-    left[3 + r] -= moment;
-    size[3 + r] += moment_size;
+    if (r < Layout::kMoved) force = select(elements.ends_here, force, -force);
+    left[r] -= select(elements.active, force, Real(0.0));
+    size[r] += select(elements.active, bound, Real(0.0));
+  }
+}
+/// Does so for full tangents.
+template <int N>
+KOKKOS_INLINE_FUNCTION void subtract_full(const ElementsAtVertices& elements, const LargestParts& sizes, Real* left,
+                                          Real* size) {
+  using Layout = TangentLayout<N>;
+  Real k[Layout::kFull], at[2 * N];
+  gather_lanes(elements.tangent, Layout::kFull, k);
+  gather_lanes(elements.start, N, at);
+  gather_lanes(elements.end, N, at + N);
+  for (int r = 0; r < N; ++r) {
+    Real force = 0.0, bound = 0.0;
+    for (int c = 0; c < 2 * N; ++c) {
+      const Real entry = select(elements.ends_here, k[2 * N * (N + r) + c], k[2 * N * r + c]);
+      force += entry * at[c];
+      bound += fabs(entry) * (c % N < Layout::kMoved ? sizes.moved : sizes.turned);
+    }
+    left[r] -= select(elements.active, force, Real(0.0));
+    size[r] += select(elements.active, bound, Real(0.0));
+  }
+}
+
+/// Measures what a solve leaves of the rows of chains, over N unknowns for each vertex. Index: pack of vertices.
+template <int N>
+struct ChainErrorLoop {
+  int count;
+  PlaneAxes axes;  ///< in a plane
+  LargestParts sizes;
+  KernelView<const double**> tangents;
+  Adjacency adjacency;
+  KernelView<const int* [2]> ends;
+  KernelView<const unsigned char*> eliminated, condensed;
+  KernelView<const double*> rows, run_forces;  ///< (6 * vertex + component)
+  KernelView<const double*> x;                 ///< (N * vertex + component)
+  KernelView<double*> residual;                ///< (6 * vertex + component); empty: not wanted
+
+  double largest_error() const {
+    double largest = 0.0;
+    Kokkos::parallel_reduce("mixbeam::chains::error", Range(0, LaneRows::packs(count)), *this,
+                            Kokkos::Max<double>(largest));
+    return largest;
+  }
+  KOKKOS_INLINE_FUNCTION void operator()(int pack, double& worst) const {
+    const LaneRows lanes(pack, count);
+    int most = 0;
+    Real left[N], size[N];
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const int v = lanes.row[lane];
+      const int elements = adjacency.start(v + 1) - adjacency.start(v);
+      most = elements > most ? elements : most;
+      double given[N];
+      from_space<N>(axes, eliminated(v) != 0 ? &rows(vertex_row(v, 0)) : &run_forces(vertex_row(v, 0)), given);
+      for (int r = 0; r < N; ++r) left[r].set(lane, given[r]);
+    }
+    for (int r = 0; r < N; ++r) size[r] = fabs(left[r]);
+    const bool is_full = tangents.extent(1) == TangentLayout<N>::kFull;
+    for (int i = 0; i < most; ++i)
+      if (is_full)
+        subtract_full<N>(elements_at(lanes, i), sizes, left, size);
+      else
+        subtract_symmetric<N>(elements_at(lanes, i), sizes, left, size);
+    for (int lane = 0; lane < lanes.active; ++lane) {
+      double here[N];
+      for (int r = 0; r < N; ++r) {
+        raise(worst, left[r][lane] == 0.0 ? 0.0 : left[r][lane] / size[r][lane]);
+        here[r] = eliminated(lanes.row[lane]) == 0 ? 0.0 : left[r][lane];
+      }
+      if (residual.extent(0) > 0) to_space<N>(axes, here, &residual(vertex_row(lanes.row[lane], 0)));
+    }
+  }
+  /// The i-th element at each vertex.
+  KOKKOS_INLINE_FUNCTION ElementsAtVertices elements_at(const LaneRows& lanes, int i) const {
+    ElementsAtVertices found;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const int entry = adjacency.start(lanes.row[lane]) + i;
+      const bool exists = entry < adjacency.start(lanes.row[lane] + 1);
+      const int e = exists ? adjacency.element(entry, 0) : 0;
+      found.tangent[lane] = &tangents(e, 0);
+      found.start[lane] = &x(static_cast<size_t>(N) * ends(e, 0));
+      found.end[lane] = &x(static_cast<size_t>(N) * ends(e, 1));
+      found.active[lane] = exists && condensed(e) != 0 ? -1 : 0;
+      found.ends_here[lane] = exists && adjacency.element(entry, 1) == 1 ? -1 : 0;
+    }
+    return found;
+  }
+};
+
+/// A link over (u_p, u_q, theta) of both ends becomes one over six components each.
+void expand_link(const PlaneAxes& axes, const double* planar, double* spatial) {
+  const Vec directions[kPlanarDofs] = {axes.p, axes.q, axes.n};
+  std::fill_n(spatial, 144, 0.0);
+  const auto first = [](int i) { return 6 * (i / 3) + (i % 3 == 2 ? 3 : 0); };
+  for (int i = 0; i < 2 * kPlanarDofs; ++i)
+    for (int j = 0; j < 2 * kPlanarDofs; ++j)
+      for (int r = 0; r < 3; ++r)
+        for (int c = 0; c < 3; ++c)
+          spatial[12 * (first(i) + r) + first(j) + c] +=
+              directions[i % 3][r] * planar[6 * i + j] * directions[j % 3][c];
+  for (int end = 0; end < 2; ++end) {
+    const auto diagonal = [&](int i) { return std::abs(planar[7 * (3 * end + i)]); };
+    const double force = std::max(diagonal(0), diagonal(1)), moment = diagonal(2);
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) {
+        spatial[12 * (6 * end + r) + 6 * end + c] += force * axes.n[r] * axes.n[c];
+        spatial[12 * (6 * end + 3 + r) + 6 * end + 3 + c] += moment * (axes.p[r] * axes.p[c] + axes.q[r] * axes.q[c]);
+      }
   }
 }
 
 }  // namespace
+
+/// Chains of elements in a plane, with three unknowns per vertex. The remaining system becomes spatial again, so that
+/// supports, joints and loads need not know of the plane.
+class CondensedSystem::PlanarChains {
+ public:
+  /// For a model with a plane.
+  PlanarChains(const Model& model, const ChainStructure& structure)
+      : axes_(*model.plane()),
+        vertices_(model.structure().owned_vertices),
+        structure_(structure),
+        chains_(structure.levels()),
+        arrived_("mixbeam::planar::arrived", structure.levels().runs),
+        rows_("mixbeam::planar::rows", static_cast<size_t>(kPlanarDofs) * model.structure().local_vertices()),
+        x_("mixbeam::planar::x", rows_.extent(0)) {
+    using Kokkos::view_alloc;
+    using Kokkos::WithoutInitializing;
+    // only what remains is ever written: untouched pages cost nothing
+    elements_ = KernelView<double**>(view_alloc("mixbeam::planar::elements", WithoutInitializing),
+                                     structure.levels().elements, LinkMatrices<kSpatialDofs>::kFull);
+    const KernelView<double* [144]> runs(view_alloc("mixbeam::planar::runs", WithoutInitializing),
+                                         structure.levels().runs);
+    remaining_ = {elements_, runs};
+  }
+
+  /// Eliminates the chains of a planar tangent, to which all that follows refers, and writes the links that remain.
+  ChainCondensation<kPlanarDofs>::Pivots condense(const PlanarTangents& tangents) {
+    tangents_ = tangents;
+    const auto pivots = chains_.factorize(tangents_);
+    const LinkMatrices<kPlanarDofs> links = chains_.matrices(tangents_);
+    const int elements = structure_.levels().elements;
+    for (const RemainingLink& remaining : structure_.remaining()) {
+      const int link = remaining.link;
+      double room[LinkMatrices<kPlanarDofs>::kFull];
+      double* out = link < elements ? &elements_(link, 0) : &remaining_.runs(link - elements, 0);
+      expand_link(axes_, links.full(link, room), out);
+    }
+    return pivots;
+  }
+  const PlanarTangents& tangents() const { return tangents_; }
+  const PlaneAxes& axes() const { return axes_; }
+  /// Spatial matrices of the links that remain; the others are not set. Motions out of the plane, at which nothing
+  /// works, meet springs as stiff as the links are in the plane.
+  const LinkMatrices<kSpatialDofs>& remaining() const { return remaining_; }
+  const KernelView<double* [12]>& arrived() const { return arrived_; }
+
+  void condense_rows(const KernelView<const double*>& rows) {
+    take_from_space(rows, rows_, {});
+    chains_.condense_rows(rows_, x_);
+    for (const RemainingLink& remaining : structure_.remaining()) {
+      const int run = remaining.link - structure_.levels().elements;
+      for (int end = 0; run >= 0 && end < 2; ++end)
+        to_space<kPlanarDofs>(axes_, &chains_.arrived()(run, kPlanarDofs * end), &arrived_(run, kVertexDofs * end));
+    }
+  }
+  /// All of x from its entries at vertices that are not eliminated.
+  void expand(const KernelView<const unsigned char*>& eliminated, const KernelView<double*>& x) {
+    take_from_space(x, x_, eliminated);
+    chains_.expand(x_);
+    const PlaneAxes axes = axes_;
+    const KernelView<double*> planar = x_;
+    Kokkos::parallel_for(
+        "mixbeam::planar::expand", Range(0, vertices_),
+        KOKKOS_LAMBDA(int v) { to_space<kPlanarDofs>(axes, &planar(planar_row(v)), &x(vertex_row(v, 0))); });
+  }
+  /// (3 * vertex + component): in a room of its own, until the next solve.
+  const KernelView<double*>& in_plane(const KernelView<const double*>& x) const {
+    take_from_space(x, x_, {});
+    return x_;
+  }
+
+ private:
+  KOKKOS_INLINE_FUNCTION static size_t planar_row(int vertex) { return static_cast<size_t>(kPlanarDofs) * vertex; }
+  /// At owned vertices, but for those to be left out, if there are any.
+  void take_from_space(const KernelView<const double*>& spatial, const KernelView<double*>& planar,
+                       const KernelView<const unsigned char*>& left_out) const {
+    const PlaneAxes axes = axes_;
+    Kokkos::parallel_for(
+        "mixbeam::planar::rows", Range(0, vertices_), KOKKOS_LAMBDA(int v) {
+          if (left_out.extent(0) == 0 || left_out(v) == 0)
+            from_space<kPlanarDofs>(axes, &spatial(vertex_row(v, 0)), &planar(planar_row(v)));
+        });
+  }
+
+  PlaneAxes axes_;
+  int vertices_;  ///< owned
+  PlanarTangents tangents_;
+  const ChainStructure& structure_;
+  ChainCondensation<kPlanarDofs> chains_;
+  LinkMatrices<kSpatialDofs> remaining_;
+  KernelView<double**> elements_;  ///< after remaining_
+  KernelView<double* [12]> arrived_;
+  KernelView<double*> rows_, x_;  ///< (3 * local vertex + component): scratch
+};
 
 CondensedSystem::CondensedSystem(const Model& model, const std::vector<int>& kept)
     : model_(model),
@@ -118,6 +331,12 @@ CondensedSystem::CondensedSystem(const Model& model, const std::vector<int>& kep
   for (size_t e = 0; e < condensed_.extent(0); ++e) condensed_(e) = 1;
   for (const RemainingLink& link : structure_.remaining())
     if (link.link < structure.local_elements()) condensed_(link.link) = 0;
+}
+
+CondensedSystem::~CondensedSystem() = default;
+
+const KernelView<double* [12]>& CondensedSystem::arrived() const {
+  return planar_ != nullptr ? planar_->arrived() : chains_.arrived();
 }
 
 bool CondensedSystem::condense(const Tangent& tangent, bool symmetric_part,
@@ -198,7 +417,7 @@ void CondensedSystem::expand(const DofVector& remaining_x, DofVector& x) const {
         for (int c = 0; c < kVertexDofs; ++c) to(vertex_row(vertices(r), c)) = from(vertex_row(r, c));
       });
   if (planar_ != nullptr)
-    planar_->expand(to);
+    planar_->expand(eliminated_, to);
   else
     chains_.expand(to);
 }
@@ -219,38 +438,17 @@ double CondensedSystem::measure(const DofVector& b, const DofVector& x, const Ke
   remaining_->run_forces(links, arrived(), model_.structure().local_elements(), values, run_forces);
   const Teuchos::Comm<int>& comm = *model_.map()->getComm();
   const LargestParts sizes = largest_parts(comm, values);
-  if (planar_ != nullptr) return maximum_over_ranks(comm, planar_->error(rows, values, sizes, run_forces, residual));
-  const auto adjacency = model_.adjacency();
-  const auto ends = ends_;
-  const auto eliminated = eliminated_;
-  const auto condensed = condensed_;
-  double largest = 0.0;
-  Kokkos::parallel_reduce(
-      "mixbeam::chains::error", Range(0, rows.extent(0) / kVertexDofs),
-      KOKKOS_LAMBDA(int v, double& m) {
-        double left[kVertexDofs], size[kVertexDofs];
-        for (int r = 0; r < kVertexDofs; ++r) {
-          left[r] = eliminated(v) != 0 ? rows(vertex_row(v, r)) : run_forces(vertex_row(v, r));
-          size[r] = left[r] < 0.0 ? -left[r] : left[r];
-        }
-        for (int a = adjacency.start(v); a < adjacency.start(v + 1); ++a) {
-          const int e = adjacency.element(a, 0), end = adjacency.element(a, 1);
-          if (condensed(e) == 0) continue;
-          const double* at[2] = {&values(vertex_row(ends(e, 0), 0)), &values(vertex_row(ends(e, 1), 0))};
-          if (links.keeps_symmetric_elements())
-            subtract_symmetric(&links.elements(e, 0), end, at, sizes, left, size);
-          else
-            subtract_full(&links.elements(e, 0), end, at, sizes, left, size);
-        }
-        for (int r = 0; r < kVertexDofs; ++r) {
-          const double absolute = left[r] < 0.0 ? -left[r] : left[r];
-          const double error = absolute == 0.0 ? 0.0 : absolute / size[r];
-          if (!(error <= m)) m = error == error ? error : HUGE_VAL;
-          if (residual.extent(0) > 0) residual(vertex_row(v, r)) = eliminated(v) != 0 ? left[r] : 0.0;
-        }
-      },
-      Kokkos::Max<double>(largest));
-  return maximum_over_ranks(comm, largest);
+  const int vertices = model_.structure().owned_vertices;
+  if (planar_ != nullptr) {
+    const ChainErrorLoop<kPlanarDofs> loop{
+        vertices,    planar_->axes(), sizes, planar_->tangents(), model_.adjacency(),        ends_,
+        eliminated_, condensed_,      rows,  run_forces,          planar_->in_plane(values), residual};
+    return maximum_over_ranks(comm, loop.largest_error());
+  }
+  const ChainErrorLoop<kSpatialDofs> loop{vertices, {},          sizes,      links.elements, model_.adjacency(),
+                                          ends_,    eliminated_, condensed_, rows,           run_forces,
+                                          values,   residual};
+  return maximum_over_ranks(comm, loop.largest_error());
 }
 
 }  // namespace mixbeam

@@ -2,7 +2,7 @@
 /// meet, or that carry supports, joints, moments or loads that follow.
 #pragma once
 
-#include "discretization/assembly/planar_chains.hpp"
+#include "discretization/assembly/tangent.hpp"
 
 #include <memory>
 
@@ -13,6 +13,7 @@ class CondensedSystem {
   /// Collective. The model must outlive the system. `kept`: owned local vertices that are not to be eliminated, beside
   /// those where something acts.
   explicit CondensedSystem(const Model& model, const std::vector<int>& kept = {});
+  ~CondensedSystem();
 
   const Model& model() const { return model_; }
   /// Vertices eliminated in chains, on this rank.
@@ -61,11 +62,11 @@ class CondensedSystem {
   }
 
  private:
+  class PlanarChains;
   /// The error, and the residual unless that has no entries.
   double measure(const DofVector& b, const DofVector& x, const KernelView<double*>& residual) const;
-  const KernelView<double* [12]>& arrived() const {
-    return planar_ != nullptr ? planar_->arrived() : chains_.arrived();
-  }
+  /// Rows that the remaining runs add to those of their end vertices.
+  const KernelView<double* [12]>& arrived() const;
 
   const Model& model_;
   const Tangent* tangent_ = nullptr;       ///< whose chains are eliminated
