@@ -1,7 +1,13 @@
 #include "discretization/checks/scene_warnings.hpp"
 
-#include "discretization/checks/survey.hpp"
+#include "discretization/geometry/point_grid.hpp"
+#include "discretization/geometry/reference_curve.hpp"
+#include "discretization/mesh/reference_element.hpp"
 #include "discretization/scene/amplitude.hpp"
+#include "discretization/scene/division.hpp"
+#include "discretization/scene/formula_pieces.hpp"
+#include "discretization/scene/load_cases.hpp"
+#include "discretization/scene/names.hpp"
 #include "discretization/scene/section_shape.hpp"
 #include "discretization/scene/what_acts.hpp"
 #include "discretization/text/message_text.hpp"
@@ -11,13 +17,424 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <set>
+#include <unordered_map>
 #include <unordered_set>
+#include <utility>
 
 namespace mixbeam {
 namespace {
 
 using namespace vector_algebra;
+
+/// Curves, lengths and names of a scene that read_scene accepted. The scene must outlive it.
+struct SceneSurvey {
+  explicit SceneSurvey(const Scene& surveyed);
+
+  const Section& section_of(const Member& member) const { return *sections.at(member.section); }
+  /// Reference length of the member's shortest and longest element.
+  std::array<double, 2> element_lengths(std::size_t member) const;
+  /// Length of the element at the start (0) or end (1) of the member.
+  double end_element_length(std::size_t member, int end) const;
+
+  const Scene& scene;
+  SceneNames names;
+  std::unordered_map<std::string, const Section*> sections;
+  std::vector<ReferenceCurve> curves;  ///< of the members
+  double size = 0.0;                   ///< diagonal of the box around all points, or the longest member if that is more
+};
+
+/// Warnings in the order in which they were found, those of a kind cut off after the first few.
+class WarningList {
+ public:
+  /// `kind` names what many warnings have in common: "coincident members".
+  void add(const std::string& kind, const std::string& text) {
+    if (++count_[kind] <= kMostOfAKind) texts_.push_back(text);
+  }
+
+  std::vector<std::string> finished() const {
+    std::vector<std::string> all = texts_;
+    for (const auto& [kind, count] : count_)
+      if (count > kMostOfAKind) all.push_back("... and " + std::to_string(count - kMostOfAKind) + " more " + kind);
+    return all;
+  }
+
+ private:
+  static constexpr std::size_t kMostOfAKind = 5;  // further ones add nothing
+
+  std::vector<std::string> texts_;
+  std::map<std::string, std::size_t> count_;
+};
+
+SceneSurvey::SceneSurvey(const Scene& surveyed) : scene(surveyed), names(surveyed) {
+  for (const Section& section : scene.sections) sections.emplace(section.name, &section);
+  Box box;
+  for (const Point& point : scene.points) box.enclose(point.position);
+  size = box.diagonal();
+  curves.reserve(scene.members.size());
+  for (const Member& member : scene.members) {
+    curves.push_back(
+        make_reference_curve(member, names.position(member.start_point), names.position(member.end_point)));
+    size = std::max(size, curves.back().length);
+  }
+}
+
+std::array<double, 2> SceneSurvey::element_lengths(std::size_t member) const {
+  const std::vector<double>& stations = scene.members[member].stations;
+  const double length = curves[member].length;
+  if (stations.empty()) return {length / scene.members[member].elements, length / scene.members[member].elements};
+  double shortest = 1.0, longest = 0.0;
+  for (std::size_t i = 1; i < stations.size(); ++i) {
+    shortest = std::min(shortest, stations[i] - stations[i - 1]);
+    longest = std::max(longest, stations[i] - stations[i - 1]);
+  }
+  return {shortest * length, longest * length};
+}
+
+double SceneSurvey::end_element_length(std::size_t member, int end) const {
+  const std::vector<double>& stations = scene.members[member].stations;
+  const double length = curves[member].length;
+  if (stations.size() < 2) return length / scene.members[member].elements;
+  const std::size_t last = stations.size() - 1;
+  return length * (end == 0 ? stations[1] - stations[0] : stations[last] - stations[last - 1]);
+}
+
+/// `Sections / tube: `
+std::string warned_place(const std::string& list, const std::string& name) {
+  return list + " / " + excerpt(name) + ": ";
+}
+
+// Geometry.
+
+// Coordinates that people type agree to six digits where they are meant to be the same.
+constexpr double kSamePlace = 1e-6;  // of the size of the structure
+// Walking along all members takes time in proportion to this number; beyond it the search is left out.
+constexpr double kMostSteps = 3e6;
+constexpr int kProjections = 8;  // each squares the error of a point's foot on a smooth curve, lines need one
+constexpr std::size_t kMostOnOneMember = 100;  // between the same points: the comparison is of each with each
+
+void add_close_points(const SceneSurvey& survey, WarningList& list) {
+  const std::vector<Point>& points = survey.scene.points;
+  const double tolerance = kSamePlace * survey.size;
+  const PointGrid grid(points, tolerance);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    std::set<std::size_t> seen;  // two cells with one key would be visited twice
+    grid.around(points[i].position, tolerance, [&](std::size_t j) {
+      const double distance = norm(difference(points[i].position, points[j].position));
+      if (j <= i || distance > tolerance || seen.size() > kMostOnOneMember || !seen.insert(j).second) return;
+      list.add("pairs of coincident points", "Points / " + excerpt(points[j].name) + ": lies at " +
+                                                 to_text(points[j].position) + ", " + shortest(distance) + " from \"" +
+                                                 excerpt(points[i].name) +
+                                                 "\", but members at them are not connected; usually they should be "
+                                                 "one point");
+    });
+  }
+}
+
+/// Whether two members between the same points have their quarters at the same places.
+bool same_course(const ReferenceCurve& a, const ReferenceCurve& b, bool reversed, double tolerance) {
+  for (const double x : {0.25, 0.5, 0.75}) {
+    const Vector3 on_a = to_array(a.position(x * a.length));
+    const Vector3 on_b = to_array(b.position((reversed ? 1.0 - x : x) * b.length));
+    if (norm(difference(on_a, on_b)) > tolerance) return false;
+  }
+  return true;
+}
+
+void add_equal_members(const SceneSurvey& survey, WarningList& list) {
+  const std::vector<Member>& members = survey.scene.members;
+  std::map<std::pair<std::string, std::string>, std::vector<std::size_t>> between;
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    std::vector<std::size_t>& same_ends = between[std::minmax(members[i].start_point, members[i].end_point)];
+    for (const std::size_t j : same_ends) {
+      const bool reversed = members[i].start_point != members[j].start_point;
+      if (!same_course(survey.curves[i], survey.curves[j], reversed, kSamePlace * survey.size)) continue;
+      list.add("coincident members", "Members / " + excerpt(members[i].name) + ": lies on \"" +
+                                         excerpt(members[j].name) +
+                                         "\" all along; usually one of them was copied by mistake");
+      break;
+    }
+    if (same_ends.size() < kMostOnOneMember) same_ends.push_back(i);
+  }
+}
+
+/// Arc length of the point's foot on the curve near `s`, inside the curve.
+double foot(const ReferenceCurve& curve, const Vector3& point, double s) {
+  for (int i = 0; i < kProjections; ++i) {
+    const Vector3 offset = difference(point, to_array(curve.position(s)));
+    s = std::clamp(s + dot(offset, to_array(curve.tangent(s))), 0.0, curve.length);
+  }
+  return s;
+}
+
+bool knows(const Member& member, const std::string& point) {
+  return member.start_point == point || member.end_point == point ||
+         std::any_of(member.inner_points.begin(), member.inner_points.end(),
+                     [&](const InnerPoint& inner) { return inner.point == point; });
+}
+
+/// Points inside one member that it does not know.
+void add_points_on(std::size_t index, const SceneSurvey& survey, const PointGrid& grid, double step,
+                   WarningList& list) {
+  const Member& member = survey.scene.members[index];
+  const ReferenceCurve& curve = survey.curves[index];
+  const double tolerance = kSamePlace * survey.size;
+  std::set<std::size_t> seen;
+  const int steps = static_cast<int>(std::ceil(curve.length / step));
+  for (int i = 0; i <= steps; ++i) {
+    const double start = curve.length * i / steps;
+    const Vector3 sample = to_array(curve.position(start));
+    grid.around(sample, step, [&](std::size_t p) {
+      const Point& point = survey.scene.points[p];
+      // Every point of the curve is within half a step of a sample.
+      if (norm(difference(point.position, sample)) > 0.5 * step + tolerance) return;
+      if (seen.count(p) > 0 || knows(member, point.name)) return;
+      const double s = foot(curve, point.position, start);
+      if (norm(difference(point.position, to_array(curve.position(s)))) > tolerance) return;
+      if (s <= tolerance || s >= curve.length - tolerance) return;  // at its ends: two points at one place
+      seen.insert(p);
+      list.add("points on members",
+               "Points / " + excerpt(point.name) + ": lies on \"" + excerpt(member.name) + "\", " +
+                   shortest(s / curve.length) +
+                   " of its length from the start, but is not connected with it; usually it should "
+                   "be an inner point of it");
+    });
+  }
+}
+
+void add_points_on_members(const SceneSurvey& survey, WarningList& list) {
+  double total = 0.0;
+  for (const ReferenceCurve& curve : survey.curves) total += curve.length;
+  // Few points in each cell: of points that fill the space, and of those along a chain, whose box is nearly empty.
+  const double filled = survey.size / std::cbrt(static_cast<double>(survey.scene.points.size()));
+  const double step = std::min(filled, total / static_cast<double>(survey.curves.size()));
+  if (total / step + static_cast<double>(survey.curves.size()) > kMostSteps) {
+    list.add("searches", "the scene is large: not searched for points that lie on members without being connected");
+    return;
+  }
+  const PointGrid grid(survey.scene.points, step);
+  for (std::size_t i = 0; i < survey.curves.size(); ++i) add_points_on(i, survey, grid, step, list);
+}
+
+/// Connections that were probably meant but are not there: points that all but coincide, members that lie on each
+/// other, points that lie on a member which does not know them.
+void add_geometry_warnings(const SceneSurvey& survey, WarningList& list) {
+  add_close_points(survey, list);
+  add_equal_members(survey, list);
+  add_points_on_members(survey, list);
+}
+
+// Loads.
+
+constexpr double kMostLoad = 1e6;  // F L^2 / EI; a strut buckles at 2.5 to 40, a coil of ten turns needs 4e3
+// Steel breaks at 1 %, wood and glass below; the law of the section, linear in its strains, says little beyond.
+constexpr double kMostStrain = 0.1;
+// And F l^2 / EI far above all that buckles a member: thick members may strain so much and mean it.
+constexpr double kLoadOfStrain = 100.0;
+// F l^2 / EI where no deflection could be measured: a millionth of a millimetre on a metre.
+constexpr double kLeastLoad = 1e-6;
+// Gravity of the earth in m/s^2 beside an E that no solid has in kN/m^2 (diamond 1e9): the scene is in m, N and kg.
+constexpr double kLeastOfEarth = 9.5, kMostOfEarth = 10.1, kLeastModulusInPascal = 2e9;
+// E over density, square of the speed of sound [m^2/s^2]: metals and wood 3e7, carbon fibres 2e8, diamond 3e8.
+constexpr double kMostSpecificStiffness = 1e9;
+// Share of a formula that the points of a mesh miss: a jump inside an element may do so and hardly matter.
+constexpr double kMissedOfFormula = 0.01;
+
+struct ActingForce {
+  std::string at;
+  double force, moment;
+};
+
+/// Forces known without a computation: loads without formulas.
+struct ForceSurvey {
+  std::vector<ActingForce> forces{};
+  bool has_formulas = false;
+};
+
+template <class Load>
+bool has_formula(const Load& load) {
+  return !load.amplitude.empty();
+}
+bool has_formula(const DistributedLoad& load) {
+  const auto given = [](const std::string& text) { return !text.empty(); };
+  return given(load.amplitude) || std::any_of(load.force_formula.begin(), load.force_formula.end(), given) ||
+         std::any_of(load.couple_formula.begin(), load.couple_formula.end(), given);
+}
+
+ForceSurvey forces_of(const SceneSurvey& survey) {
+  ForceSurvey found;
+  for (const PointLoad& load : survey.scene.point_loads) {
+    if (has_formula(load)) found.has_formulas = true;
+    found.forces.push_back({warned_place("Point Loads", "at " + load.point), norm(load.force), norm(load.moment)});
+  }
+  for (const DistributedLoad& load : survey.scene.distributed_loads) {
+    const auto member = static_cast<std::size_t>(survey.names.member(load.member) - survey.scene.members.data());
+    const double length = survey.curves[member].length;
+    if (has_formula(load)) found.has_formulas = true;
+    found.forces.push_back({warned_place("Distributed Loads", "on " + load.member), norm(load.force) * length,
+                            norm(load.couple) * length});
+  }
+  return found;
+}
+
+/// The stiffest and the softest of all members; infinite ones do not count, and leave zero or infinity where all are.
+struct StiffnessRange {
+  double most_bending = 0.0, most_axial = 0.0;
+  double least_bending = std::numeric_limits<double>::infinity();
+  double longest = 0.0;  ///< member
+};
+
+StiffnessRange stiffness_range(const SceneSurvey& survey) {
+  StiffnessRange found;
+  for (std::size_t i = 0; i < survey.scene.members.size(); ++i) {
+    const Section& section = survey.section_of(survey.scene.members[i]);
+    for (const double bending : section.bending_stiffness) {
+      if (std::isfinite(bending)) found.most_bending = std::max(found.most_bending, bending);
+      found.least_bending = std::min(found.least_bending, bending);
+    }
+    found.most_axial = std::max(found.most_axial, section.axial_stiffness);
+    found.longest = std::max(found.longest, survey.curves[i].length);
+  }
+  return found;
+}
+
+/// Strain of fibres at twice the radius of gyration r (a round rod) of a member of length l that a force bends: as a
+/// lever, 2 F l r / EI, but no more than of the elastica, whose curvature stays below sqrt(2 F / EI). Zero where the
+/// force is not far above what the member bears.
+double strain_by(double force, const StiffnessRange& stiffness) {
+  const double bending = stiffness.most_bending, axial = stiffness.most_axial, length = stiffness.longest;
+  if (bending == 0.0 || !std::isfinite(axial) || force * length * length < kLoadOfStrain * bending) return 0.0;
+  const double radius = std::sqrt(bending / axial);
+  const double curvature = std::min(force * length / bending, std::sqrt(2.0 * force / bending));
+  return std::max(force / axial, 2.0 * radius * curvature);
+}
+
+void warn_of_large(const ForceSurvey& found, const StiffnessRange& stiffness, double size, WarningList& list) {
+  for (const ActingForce& acting : found.forces) {
+    const double load = std::max(acting.force * size * size, acting.moment * size) / stiffness.most_bending;
+    if (stiffness.most_bending > 0.0 && load > kMostLoad) {
+      list.add("loads of unusual size", acting.at + "the load times size of the structure squared over EI is " +
+                                            rounded(load, 3) +
+                                            "; a strut buckles at about 10; usually units of the load or of EI");
+      continue;
+    }
+    const double strain = found.has_formulas ? 0.0 : strain_by(acting.force, stiffness);
+    if (strain > kMostStrain)
+      list.add("loads that cause large strains",
+               acting.at + "the force strains the stiffest members by about " + rounded(100.0 * strain, 3) +
+                   " %; steel yields at 0.2 %; usually units of the load, of E or of the section");
+  }
+}
+
+void warn_of_small(const ForceSurvey& found, const StiffnessRange& stiffness, WarningList& list) {
+  if (found.has_formulas || found.forces.empty() || !std::isfinite(stiffness.least_bending)) return;
+  const double length = stiffness.longest;
+  double largest = 0.0;
+  for (const ActingForce& acting : found.forces)
+    largest = std::max(largest, std::max(acting.force * length * length, acting.moment * length));
+  const double load = largest / stiffness.least_bending;
+  if (load > 0.0 && load < kLeastLoad)
+    list.add("scenes", "Point Loads, Distributed Loads: the largest load times length of a member squared over EI is " +
+                           rounded(load, 3) +
+                           ", so that nothing moves visibly; usually units of the load, of E or of the section");
+}
+
+/// Members of which no mass is known are passed over.
+void warn_of_weightless(const std::string& what, const SceneSurvey& survey, WarningList& list) {
+  std::vector<std::string> names;
+  for (const Member& member : survey.scene.members) {
+    if (member.section == kRigidArm) continue;
+    const bool has_taper = !member.end_section.empty();
+    if (survey.section_of(member).mass == 0.0 || (has_taper && survey.sections.at(member.end_section)->mass == 0.0))
+      names.push_back(member.name);
+  }
+  if (names.empty()) return;
+  list.add("scenes", what + " of " + std::to_string(names.size()) + " of " +
+                         std::to_string(survey.scene.members.size()) + " members: " + quoted_list(names) +
+                         "; usually \"Density\" in \"Material\", or \"Mass\", of their sections is missing");
+}
+
+/// Warns of densities in g/cm^3, if all sections have them: one alone may stand for something rigid.
+void warn_of_light(const SceneSurvey& survey, WarningList& list) {
+  if (survey.scene.gravity < kLeastOfEarth || survey.scene.gravity > kMostOfEarth) return;
+  const Section* lightest = nullptr;
+  for (const Member& member : survey.scene.members) {
+    const Section& section = survey.section_of(member);
+    if (!section.shape || section.mass == 0.0 || section.shape->youngs_modulus < kLeastModulusInPascal) continue;
+    if (section.shape->youngs_modulus < kMostSpecificStiffness * section.shape->density) return;
+    if (lightest == nullptr || section.shape->density < lightest->shape->density) lightest = &section;
+  }
+  if (lightest == nullptr) return;
+  list.add("scenes", warned_place("Sections", lightest->name) + "Density " + rounded(lightest->shape->density, 3) +
+                         " beside E = " + rounded(lightest->shape->youngs_modulus, 3) + " and a gravity of " +
+                         rounded(survey.scene.gravity, 3) +
+                         ": no solid is so light; usually g/cm3, where m, N and kg ask for kg/m3");
+}
+
+/// A formula whose values at the points of the elements are not what it is between them.
+void warn_of_narrow(const Member& member, const FormulaAlong& formula, WarningList& list) {
+  const GaussPoints& rule = gauss_points(member.order + 1);
+  const std::vector<double> station = divide(member).station;
+  const bool is_load = formula.list != "Taper" && formula.list != "Curve";
+  MissedIntegral sum, most;
+  std::array<double, 2> where{};
+  std::vector<double> value;
+  for (std::size_t e = 1; e < station.size(); ++e) {
+    const double first = station[e - 1], last = station[e], middle = 0.5 * (first + last);
+    if (middle < formula.range[0] || middle > formula.range[1]) continue;
+    value.clear();
+    for (const double xi : rule.xi) value.push_back(formula.function(middle + 0.5 * (last - first) * xi));
+    MissedIntegral here =
+        integrate_at_points(*formula.pieces, formula.function, first, last, rule.xi, rule.weight, value);
+    if (here.total == 0.0)  // smooth
+      for (std::size_t q = 0; q < value.size(); ++q)
+        here.total += 0.5 * (last - first) * rule.weight[q] * std::abs(value[q]);
+    sum.missed += here.missed;
+    sum.total += here.total;
+    if (here.missed <= most.missed) continue;
+    most = here;
+    where = {first, last};
+  }
+  if (!(sum.missed > kMissedOfFormula * sum.total)) return;
+  list.add("narrow formulas",
+           warned_place(is_load ? formula.list : "Members", (is_load ? "on " : "") + member.name) + "\"" +
+               excerpt(formula.text) + "\" changes between the points of the " + std::to_string(station.size() - 1) +
+               " elements of order " + std::to_string(member.order) + ": the sum over them misses " +
+               rounded(100.0 * sum.missed / sum.total, 3) +
+               (formula.list == "Curve" ? " % of its squared curvature" : " % of it") +
+               ", most of it from x = " + rounded(where[0], 4) + " to " + rounded(where[1], 4) + "; " +
+               (formula.list == "Curve"
+                    ? ""
+                    : "the integral over each element is used in its place, but not how it varies inside; ") +
+               "\"Stations\" there, or \"Accuracy\" without \"Elements\", resolve it");
+}
+
+void warn_of_narrow_formulas(const SceneSurvey& survey, WarningList& list) {
+  const Scene& scene = survey.scene;
+  for (const FormulaAlong& formula : formulas_along(
+           scene, [&](const Member& member) { return !scene.accuracy || member.keeps_elements; },
+           [&](std::size_t m) -> const ReferenceCurve& { return survey.curves[m]; }, false))
+    warn_of_narrow(scene.members[formula.member], formula, list);
+}
+
+/// Loads of impossible size against the stiffnesses: usually a slip of units. Scenes on which nothing acts.
+void add_load_warnings(const SceneSurvey& survey, WarningList& list) {
+  const Scene& scene = survey.scene;
+  const ForceSurvey found = forces_of(survey);
+  const StiffnessRange stiffness = stiffness_range(survey);
+  warn_of_large(found, stiffness, survey.size, list);
+  warn_of_narrow_formulas(survey, list);
+  const bool is_moved = imposes_deformation(scene);
+  if (!anything_acts(scene)) list.add("scenes", kNothingActs);
+  if (!is_moved) warn_of_small(found, stiffness, list);
+  if (!scene.rotating_frames.empty()) warn_of_weightless("Rotating Frame: no centrifugal force", survey, list);
+  if (scene.gravity == 0.0) return;
+  warn_of_weightless("Gravity: no weight", survey, list);
+  warn_of_light(survey, list);
+}
+
+// Sections, members and names.
 
 // Limits of ratios that real structures keep. A strip 300 times as wide as thick has bending stiffnesses with the ratio
 // 1e5; GA/EA is 0.3 to 0.5 for massive sections, a hundredth of it for sandwiches, GIt/EI 0.77 for circles, less for
