@@ -1,8 +1,9 @@
 #include "discretization/checks/mechanism.hpp"
 
-#include "discretization/checks/rigid_parts.hpp"
+#include "discretization/mesh/vertex_partition.hpp"
 #include "discretization/parameters/spec.hpp"
 #include "discretization/scene/joined_ends.hpp"
+#include "discretization/text/member_error.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 #include "kernels/math/vector_algebra.hpp"
@@ -11,11 +12,117 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <tuple>
+#include <utility>
 
 namespace mixbeam {
 namespace {
 
 using namespace vector_algebra;
+
+// The structure as rigid parts that joints connect, which move without any strain.
+
+/// Members that are rigidly joined, with the points and supports on them. A point with joints is on several parts; its
+/// support is on the part of the members that the joints do not list.
+struct RigidPart {
+  std::vector<std::size_t> members;   ///< in Scene::members
+  std::vector<std::size_t> supports;  ///< in Scene::supports
+  std::vector<std::string> points;    ///< names, in the order in which the members meet them
+  std::vector<Vector3> positions;     ///< of `points`
+  Vector3 center{};                   ///< mean of the positions
+  double size = 0.0;                  ///< largest distance from the centre
+};
+
+/// One end of a member at a joint, or several that stay together.
+struct RigidLink {
+  std::size_t master = 0, slave = 0;  ///< parts of the assembly
+  std::size_t joint = 0;              ///< in Scene::joints
+  Vector3 position{};
+};
+
+/// Parts that are connected through joints; without joints a single part.
+struct RigidAssembly {
+  std::vector<RigidPart> parts;
+  std::vector<RigidLink> links;
+};
+
+/// Name of the point of each vertex.
+std::vector<std::string> names_of_vertices(const Mesh& mesh) {
+  std::vector<std::string> names(static_cast<std::size_t>(mesh.vertices()));
+  for (const auto& [name, vertex] : mesh.vertex_of_point) names[vertex] = name;
+  for (const MeshJoint& joint : mesh.joints) names[joint.slave] = names[joint.master];
+  return names;
+}
+
+void measure(RigidPart& part) {
+  for (const Vector3& position : part.positions) part.center = sum(part.center, position);
+  part.center = scaled(1.0 / static_cast<double>(part.positions.size()), part.center);
+  for (const Vector3& position : part.positions)
+    part.size = std::max(part.size, norm(difference(position, part.center)));
+}
+
+/// None where a member has numbers that make no curve. Throws as build_mesh does for members without a place and joints
+/// that join nothing.
+std::vector<RigidAssembly> rigid_assemblies(const Scene& scene) try {
+  const Mesh mesh = mesh_of_points(scene);
+  const std::vector<std::string> names = names_of_vertices(mesh);
+  const std::vector<int> part_of = connected_parts(mesh, {}), assembly_at = connected_parts(mesh, mesh.joints);
+
+  struct Place {
+    int assembly = -1, part = -1;
+  };
+  std::vector<RigidAssembly> all;
+  std::vector<Place> place_of(names.size());  // (part)
+  std::vector<int> assembly_of(names.size(), -1);
+  std::vector<unsigned char> is_seen(names.size(), 0);
+  const auto part_at = [&](int vertex) -> RigidPart& {
+    Place& place = place_of[part_of[vertex]];
+    if (place.part < 0) {
+      int& assembly = assembly_of[assembly_at[vertex]];
+      if (assembly < 0) {
+        assembly = static_cast<int>(all.size());
+        all.emplace_back();
+      }
+      place = {assembly, static_cast<int>(all[assembly].parts.size())};
+      all[assembly].parts.emplace_back();
+    }
+    return all[place.assembly].parts[place.part];
+  };
+  for (std::size_t m = 0; m < scene.members.size(); ++m) {
+    const MeshMember& member = mesh.members[m];
+    RigidPart& part = part_at(mesh.elements[member.first_element].vertex[0]);
+    part.members.push_back(m);
+    for (int e = 0; e < member.elements; ++e)
+      for (const int vertex : mesh.elements[member.first_element + e].vertex) {
+        if (std::exchange(is_seen[vertex], 1) != 0) continue;
+        part.points.push_back(names[vertex]);
+        part.positions.push_back(mesh.vertex_position[vertex]);
+      }
+  }
+  for (std::size_t i = 0; i < scene.supports.size(); ++i) {
+    const auto found = mesh.vertex_of_point.find(scene.supports[i].point);
+    if (found != mesh.vertex_of_point.end()) part_at(found->second).supports.push_back(i);
+  }
+  std::vector<MeshJoint> joints = mesh.joints;
+  std::sort(joints.begin(), joints.end(), [&names](const MeshJoint& a, const MeshJoint& b) {
+    return std::tie(names[a.slave], a.member) < std::tie(names[b.slave], b.member);
+  });
+  for (const MeshJoint& joint : joints) {
+    const Place master = place_of[part_of[joint.master]], slave = place_of[part_of[joint.slave]];
+    all[slave.assembly].links.push_back({static_cast<std::size_t>(master.part), static_cast<std::size_t>(slave.part),
+                                         static_cast<std::size_t>(joint.joint), mesh.vertex_position[joint.slave]});
+  }
+  for (RigidAssembly& assembly : all)
+    for (RigidPart& part : assembly.parts) {
+      measure(part);
+      for (const std::size_t m : part.members)  // a closed ring has one point only
+        if (scene.members[m].start_point == scene.members[m].end_point)
+          part.size = std::max(part.size, mesh.members[m].curve.length);
+    }
+  return all;
+} catch (const MemberError&) {  // numbers too extreme for a curve: said where the elements are made
+  return {};
+}
 
 // A support that stands closer to the axis of a motion than 1e-6 of the structure's size does not count as blocking it:
 // squared in the matrix below, which carries rounding errors of 1e-16.

@@ -167,6 +167,18 @@ Mesh build_mesh(const Scene& scene) {
   return mesh;
 }
 
+Mesh mesh_of_points(const Scene& scene) {
+  Scene coarse;
+  coarse.points = scene.points;
+  coarse.members = scene.members;
+  coarse.joints = scene.joints;
+  for (Member& member : coarse.members) {
+    member.elements = 1;
+    member.stations.clear();
+  }
+  return build_mesh(coarse);
+}
+
 void Mesh::keep(std::vector<int> own_vertices, std::vector<int> own_elements) {
   std::vector<int> own_members;
   for (const int element : own_elements) {

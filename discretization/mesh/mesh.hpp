@@ -144,6 +144,10 @@ struct Mesh {
 /// known or is not where the curve passes, and std::invalid_argument for a joint that joins nothing.
 Mesh build_mesh(const Scene& scene);
 
+/// One element between neighbouring points of a member: the vertices are the points, and the ends with a joint. Throws
+/// as build_mesh() does.
+Mesh mesh_of_points(const Scene& scene);
+
 /// Vertex of a named point; throws InputError with the nearest name when no member touches it.
 int vertex_of(const Mesh& mesh, const std::string& point);
 

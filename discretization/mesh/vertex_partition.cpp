@@ -16,7 +16,7 @@ namespace {
 struct VertexGraph {
   std::vector<idx_t> node;  ///< (vertex)
   std::vector<idx_t> ends;  ///< (node): ends of elements there, which take memory and time
-  std::vector<idx_t> start{0}, next, price;
+  std::vector<idx_t> start, next, price;
 
   explicit VertexGraph(const Mesh& mesh);
 
@@ -39,29 +39,18 @@ void VertexGraph::number(const Mesh& mesh) {
 VertexGraph::VertexGraph(const Mesh& mesh) {
   number(mesh);
   const auto nodes = static_cast<idx_t>(ends.size());
-  RowLists<idx_t> others = row_lists<idx_t>(nodes, [&](const auto& add) {
-    for (const MeshElement& element : mesh.elements)
-      for (int end = 0; end < 2; ++end) add(node[element.vertex[end]], node[element.vertex[1 - end]]);
-  });
-  next.reserve(others.entries.size());
-  price.reserve(others.entries.size());
   const auto inside_chain = [this](idx_t n) { return ends[n] == 2 ? 1 : 0; };
-  for (idx_t n = 0; n < nodes; ++n) {
-    std::sort(others.entries.begin() + others.start[n], others.entries.begin() + others.start[n + 1]);
-    for (int k = others.start[n]; k < others.start[n + 1]; ++k) {
-      const idx_t m = others.entries[k];
-      if (m == n) continue;
-      // a cut element is evaluated on both sides, and its ends are not eliminated
-      const idx_t of_cut = 1 + inside_chain(n) + inside_chain(m);
-      if (static_cast<idx_t>(next.size()) > start[n] && next.back() == m) {
-        price.back() += of_cut;
-        continue;
+  const Graph<idx_t> graph = joined_links<idx_t>(static_cast<int>(nodes), [&](const auto& add) {
+    for (const MeshElement& element : mesh.elements)
+      for (int end = 0; end < 2; ++end) {
+        const idx_t here = node[element.vertex[end]], there = node[element.vertex[1 - end]];
+        // a cut element is evaluated on both sides, and its ends are not eliminated
+        add(static_cast<int>(here), {static_cast<int>(there), 1 + inside_chain(here) + inside_chain(there)});
       }
-      next.push_back(m);
-      price.push_back(of_cut);
-    }
-    start.push_back(static_cast<idx_t>(next.size()));
-  }
+  });
+  start.assign(graph.start.begin(), graph.start.end());
+  next.assign(graph.neighbour.begin(), graph.neighbour.end());
+  price = graph.weight;
 }
 
 /// First vertex of a contiguous share.
@@ -108,7 +97,7 @@ VertexPartition::VertexPartition(int rank, int ranks, const Mesh& mesh) {
     if (part[v] == rank) vertices_.push_back(v);
 }
 
-std::vector<int> connected_parts(const Mesh& mesh) {
+std::vector<int> connected_parts(const Mesh& mesh, const std::vector<MeshJoint>& joints) {
   std::vector<int> parent(mesh.vertices());
   std::iota(parent.begin(), parent.end(), 0);
   const auto root_of = [&parent](int v) {
@@ -121,7 +110,7 @@ std::vector<int> connected_parts(const Mesh& mesh) {
     parent[std::max(a, b)] = std::min(a, b);
   };
   for (const MeshElement& element : mesh.elements) connect(element.vertex[0], element.vertex[1]);
-  for (const MeshJoint& joint : mesh.joints) connect(joint.master, joint.slave);
+  for (const MeshJoint& joint : joints) connect(joint.master, joint.slave);
   std::vector<int> part(mesh.vertices());
   int parts = 0;
   for (int v = 0; v < mesh.vertices(); ++v) part[v] = parent[v] == v ? parts++ : part[root_of(v)];

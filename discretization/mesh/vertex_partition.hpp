@@ -40,6 +40,7 @@ class VertexPartition {
 };
 
 /// Number of the part to which each vertex belongs, from zero without gaps: members and joints connect vertices.
-std::vector<int> connected_parts(const Mesh& mesh);
+std::vector<int> connected_parts(const Mesh& mesh, const std::vector<MeshJoint>& joints);
+inline std::vector<int> connected_parts(const Mesh& mesh) { return connected_parts(mesh, mesh.joints); }
 
 }  // namespace mixbeam

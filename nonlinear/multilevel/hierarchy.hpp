@@ -2,6 +2,7 @@
 /// V-cycle over them, theory (64).
 #pragma once
 
+#include "kernels/math/vector_algebra.hpp"
 #include "nonlinear/linear/inertia_solver.hpp"
 #include "nonlinear/multilevel/level.hpp"
 
@@ -14,6 +15,17 @@ struct NetworkMatrix {
   KernelView<double*> self;  ///< (node, 36)
   LinkSource links;
 };
+
+/// Nodes of each level are numbered so that those of an aggregate follow each other, and neighbours lie close in memory
+/// on every level.
+struct Nesting {
+  std::vector<int> order;               ///< (place on the finest level): number of the node
+  std::vector<std::vector<int>> first;  ///< (level)(aggregate, and one more): place of its first node
+};
+
+/// Aggregates of about eight nodes, theory (63), level by level until the graph is small or coarsens no more: cubes
+/// where the network is a cubic lattice, displaced or not. `places`: of the nodes. Deterministic.
+Nesting nest(const std::vector<Vector3>& places, const LinkEnds& ends);
 
 class Hierarchy {
  public:

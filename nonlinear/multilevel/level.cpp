@@ -1,8 +1,21 @@
 #include "nonlinear/multilevel/level.hpp"
 
+#include "discretization/mesh/row_lists.hpp"
+#include "nonlinear/linear/blas_setup.hpp"
 #include "nonlinear/multilevel/dense.hpp"
 
 #include <atomic>
+
+extern "C" {
+void dsytrd_(const char*, const int*, double*, const int*, double*, double*, double*, double*, const int*, int*);
+void dsterf_(const int*, double*, double*, int*);
+void dstein_(const int*, const double*, const double*, const int*, const double*, const int*, const int*, double*,
+             const int*, double*, int*, int*, int*);
+void dormtr_(const char*, const char*, const char*, const int*, const int*, const double*, const int*, const double*,
+             double*, const int*, double*, const int*, int*);
+void dsyevd_(const char*, const char*, const int*, double*, const int*, double*, double*, const int*, int*, const int*,
+             int*);
+}
 
 namespace mixbeam {
 
@@ -30,17 +43,13 @@ Level::Level(int nodes, LinkEnds ends, std::vector<int> first, Halo halo)
 }
 
 void Level::build_rows() {
-  row_.assign(nodes_ + 1, 0);
-  const auto for_each_end = [this](const auto& action) {
+  auto rows = row_lists<std::array<int, 3>>(nodes_, [this](const auto& add) {
     for (size_t l = 0; l < ends_.size(); ++l)
       for (int end = 0; end < 2; ++end)
-        if (ends_[l][end] < nodes_) action(static_cast<int>(l), end);
-  };
-  for_each_end([this](int l, int end) { ++row_[ends_[l][end] + 1]; });
-  std::partial_sum(row_.begin(), row_.end(), row_.begin());
-  slot_.resize(row_.back());
-  std::vector<int> next(row_.begin(), row_.end() - 1);
-  for_each_end([&](int l, int end) { slot_[next[ends_[l][end]]++] = {l, end, ends_[l][1 - end]}; });
+        if (ends_[l][end] < nodes_) add(ends_[l][end], {static_cast<int>(l), end, ends_[l][1 - end]});
+  });
+  row_ = std::move(rows.start);
+  slot_ = std::move(rows.entries);
 }
 
 /// Aggregates of all nodes: own ones, and behind them those that ghosts belong to.
@@ -344,6 +353,289 @@ SharedRows Level::shares() const {
   std::iota(share.column_number.begin(), share.column_number.end(), share.first);
   halo_.exchange(share.column_number.data(), unknown_);
   return share;
+}
+
+// The next level: soft modes of aggregates, and what passes between the two.
+
+namespace {
+
+/// Entries beside the diagonal of a tridiagonal form that count as none: rounding of its eigenvalues, from 0 to 2.
+constexpr double kNoLink = 1e-16;
+
+/// Eigenvalues of a symmetric matrix (lower triangle read) up to a limit, with eigenvectors in the columns of
+/// `vectors`: all values of the tridiagonal form, then the wanted vectors by inverse iteration. LAPACK's dsyevx, which
+/// finds the wanted values alone by bisection, takes a quarter more time for the spaces of a cubic lattice.
+struct SoftModes {
+  std::vector<double> values, vectors;
+
+  SoftModes(int n, std::vector<double> matrix, const Level::ModeLimit& limit) : vectors(matrix.size()) {
+    std::vector<double> form = matrix, diagonal(n), beside(n), reflectors(n), work(40 * static_cast<size_t>(n));
+    const int size = static_cast<int>(work.size());
+    int info = 0;
+    const auto turn = turn_for_blas();
+    dsytrd_("L", &n, form.data(), &n, diagonal.data(), beside.data(), reflectors.data(), work.data(), &size, &info);
+    std::vector<int> block, last;  // (mode): its block of the tridiagonal form; (block): last row, both from one
+    for (int begin = 0; begin < n && info == 0;) {
+      int end = begin + 1;
+      while (end < n && std::abs(beside[end - 1]) > kNoLink) ++end;
+      std::vector<double> all(&diagonal[begin], &diagonal[0] + end), off(&beside[begin], &beside[0] + end);
+      const int rows = end - begin;
+      dsterf_(&rows, all.data(), off.data(), &info);
+      last.push_back(end);
+      values.insert(values.end(), all.begin(), all.end());
+      block.resize(values.size(), static_cast<int>(last.size()));
+      begin = end;
+    }
+    double least = 0.0;
+    for (const double value : values) least = std::min(least, value);
+    const double most = limit.tau - limit.raise * least;
+    int found = 0;
+    for (size_t i = 0; i < values.size(); ++i)
+      if (values[i] <= most) values[found] = values[i], block[found++] = block[i];
+    values.resize(found);
+    std::vector<int> integers(n), failed(found);
+    last.resize(n);
+    if (info == 0 && found > 0) {
+      dstein_(&n, diagonal.data(), beside.data(), &found, values.data(), block.data(), last.data(), vectors.data(), &n,
+              work.data(), integers.data(), failed.data(), &info);
+      int other = 0;
+      dormtr_("L", "L", "N", &n, &found, form.data(), &n, reflectors.data(), vectors.data(), &n, work.data(), &size,
+              &other);
+    }
+    if (info != 0) values.resize(among_all(n, std::move(matrix), limit));
+  }
+
+ private:
+  /// Inverse iteration now and then misses a vector of a cluster, in one aggregate of thousands: then all are found, by
+  /// divide and conquer.
+  int among_all(int n, std::vector<double> matrix, const Level::ModeLimit& limit) {
+    std::vector<double> work(1 + (6 + 2 * static_cast<size_t>(n)) * n);
+    std::vector<int> integers(3 + 5 * static_cast<size_t>(n));
+    const int size = static_cast<int>(work.size()), integer_size = static_cast<int>(integers.size());
+    int info = 0;
+    values.resize(n);
+    dsyevd_("V", "L", &n, matrix.data(), &n, values.data(), work.data(), &size, integers.data(), &integer_size, &info);
+    if (info != 0) throw std::runtime_error("LAPACK's dsyevd did not find the modes of an aggregate");
+    vectors = std::move(matrix);
+    return static_cast<int>(
+        std::upper_bound(values.begin(), values.end(), limit.tau - limit.raise * std::min(0.0, values[0])) -
+        values.begin());
+  }
+};
+
+}  // namespace
+
+std::vector<double> Level::modes_of(int aggregate, const ModeLimit& limit, const KernelView<double*>& self,
+                                    const LinkSource& links, std::vector<double>& eigenvalues) const {
+  const int begin = first_[aggregate], end = first_[aggregate + 1], origin = unknown_[begin];
+  const int n = unknown_[end] - origin;
+  eigenvalues.clear();
+  if (n == 0) return {};
+  std::vector<double> matrix(static_cast<size_t>(n) * n, 0.0), room, block, product;
+  for (int v = begin; v < end; ++v) {
+    const int m = unknowns_of(v), at = unknown_[v] - origin;
+    block.assign(self.data() + square_[v], self.data() + square_[v + 1]);
+    for (int s = row_[v]; s < row_[v + 1]; ++s) {
+      const int other = slot_[s][2];
+      if (other < begin || other >= end) continue;
+      add_own(v, link_of(v, s, links, room), block);
+      if (other > v) continue;  // lower triangle: rows of the later node
+      const int column = unknown_[other] - origin, mo = unknowns_of(other);
+      for (int i = 0; i < m; ++i)
+        for (int j = 0; j < mo; ++j)
+          matrix[static_cast<size_t>(n) * (column + j) + at + i] += value_(block_[s] + static_cast<size_t>(mo) * i + j);
+    }
+    product.assign(static_cast<size_t>(m) * m, 0.0);
+    const double* inverse = inverse_.data() + square_[v];
+    dense::add_product(m, m, m, inverse, m, block.data(), 1, m, product.data(), m);
+    dense::add_product(m, m, m, product.data(), m, inverse, m, 1, &matrix[static_cast<size_t>(n) * at + at], n);
+  }
+  const SoftModes soft(n, std::move(matrix), limit);
+  eigenvalues = soft.values;
+  const size_t found = eigenvalues.size();
+  std::vector<double> modes(found * n);
+  for (int j = 0; j < n; ++j)
+    for (size_t q = 0; q < found; ++q) modes[found * j + q] = soft.vectors[n * q + j];
+  return modes;
+}
+
+namespace {
+
+/// Slender struts leave 3 n^2 soft modes to a block of n^3 nodes of a cubic lattice, on every level. Where the next
+/// level would have more unknowns than this, and an aggregate more modes, those of its modes alone are kept that are
+/// softer. Measured with 2e4 junctions of slenderness 100: 25 iterations in place of 19, half as many unknowns.
+constexpr int kManyUnknowns = 20000;
+constexpr size_t kManyModes = 64;
+constexpr double kVerySoft = 0.01;
+
+/// `modes`: (mode, unknown), column-major.
+void keep_softest(std::vector<double>& modes, std::vector<double>& eigenvalues) {
+  const size_t m = eigenvalues.size();
+  if (m <= kManyModes) return;
+  std::vector<double> sorted = eigenvalues;
+  std::nth_element(sorted.begin(), sorted.begin() + kManyModes, sorted.end());
+  const double most = std::max(sorted[kManyModes], kVerySoft);
+  const size_t unknowns = modes.size() / m;
+  size_t kept = 0;
+  for (size_t j = 0; j < unknowns; ++j)
+    for (size_t q = 0; q < m; ++q)
+      if (eigenvalues[q] <= most) modes[kept++] = modes[m * j + q];
+  modes.resize(kept);
+  eigenvalues.erase(std::remove_if(eigenvalues.begin(), eigenvalues.end(), [most](double e) { return e > most; }),
+                    eigenvalues.end());
+}
+
+/// Numbers of the lower triangle of a symmetric matrix, column by column.
+size_t triangle(size_t m) { return m * (m + 1) / 2; }
+
+void pack_triangle(int m, const double* full, double* lower) {
+  for (int j = 0; j < m; ++j) lower = std::copy_n(full + static_cast<size_t>(m) * j + j, m - j, lower);
+}
+
+void unpack_triangle(int m, const double* lower, double* full) {
+  for (int j = 0; j < m; ++j)
+    for (int i = j; i < m; ++i) full[static_cast<size_t>(m) * j + i] = full[static_cast<size_t>(m) * i + j] = *lower++;
+}
+
+}  // namespace
+
+Level::Coarse Level::find_modes(const ModeLimit& limit, const KernelView<double*>& self, const LinkSource& links) {
+  const int count = aggregates();
+  std::vector<std::vector<double>> modes(count), eigenvalues(count);
+  for_each(count, [&](int a) { modes[a] = modes_of(a, limit, self, links, eigenvalues[a]); });
+  size_t all = 0;
+  for (const std::vector<double>& of_aggregate : eigenvalues) all += of_aggregate.size();
+  if (halo_.sum(static_cast<double>(all)) > kManyUnknowns)
+    for_each(count, [&](int a) { keep_softest(modes[a], eigenvalues[a]); });
+  Coarse coarse;
+  coarse.unknown.assign(count + 1, 0);
+  mode_block_.assign(count + 1, 0);
+  std::vector<size_t> square(count + 1, 0);
+  for (int a = 0; a < count; ++a) {
+    const size_t m = eigenvalues[a].size();
+    coarse.unknown[a + 1] = coarse.unknown[a] + static_cast<int>(m);
+    mode_block_[a + 1] = mode_block_[a] + modes[a].size();
+    square[a + 1] = square[a] + m * m;
+  }
+  const int others = coarse_halo_.ghosts();
+  std::vector<int> modes_of_each(count + others), one_each(count + others + 1);
+  std::iota(one_each.begin(), one_each.end(), 0);
+  std::adjacent_difference(coarse.unknown.begin() + 1, coarse.unknown.end(), modes_of_each.begin());
+  coarse_halo_.exchange(modes_of_each.data(), one_each);
+  for (int a = count; a < count + others; ++a) coarse.unknown.push_back(coarse.unknown.back() + modes_of_each[a]);
+  mode_ = coarse.unknown;
+  modes_ = {};
+  modes_ = multilevel::numbers_for_lanes(mode_block_.back());
+  coarse.self = numbers(square.back());
+  for_each(count, [&](int a) {
+    std::copy(modes[a].begin(), modes[a].end(), modes_.data() + mode_block_[a]);
+    std::vector<double>().swap(modes[a]);
+    const int m = mode_[a + 1] - mode_[a];
+    double* block = coarse.self.data() + square[a];
+    std::fill(block, block + static_cast<size_t>(m) * m, 0.0);
+    for (int q = 0; q < m; ++q) block[m * q + q] = eigenvalues[a][q];
+  });
+  return coarse;
+}
+
+void Level::project_links(const LinkSource& links, Coarse& coarse) const {
+  // modes in unscaled unknowns of this level: V^T L^-1
+  std::vector<size_t> part(aggregate_.size() + 1, 0);  // (node, ghosts too, and one more): first number of its part
+  for (size_t v = 0; v < aggregate_.size(); ++v)
+    part[v + 1] = part[v] + static_cast<size_t>(mode_[aggregate_[v] + 1] - mode_[aggregate_[v]]) * unknowns_of(v);
+  const KernelView<double*> unscaled = numbers(part.back());
+  for_each(aggregates(), [&](int a) {
+    const int m = mode_[a + 1] - mode_[a];
+    const double* modes = modes_.data() + mode_block_[a];
+    std::fill(unscaled.data() + part[first_[a]], unscaled.data() + part[first_[a + 1]], 0.0);
+    for (int v = first_[a]; v < first_[a + 1]; ++v) {
+      const int n = unknowns_of(v);
+      const size_t at = static_cast<size_t>(m) * (unknown_[v] - unknown_[first_[a]]);
+      dense::add_product(m, n, n, modes + at, m, inverse_.data() + square_[v], 1, n, unscaled.data() + part[v], m);
+    }
+  });
+  halo_.exchange(unscaled.data(), part);
+  coarse.ends = coarse_ends_;
+  coarse.block.assign(coarse_ends_.size() + 1, 0);
+  for (size_t l = 0; l < coarse_ends_.size(); ++l) {
+    const size_t m = mode_[coarse_ends_[l][0] + 1] - mode_[coarse_ends_[l][0]];
+    const size_t n = mode_[coarse_ends_[l][1] + 1] - mode_[coarse_ends_[l][1]];
+    coarse.block[l + 1] = coarse.block[l] + triangle(m) + m * n + triangle(n);
+  }
+  coarse.links = numbers(coarse.block.back());
+  for_each(static_cast<int>(coarse_ends_.size()), [&](int l) {
+    const int a = coarse_ends_[l][0], b = coarse_ends_[l][1];
+    const int m = mode_[a + 1] - mode_[a], n = mode_[b + 1] - mode_[b];
+    double* triangles = coarse.links.data() + coarse.block[l];
+    double* coupling = triangles + triangle(m);
+    std::fill_n(coupling, static_cast<size_t>(m) * n, 0.0);
+    std::vector<double> room, product, first(static_cast<size_t>(m) * m, 0.0), second(static_cast<size_t>(n) * n, 0.0);
+    for (int k = crossing_start_[l]; k < crossing_start_[l + 1]; ++k) {
+      const int fine = crossing_[k] / 2;
+      const int end = crossing_[k] % 2, va = ends_[fine][end], vb = ends_[fine][1 - end];
+      const int na = unknowns_of(va), nb = unknowns_of(vb);
+      room.resize(multilevel::room_of_link(na, nb));
+      const LinkBlocks link = links(fine, room.data()).seen_from(end);
+      const double *wa = unscaled.data() + part[va], *wb = unscaled.data() + part[vb];
+      product.assign(static_cast<size_t>(m) * na, 0.0);
+      dense::add_product(m, na, na, wa, m, link.first, 1, link.first_stride, product.data(), m);
+      dense::add_lower_product(m, na, product.data(), m, wa, m, 1, first.data());
+      product.assign(static_cast<size_t>(m) * nb, 0.0);
+      dense::add_product(m, na, nb, wa, m, link.coupling, link.coupling_row, link.coupling_column, product.data(), m);
+      dense::add_product(m, nb, n, product.data(), m, wb, n, 1, coupling, m);
+      product.assign(static_cast<size_t>(n) * nb, 0.0);
+      dense::add_product(n, nb, nb, wb, n, link.second, 1, link.second_stride, product.data(), n);
+      dense::add_lower_product(n, nb, product.data(), n, wb, n, 1, second.data());
+    }
+    pack_triangle(m, first.data(), triangles);
+    pack_triangle(n, second.data(), coupling + static_cast<size_t>(m) * n);
+  });
+}
+
+LinkSource Level::Coarse::source() const {
+  return [this](int link, double* room) {
+    const int m = unknown[ends[link][0] + 1] - unknown[ends[link][0]];
+    const int n = unknown[ends[link][1] + 1] - unknown[ends[link][1]];
+    const double* first = links.data() + block[link];
+    const double* coupling = first + triangle(m);
+    double* second = room + static_cast<size_t>(m) * m;
+    unpack_triangle(m, first, room);
+    unpack_triangle(n, coupling + static_cast<size_t>(m) * n, second);
+    return LinkBlocks{room, coupling, second, m, n, 1, m};
+  };
+}
+
+void Level::set_coarse_scale(const Level& coarse) {
+  for_each(aggregates(), [&](int a) {
+    const int m = mode_[a + 1] - mode_[a];
+    if (m == 0) return;
+    const int n = static_cast<int>((mode_block_[a + 1] - mode_block_[a]) / m);
+    double* modes = modes_.data() + mode_block_[a];
+    const std::vector<double> old(modes, modes + static_cast<size_t>(m) * n);
+    std::fill(modes, modes + static_cast<size_t>(m) * n, 0.0);
+    dense::add_product(m, m, n, coarse.inverse_.data() + coarse.square_[a], m, old.data(), 1, m, modes, m);
+  });
+}
+
+void Level::restrict_to(const LevelVector& fine, const LevelVector& coarse) const {
+  const double *from = fine.data(), *modes = modes_.data();
+  double* to = coarse.data();
+  for_each(aggregates(), [&](int a) {
+    const int m = mode_[a + 1] - mode_[a], at = unknown_[first_[a]], n = unknown_[first_[a + 1]] - at;
+    for (int q = 0; q < m; ++q) to[mode_[a] + q] = 0.0;
+    dense::add_times_vector(m, n, modes + mode_block_[a], from + at, to + mode_[a]);
+  });
+}
+
+void Level::prolong(const LevelVector& coarse, const LevelVector& fine) const {
+  const double *from = coarse.data(), *modes = modes_.data();
+  double* to = fine.data();
+  for_each(aggregates(), [&](int a) {
+    const int m = mode_[a + 1] - mode_[a], at = unknown_[first_[a]], n = unknown_[first_[a + 1]] - at;
+    double own[kMostModes + kLanes];
+    std::fill(std::copy_n(from + mode_[a], m, own), own + m + kLanes, 0.0);
+    dense::multiply_both_ways<false>(m, n, modes + mode_block_[a], own, to + at);
+  });
 }
 
 }  // namespace mixbeam

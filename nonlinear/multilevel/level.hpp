@@ -11,16 +11,19 @@
 #include "kernels/execution/pack.hpp"
 #include "kernels/loops/block.hpp"
 #include "nonlinear/linear/inertia_solver.hpp"
-#include "nonlinear/multilevel/aggregates.hpp"
 #include "nonlinear/multilevel/halo.hpp"
 
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <numeric>
 #include <stdexcept>
 #include <vector>
 
 namespace mixbeam {
+
+/// Two nodes for each link.
+using LinkEnds = std::vector<std::array<int, 2>>;
 
 /// A block or a direction was met that says that the matrix has an eigenvalue below zero.
 class NegativeCurvature : public std::runtime_error {
@@ -100,7 +103,8 @@ class Level {
  public:
   static constexpr int kMostModes = 4096;  ///< of a node: what set() takes; rows are summed up on the stack
 
-  /// `first`: as Nesting::first of this level; empty: no aggregates. `halo`: of the nodes. Collective.
+  /// `first`: (aggregate, and one more) place of its first node; empty: no aggregates. `halo`: of the nodes.
+  /// Collective.
   Level(int nodes, LinkEnds ends, std::vector<int> first, Halo halo);
 
   int nodes() const { return nodes_; }

@@ -49,7 +49,6 @@ class NetworkSolver : public LinearSolver {
   const std::string& objection() const { return objection_; }
 
  private:
-  // network_reading.cpp
   void number_nodes();
   std::vector<unsigned char> free_rows() const;
   bool has_free_row(int vertex) const;
@@ -66,7 +65,6 @@ class NetworkSolver : public LinearSolver {
   void factorize_directly();
   void refuse(const std::string& why, bool is_unstable);
 
-  // network_krylov.cpp
   struct Iteration;
   struct Column;
   void begin_solve(const DofVector& b, DofVector& x);

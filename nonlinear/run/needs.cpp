@@ -1,8 +1,8 @@
 #include "nonlinear/run/needs.hpp"
 
 #include "discretization/linear_system/chain_structure.hpp"
+#include "discretization/mesh/row_lists.hpp"
 #include "discretization/mesh/structure.hpp"
-#include "discretization/scene/joined_ends.hpp"
 #include "discretization/scene/section_law.hpp"
 #include "discretization/scene/what_acts.hpp"
 #include "discretization/state/sampling.hpp"
@@ -14,8 +14,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
-#include <unordered_map>
 #include <utility>
 
 namespace mixbeam {
@@ -103,18 +101,25 @@ struct Junctions {
   double separators = 0.0;  ///< factor_entries()
 
   explicit Junctions(const Scene& scene) {
-    add_joints(scene);
-    for (std::size_t m = 0; m < scene.members.size(); ++m) add_member(scene.members[m], static_cast<int>(m));
-    for (const PointLoad& load : scene.point_loads) kept_[vertex(load.point)] = 1;
-    for (const Support& support : scene.supports) {
-      const int held = vertex(support.point);
-      kept_[held] = 1;
-      for (int i = 0; i < 3; ++i) free_[held] -= support.displacement_fixed[i] + support.rotation_fixed[i];
+    const Mesh mesh = mesh_of_points(scene);
+    vertices = mesh.vertices();
+    std::vector<unsigned char> kept(static_cast<std::size_t>(vertices), 0);  // not inside a chain
+    std::vector<int> free(kept.size(), kSpatialDofs);                        // unknowns that no support prescribes
+    std::vector<std::array<int, 2>> links, pairs;
+    for (const MeshElement& element : mesh.elements) links.push_back({element.vertex[0], element.vertex[1]});
+    for (const MeshJoint& joint : mesh.joints) {
+      pairs.push_back({joint.master, joint.slave});
+      kept[joint.master] = kept[joint.slave] = 1;
     }
-    vertices = static_cast<long long>(kept_.size());
-    const ChainStructure chains(links_, kept_);
-    for (const RemainingLink& link : chains.remaining()) joints_.push_back(link.vertex);
-    count_pairs();
+    for (const PointLoad& load : scene.point_loads) kept[vertex_of(mesh, load.point)] = 1;
+    for (const Support& support : scene.supports) {
+      const int held = vertex_of(mesh, support.point);
+      kept[held] = 1;
+      for (int i = 0; i < 3; ++i) free[held] -= support.displacement_fixed[i] + support.rotation_fixed[i];
+    }
+    const ChainStructure chains(links, kept);
+    for (const RemainingLink& link : chains.remaining()) pairs.push_back(link.vertex);
+    count_pairs(free, std::move(pairs));
   }
   /// Of the factor; no more than those of a full matrix.
   double entries() const {
@@ -123,70 +128,25 @@ struct Junctions {
   }
 
  private:
-  int add() {
-    kept_.push_back(0);
-    free_.push_back(kSpatialDofs);
-    return static_cast<int>(kept_.size()) - 1;
-  }
-  int vertex(const std::string& point) {
-    const auto [entry, is_new] = vertex_of_.try_emplace(point, static_cast<int>(kept_.size()));
-    if (is_new) add();
-    return entry->second;
-  }
-  int end_of(const std::string& point, int member) {
-    const auto slave = slave_of_.find({point, member});
-    return slave == slave_of_.end() ? vertex(point) : slave->second;
-  }
-  void add_joints(const Scene& scene) {
-    for (const auto& [point, ends] : joined_ends(scene)) {
-      const int master = vertex(point);
-      int slave = master;
-      for (const JoinedEnd& end : ends) {
-        if (!end.shares) joints_.push_back({master, slave = add()});
-        kept_[master] = kept_[slave] = 1;
-        slave_of_[{point, end.member}] = slave;
-      }
-    }
-  }
-  void add_member(const Member& member, int m) {
-    int here = end_of(member.start_point, m);
-    for (const InnerPoint& inner : member.inner_points) {
-      const int next = vertex(inner.point);
-      links_.push_back({here, next});
-      here = next;
-    }
-    links_.push_back({here, end_of(member.end_point, m)});
-  }
-  void count_pairs() {
-    std::vector<int> number(kept_.size(), -1), start{0}, next;
-    std::vector<std::array<int, 2>> pairs;
-    for (std::array<int, 2> ends : joints_) {
-      for (int& end : ends) {
+  void count_pairs(const std::vector<int>& free, std::vector<std::array<int, 2>> pairs) {
+    std::vector<int> number(free.size(), -1);
+    for (std::array<int, 2>& pair : pairs)
+      for (int& end : pair) {
         if (number[end] < 0) {
           number[end] = static_cast<int>(count++);
-          unknowns += free_[end];
+          unknowns += free[end];
         }
         end = number[end];
       }
-      if (ends[0] != ends[1]) pairs.insert(pairs.end(), {ends, {ends[1], ends[0]}});
-    }
-    std::sort(pairs.begin(), pairs.end());
-    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-    start.assign(static_cast<std::size_t>(count) + 1, 0);
-    for (const auto& pair : pairs) {
-      ++start[pair[0] + 1];
-      next.push_back(pair[1]);
-    }
-    for (std::size_t v = 1; v < start.size(); ++v) start[v] += start[v - 1];
-    matrix = kSpatialDofs * kSpatialDofs * (count + static_cast<double>(next.size()));
-    separators = factor_entries(start, next);
+    const Graph<int> graph = joined_links<int>(static_cast<int>(count), [&pairs](const auto& add) {
+      for (const auto& [a, b] : pairs) {
+        add(a, {b, 1});
+        add(b, {a, 1});
+      }
+    });
+    matrix = kSpatialDofs * kSpatialDofs * (count + static_cast<double>(graph.neighbour.size()));
+    separators = factor_entries(graph.start, graph.neighbour);
   }
-
-  std::vector<std::array<int, 2>> links_, joints_;
-  std::vector<unsigned char> kept_;  ///< (vertex): not inside a chain
-  std::vector<int> free_;            ///< (vertex): unknowns that no support prescribes
-  std::unordered_map<std::string, int> vertex_of_;
-  std::map<std::pair<std::string, int>, int> slave_of_;  ///< end of a member with a joint
 };
 
 bool iterates_with(const Junctions& junctions, const std::string& method) {
