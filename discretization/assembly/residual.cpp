@@ -1,6 +1,7 @@
 #include "discretization/assembly/residual.hpp"
 
 #include "discretization/assembly/workspace.hpp"
+#include "discretization/mesh/element_view.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
 
@@ -49,7 +50,7 @@ using Range = Kokkos::RangePolicy<ExecutionSpace>;
 double largest_component(const Vec& v) { return std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])}); }
 
 /// Ignores NaN.
-KOKKOS_INLINE_FUNCTION void raise(double& largest, const double* x, int count) {
+KOKKOS_INLINE_FUNCTION void raise_by_numbers(double& largest, const double* x, int count) {
   for (int i = 0; i < count; ++i) {
     const double a = x[i] < 0.0 ? -x[i] : x[i];
     if (a > largest) largest = a;
@@ -63,8 +64,8 @@ Largest<2> largest_stresses(const ElementBlock& block, const KernelView<const do
   return largest_of<2>(
       "mixbeam::magnitude::stresses", block.count, KOKKOS_LAMBDA(int e, Largest<2>& pair) {
         const double* x = interior.data() + place(e);
-        raise(pair.of[0], x, layout.moment(0));
-        raise(pair.of[1], x + layout.moment(0), 3 * (layout.order + 1));
+        raise_by_numbers(pair.of[0], x, layout.moment(0));
+        raise_by_numbers(pair.of[1], x + layout.moment(0), 3 * (layout.order + 1));
       });
 }
 
@@ -82,7 +83,7 @@ StateMagnitude magnitude_of(const Model& model, const State& state, double load_
   const KernelView<const double* [4]> q = state.views.vertex_rotation;
   const Largest<2> motions = largest_of<2>(
       "mixbeam::magnitude::motions", structure.owned_vertices, KOKKOS_LAMBDA(int v, Largest<2>& pair) {
-        raise(pair.of[0], &u(v, 0), 3);
+        raise_by_numbers(pair.of[0], &u(v, 0), 3);
         const double square = q(v, 1) * q(v, 1) + q(v, 2) * q(v, 2) + q(v, 3) * q(v, 3);
         if (square > pair.of[1]) pair.of[1] = square;
       });
@@ -172,10 +173,7 @@ double largest_row(const ElementBlock& block, const KernelView<const double*>& i
   Kokkos::parallel_reduce(
       "mixbeam::scaled::interior", Range(0, block.count),
       KOKKOS_LAMBDA(int e, double& m) {
-        for (int i = first; i < end; ++i) {
-          const double x = interior(place(e) + i), a = x < 0.0 ? -x : x;
-          if (!(a <= m)) m = a == a ? a : HUGE_VAL;
-        }
+        for (int i = first; i < end; ++i) raise(m, interior(place(e) + i));
       },
       Kokkos::Max<double>(largest));
   return largest;
@@ -197,8 +195,7 @@ double equilibrium_norm(const Model& model, const MixedVector& scaled_residual) 
   Kokkos::parallel_reduce(
       "mixbeam::equilibrium::vertex", Range(0, rows.extent(0)),
       KOKKOS_LAMBDA(size_t i, double& m) {
-        const double a = rows(i) < 0.0 ? -rows(i) : rows(i);
-        if (!fixed(i) && !(a <= m)) m = a == a ? a : HUGE_VAL;
+        if (!fixed(i)) raise(m, rows(i));
       },
       Kokkos::Max<double>(largest));
   for (const ElementBlock& block : model.structure().blocks)
@@ -293,10 +290,6 @@ void evaluate_elements(const Model& model, const State& state, const KernelView<
     gather_rows(model, out.vertex());
 }
 
-}  // namespace
-
-namespace {
-
 Vec spin_of(const Model& model, double load_factor) {
   return model.rotating() == nullptr ? Vec{} : model.rotating()->spin().at(load_factor);
 }
@@ -355,6 +348,17 @@ void load_derivative(const Model& model, const State& state, double load_factor,
   model.constraints().project(state, vertex);
   model.constraints().set_slopes(load_factor, vertex);
   scale_rows(model, scales, rows);
+}
+
+void clear_rows(const Structure& structure, const KernelView<double*>& interior, RowsOf which) {
+  for_each_element(structure, [&](const ElementView& element) {
+    double* const row = element.increments_in(interior);
+    double* const end = row + element.layout().relative_rotation(1);
+    if (which == RowsOf::forces)
+      std::fill(row, end, 0.0);
+    else
+      std::fill(end, row + element.layout().increments(), 0.0);
+  });
 }
 
 }  // namespace mixbeam

@@ -65,4 +65,9 @@ enum class ElementLoads { none, line_loads, with_centrifugal };
 /// the elements at each vertex in place, and the interior rows.
 void element_rows(const Model& model, const State& state, double load_factor, ElementLoads loads, MixedVector& rows);
 
+/// Rows of N and M of each element, or all others.
+enum class RowsOf { forces, motions };
+/// Clears such interior rows, or increments.
+void clear_rows(const Structure& structure, const KernelView<double*>& interior, RowsOf which);
+
 }  // namespace mixbeam

@@ -220,9 +220,7 @@ double backward_error(const DofMatrix& matrix, const DofVector& x, const DofVect
           residual -= a * xs(j);
           size += (a < 0.0 ? -a : a) * (j % kVertexDofs < 3 ? sizes.moved : sizes.turned);
         }
-        if (residual < 0.0) residual = -residual;
-        const double error = residual == 0.0 ? 0.0 : residual / size;
-        if (!(error <= m)) m = error == error ? error : HUGE_VAL;
+        raise(m, residual == 0.0 ? 0.0 : residual / size);
       },
       Kokkos::Max<double>(largest));
   return maximum_over_ranks(comm, largest);

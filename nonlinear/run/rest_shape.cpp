@@ -140,20 +140,6 @@ Quat shortest_turn(const Vec& from, const Vec& to) {
   return normalized(Quat{1.0 + dot(from, to), axis[0], axis[1], axis[2]});
 }
 
-enum class RowsOf { forces, motions };
-
-/// Of N and M, or all others, of each element.
-void clear_rows(const Structure& structure, const KernelView<double*>& interior, RowsOf which) {
-  for_each_element(structure, [&](const ElementView& element) {
-    double* const row = element.increments_in(interior);
-    double* const end = row + element.layout().relative_rotation(1);
-    if (which == RowsOf::forces)
-      std::fill(row, end, 0.0);
-    else
-      std::fill(end, row + element.layout().increments(), 0.0);
-  });
-}
-
 /// Finds forces that balance the loads in the drawn geometry, and sections turned so that shear needs no natural
 /// strain.
 class RestShapeFinder {

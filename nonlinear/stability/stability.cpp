@@ -1,12 +1,14 @@
 #include "nonlinear/stability/stability.hpp"
 
 #include "discretization/mesh/element_view.hpp"
-#include "nonlinear/stability/nearest_eigenvalue.hpp"
 #include "nonlinear/stability/thresholds.hpp"
+
+#include <Teuchos_CommHelpers.hpp>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numeric>
 #include <string>
@@ -84,6 +86,77 @@ void recount_unsymmetric(Spectrum& spectrum) {
   if (stability.sign != 0 && is_odd != (stability.sign < 0)) ++stability.negative;
 }
 
+/// Inverse iterations from an arbitrary vector: next to zero each gains many digits.
+constexpr int kInverseIterations = 3;
+
+/// How near to zero an eigenvalue of a tangent may be, by inverse iteration: signs of pivots next to one are those of
+/// rounding.
+struct NearestEigenvalue {
+  double size = HUGE_VAL;  ///< not below that of the eigenvalue nearest to zero
+  double rounding = 0.0;   ///< in it, of the entries of the matrix; where it is known
+};
+
+/// What the rounding of the entries of A may change in y . A y, for y of unit length.
+double rounding_level(const SparseMatrix& a, const std::vector<double>& y) {
+  double sum = 0.0;
+  for (int i = 0; i < a.rows(); ++i)
+    for (int k = a.row_start[i]; k < a.row_start[i + 1]; ++k)
+      sum += std::abs(y[i]) * std::abs(a.value[k]) * std::abs(y[a.column[k]]);
+  return std::numeric_limits<double>::epsilon() * sum;
+}
+
+/// Of a matrix that is factorised.
+NearestEigenvalue nearest_eigenvalue(const SparseMatrix& a, InertiaSolver& solver) {
+  std::vector<double> y(a.rows());
+  for (int i = 0; i < a.rows(); ++i) y[i] = 1.0 + 0.5 * std::sin(1.0 + i);  // parallel to no mode
+  double length = std::sqrt(dot_product(y, y)), size = HUGE_VAL;
+  for (int i = 0; i < kInverseIterations; ++i) {
+    for (double& x : y) x /= length;
+    solver.solve(y.data(), 1);
+    length = std::sqrt(dot_product(y, y));
+    size = 1.0 / length;
+  }
+  for (double& x : y) x /= length;
+  return {size, rounding_level(a, y)};
+}
+
+/// Of a whole tangent, chains and what they leave: a mode may live in the chains alone. An eigenvalue of what chains
+/// leave is no nearer to zero. `solve`: K dx = b of all vertices; `rounding_of_form`: see TangentSolver. In units of
+/// EI/L; collective.
+NearestEigenvalue nearest_eigenvalue(const Tangent& tangent,
+                                     const std::function<void(const DofVector& b, DofVector& x)>& solve,
+                                     const std::function<double(const DofVector&)>& rounding_of_form = {}) {
+  const Model& model = tangent.model();
+  const Structure& structure = model.structure();
+  DofVector x(model.map()), b(model.map());
+  const size_t rows = MixedVector::view_of(x).extent(0);
+  const double L = structure.length, share = structure.bending_reference / (L * model.mesh().vertices());
+  const auto weight = [&](size_t i) { return i % kVertexDofs < 3 ? share / (L * L) : share; };
+  const auto length_of = [&](const DofVector& v, bool is_force) {
+    const KernelView<const double*> values = MixedVector::view_of(v);
+    double sum = 0.0, all = 0.0;
+    for (size_t i = 0; i < rows; ++i) sum += values(i) * values(i) * (is_force ? 1.0 / weight(i) : weight(i));
+    Teuchos::reduceAll(*model.map()->getComm(), Teuchos::REDUCE_SUM, 1, &sum, &all);
+    return std::sqrt(all);
+  };
+  for (size_t i = 0; i < rows; ++i) {
+    const double number = kVertexDofs * structure.local_vertex_to_global[i / kVertexDofs] + i % kVertexDofs;
+    MixedVector::view_of(x)(i) = 1.0 + 0.5 * std::sin(1.0 + number);
+  }
+  NearestEigenvalue nearest;
+  double length = length_of(x, false);
+  for (int step = 0; step < kInverseIterations; ++step) {
+    for (size_t i = 0; i < rows; ++i) MixedVector::view_of(b)(i) = weight(i) / length * MixedVector::view_of(x)(i);
+    tangent.project_on_free_motions(MixedVector::view_of(b));
+    const double force = length_of(b, true);
+    solve(b, x);
+    length = length_of(x, false);
+    nearest.size = force / length;
+  }
+  if (rounding_of_form) nearest.rounding = rounding_of_form(x) / (length * length);
+  return nearest;
+}
+
 /// As asymmetry(), of the rows of this rank that chains eliminate, in the units of IndependentUnknowns.
 double asymmetry_of_chains(const CondensedSystem& chains, const Tangent& tangent) {
   const Model& model = tangent.model();
@@ -142,10 +215,7 @@ MixedVector derivative_along(const Model& model, const State& state, double load
       unscale_rows(model, point.scales, rows);
       sum.update(0.5 * weight / step, rows, 1.0);
     }
-  const KernelView<double*> interior = sum.writable_interior(true);
-  for_each_element(structure, [&](const ElementView& element) {
-    std::fill_n(element.increments_in(interior), element.layout().relative_rotation(1), 0.0);
-  });
+  clear_rows(structure, sum.writable_interior(true), RowsOf::forces);
   return sum;
 }
 
