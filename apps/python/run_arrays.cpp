@@ -200,7 +200,7 @@ py::object error_estimate_of(const SolvedRun& run, int step) {
   const ErrorEstimate estimate = in_turn([&] { return run.at(step).estimate_error(); });
   if (!estimate.exists()) return py::str(estimate.not_estimated);
   py::dict errors;
-  const auto add = [&](const char* name, const EstimatedError& error) {
+  const auto add = [&](const char* name, const RecordedError& error) {
     errors[name] = py::make_tuple(error.error, error.size);
   };
   add("largest_displacement", estimate.largest_displacement);

@@ -214,6 +214,7 @@ struct RecordedVibrationMode {
 /// An estimated error and the size of the quantity that it belongs to.
 struct RecordedError {
   double error = 0.0, size = 0.0;
+  double relative() const { return size > 0.0 ? error / size : 0.0; }
 };
 
 /// A number and its estimated error.

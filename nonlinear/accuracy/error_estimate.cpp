@@ -135,7 +135,7 @@ void add_differences(const Mesh& mesh, const Model& richer, const StateDifferenc
     estimate.displacement.size += part.displacement_size / length;
     estimate.moment.size += part.moment_size / length;
   }
-  const auto close = [&comm](std::vector<double>& elements, EstimatedError& total) {
+  const auto close = [&comm](std::vector<double>& elements, RecordedError& total) {
     sum_over_ranks(comm, elements.data(), elements.size());
     sum_over_ranks(comm, &total.size, 1);
     for (double& square : elements) {
@@ -207,7 +207,7 @@ constexpr double kLeastError = 1e-12;
 /// The smallest of the relative errors.
 double smallest(const ErrorEstimate& estimate) {
   double least = 1.0;
-  for (const EstimatedError* quantity :
+  for (const RecordedError* quantity :
        {&estimate.largest_displacement, &estimate.displacement, &estimate.moment, &estimate.energy}) {
     const double relative = std::abs(quantity->relative());
     if (relative > kLeastError) least = std::min(least, relative);

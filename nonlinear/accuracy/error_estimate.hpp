@@ -3,6 +3,7 @@
 
 #include "discretization/quantities/end_layers.hpp"
 #include "discretization/quantities/quantity_derivative.hpp"
+#include "discretization/state/member_samples.hpp"
 #include "nonlinear/newton/beam_problem.hpp"
 
 #include <string>
@@ -10,25 +11,16 @@
 
 namespace mixbeam {
 
-/// An error and the size of the quantity that it belongs to.
-struct EstimatedError {
-  double error = 0.0;
-  double size = 0.0;
-  double relative() const { return size > 0.0 ? error / size : 0.0; }
-};
-
-/// Estimated errors, the same on every rank. Differences are exact solution less present state.
-struct ErrorEstimate {
-  std::string not_estimated{};                 ///< why there is none; empty where there is one
-  std::vector<Vector3> vertex_displacement{};  ///< (vertex) error of its displacement, spatial [length]
-  /// (mesh element): sqrt(1/L int |error|^2 ds) over the element, L the length of all members (theory (52)), so that
-  /// the squares of all elements add up to that of the whole structure; of the displacement [length] and of M [moment]
-  std::vector<double> element_displacement{}, element_moment{};
-  EstimatedError largest_displacement{};  ///< largest |error of u| of any vertex; largest |u| of any point
-  EstimatedError displacement{};          ///< sqrt(1/L int |.|^2 ds) of u along the centerline, vertices or not
-  EstimatedError moment{};                ///< the same of M, material components
-  EstimatedError energy{};                ///< strain energy, the error with its sign
-  int corrections = 0;                    ///< linear systems solved
+/// Estimated errors, the same on every rank. Differences are exact solution less present state:
+///   vertex_displacement         of the displacement of each vertex, spatial; largest_displacement the largest |.| of
+///                               them, beside the largest |u| of any point
+///   element_displacement, _moment  sqrt(1/L int |error|^2 ds) over each element, L the length of all members (theory
+///                               (52)), so that the squares of all elements add up to that of the whole structure; of
+///                               the displacement, vertices or not, and of M, material components
+///   displacement, moment        the same over all elements
+///   energy                      strain energy, the error with its sign
+struct ErrorEstimate : RecordedErrorEstimate {
+  int corrections = 0;  ///< linear systems solved
   /// The richer space with its state, from which any other number can be estimated; null where there is no estimate.
   Teuchos::RCP<BeamProblem> richer{};
   State richer_state{};

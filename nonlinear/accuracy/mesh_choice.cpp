@@ -295,7 +295,7 @@ double least_displacement(double length, double accuracy) {
 }
 
 ErrorEstimate with_least_displacement(ErrorEstimate estimate, double least) {
-  for (EstimatedError* quantity : {&estimate.largest_displacement, &estimate.displacement})
+  for (RecordedError* quantity : {&estimate.largest_displacement, &estimate.displacement})
     quantity->size = std::max(quantity->size, least);
   return estimate;
 }

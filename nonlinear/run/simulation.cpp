@@ -205,17 +205,8 @@ RecordedCriticalPoint Simulation::record(const CriticalPoint& point, int points_
 
 RecordedErrorEstimate Simulation::record_error(const ErrorEstimate& estimate,
                                                const std::vector<std::string>& points) const {
-  RecordedErrorEstimate record;
-  record.not_estimated = estimate.not_estimated;
+  RecordedErrorEstimate record = estimate;
   if (!estimate.exists()) return record;
-  const auto recorded = [](const EstimatedError& error) { return RecordedError{error.error, error.size}; };
-  record.vertex_displacement = estimate.vertex_displacement;
-  record.element_displacement = estimate.element_displacement;
-  record.element_moment = estimate.element_moment;
-  record.largest_displacement = recorded(estimate.largest_displacement);
-  record.displacement = recorded(estimate.displacement);
-  record.moment = recorded(estimate.moment);
-  record.energy = recorded(estimate.energy);
   for (const std::string& point : points) {
     const Vector3& error = estimate.vertex_displacement[vertex_of(model().mesh(), point)];
     record.points.push_back({point, {error[0], error[1], error[2]}});
