@@ -115,6 +115,8 @@ int run_command(const Arguments& arguments) {
     watch_for_interrupts();
     return finish_runs(app, line, [&] {
       RunEnd end = RunEnd::arrived;
+      for (const std::string& one : cases)  // where a search fails no others stay beside its files
+        if (app.search) std::filesystem::remove(file_of(app, line, one));
       if (!take_found_numbers(app, app.output / std::filesystem::path(*line.scene_file).stem()))
         return RunEnd::interrupted;
       choose_mesh(app);

@@ -351,9 +351,12 @@ void RunReport::add_gradients(Application& app, const std::string& run) const {
   if (!last_.gradients) return;
   if (!last_.gradients->not_found.empty())
     return app.summary.fail(run + ": gradients", "found", "list \"Gradient\"", last_.gradients->not_found);
-  for (const RecordedGradient& one : last_.gradients->quantities)
-    for (std::size_t i = 0; i < one.derivative.size(); ++i)
+  for (const RecordedGradient& one : last_.gradients->quantities) {
+    if (std::isnan(one.value))
+      app.summary.fail(run + ": gradient of " + one.quantity, "found", "list \"Gradient\"", one.note);
+    for (std::size_t i = 0; i < one.derivative.size() && !std::isnan(one.value); ++i)
       app.summary.gradients.push_back({run, one.quantity, one.value, last_.gradients->numbers[i], one.derivative[i]});
+  }
 }
 
 /// The least load that the path or, where it does not say, linear buckling about its last prestressed state tells.

@@ -47,7 +47,7 @@ bool is_stress(const std::string& name) {
 
 /// A number at every sample that colours the structure: a component of a field of steps, or the norm of several.
 struct PageField {
-  const char *name, *label, *source;
+  std::string name, label, source;
   std::vector<std::size_t> components;  ///< none: of a field of single numbers
   bool is_signed;
 };
@@ -188,6 +188,8 @@ class HeldStep {
     }
     return held_[name] = std::move(values);
   }
+
+  void take(const std::string& name, std::vector<double> values) { held_[name] = std::move(values); }
 
   /// Smallest and largest value, round-off being zero; null where the step does not have the field.
   Json extremes(const PageField& field) {
@@ -434,6 +436,7 @@ class ViewWriter {
     add("rest_triad", chosen(run.field(first, "triad"), run.samples(), kept_), kForDrawing);
     add_modes();
     add_marks();
+    add_gradients();
     read_steps();
     add_series();
     add_steps();
@@ -456,6 +459,8 @@ class ViewWriter {
   void add_point_loads();
   void add_motions(const Table& supports);
   void add_line_loads();
+  void add_gradients();
+  std::vector<double> sensitivities(const std::string& group, std::size_t stiffness) const;
   void read_steps();
   Json camera(const std::vector<Point>& points) const;
   bool shows_directions() const;
@@ -496,6 +501,12 @@ class ViewWriter {
     std::map<std::string, PageRows> arrays;
   };
   std::vector<ReadStep> steps_;
+  std::vector<PageField> fields_ = page_fields();
+  struct PageGradient {
+    std::string group;  ///< in that of its step
+    std::size_t stiffness;
+  };
+  std::map<std::string, PageGradient> gradients_;  ///< by their source
 };
 
 /// All samples, or every n-th of each member and its last one; where members are too many, every m-th member.
@@ -754,6 +765,42 @@ void ViewWriter::add_marks() {
   data_.description["strained"] = strained;
 }
 
+/// Of quantities by stiffnesses of elements, at the end of the path.
+void ViewWriter::add_gradients() {
+  const std::array<const char*, 6> stiffnesses = {"EA", "GA₂", "GA₃", "GIₜ", "EI₂", "EI₃"};
+  const std::string& end = run_.steps().back().group;
+  for (std::size_t q = 0; q + 1 < run_.count(end, "gradients"); ++q) {
+    const std::string group = "gradients/" + std::to_string(q);
+    if (!run_.has(end + "/" + group, "stiffness")) continue;
+    for (std::size_t i = 0; i < stiffnesses.size(); ++i) {
+      const std::string name = "gradient_" + std::to_string(q) + "_" + std::to_string(i);
+      gradients_[name] = {group, i};
+      fields_.push_back({name,
+                         "gradient of " + run_.word(end + "/" + group, "quantity") + " by " + stiffnesses[i] +
+                             ": share of the stiffness, per length",
+                         name,
+                         {},
+                         true});
+    }
+  }
+}
+
+/// C dq/dC over the length of the element, at every sample: from the derivatives by C and by 1 / C, whose ratio is
+/// -C^2.
+std::vector<double> ViewWriter::sensitivities(const std::string& group, std::size_t stiffness) const {
+  const std::vector<double> by = run_.numbers(group, "stiffness", 6), inverse = run_.numbers(group, "compliance", 6);
+  std::vector<double> values;
+  std::size_t at = stiffness;
+  for (const SampledMember& member : run_.members())
+    for (int e = 0; e < member.elements; ++e, at += 6) {
+      const std::size_t first = values.size(), points = member.share.rows / static_cast<std::size_t>(member.elements);
+      const double length = arc_.at(first + points - 1) - arc_[first];
+      values.insert(values.end(), points,
+                    std::copysign(std::sqrt(std::abs(by.at(at) * inverse.at(at))), by[at]) / length);
+    }
+  return values;
+}
+
 /// Those that there is memory for; the path in short.
 void ViewWriter::read_steps() {
   const auto& steps = run_.steps();
@@ -775,7 +822,12 @@ void ViewWriter::read_steps() {
     ReadStep& step = steps_.emplace_back();
     step.described = {
         {"number", steps[s].number}, {"factor", steps[s].load_factor}, {"stable", steps[s].stable}, {"place", s}};
-    for (const PageField& field : page_fields()) step.extremes.push_back(held.extremes(field));
+    for (const auto& [name, gradient] : gradients_) {
+      if (s + 1 < steps.size()) break;
+      held.take(name, sensitivities(steps[s].group + "/" + gradient.group, gradient.stiffness));
+      step.arrays[name] = chosen(held.field(name), run_.samples(), kept_);
+    }
+    for (const PageField& field : fields_) step.extremes.push_back(held.extremes(field));
     for (const char* name : {"displacement", kForces[0], kForces[1], kStrains[0], kStrains[1], kStresses[0],
                              kStresses[1], kStresses[2], "utilisation", "triad"})
       if ((name != std::string("triad") || turns) && held.has(name))
@@ -1016,8 +1068,8 @@ void ViewWriter::add_steps() {
     note(formatted("%zu of %zu steps are drawn; the load path has all.", shown.size(), run_.steps().size()));
   Json steps = Json::array(), fields = Json::array();
   for (const std::size_t i : shown) steps.push_back(steps_[i].described);
-  for (std::size_t f = 0; f < page_fields().size(); ++f) {
-    const PageField& field = page_fields()[f];
+  for (std::size_t f = 0; f < fields_.size(); ++f) {
+    const PageField& field = fields_[f];
     Json extremes = Json::array();
     bool is_there = false;
     for (const std::size_t i : shown) {

@@ -68,6 +68,32 @@ class StressField(Field):
         return factor * step.field(self.source).ravel()
 
 
+class GradientField(Field):
+    """Of a quantity by a stiffness of every element, at the end of the path."""
+
+    def __init__(self, run, quantity, stiffness, values):
+        super().__init__(f"gradient of {style.literal(quantity)} by ${stiffness}$: share of it, per length", "gradients", [0])
+        self._last, self._values = run.steps[-1].number, values
+
+    def values(self, step, size):
+        if step.number != self._last:
+            raise InputError(f"step {step.number} has no gradients: they are of the last step")
+        return self._values
+
+    def floor(self, step, size):
+        return 0.0
+
+
+STIFFNESSES = {"EA": "EA", "GA2": "GA_2", "GA3": "GA_3", "GIt": "GI_t", "EI2": "EI_2", "EI3": "EI_3"}
+
+
+def fields_of(run):
+    """FIELDS, and "tip.y by EI3" of gradients by element."""
+    gradients = {f"{quantity} by {name}": GradientField(run, quantity, symbol, values[:, i])
+                 for quantity, values in run.gradients() for i, (name, symbol) in enumerate(STIFFNESSES.items())}
+    return {**FIELDS, **gradients}
+
+
 SECTION_FORCES = {
     "axial_force": Field("axial force $N$", "material_force", [0]),
     "shear_2": Field("shear force $Q_2$", "material_force", [1]),

@@ -130,8 +130,8 @@ def figures(run, options):
     from results import InputError
     from view import Look, View
 
-    if options.field is not None and options.field not in fields.FIELDS:
-        raise InputError(f"--field {options.field}: allowed are " + ", ".join(fields.FIELDS))
+    if options.field is not None and options.field not in fields.fields_of(run):
+        raise InputError(f"--field {options.field}: allowed are " + ", ".join(fields.fields_of(run)))
     if not (np.isfinite(options.scale) and options.scale >= 0.0):
         raise InputError(f"--scale {options.scale:g}: allowed are numbers from 0 on; 1 is the true scale")
     if options.picture and "along" in options.picture and not options.along:
@@ -170,7 +170,7 @@ def _figures(kind, run, view, chosen, options):
     import shape_figures
     from view import View
 
-    field = fields.FIELDS[options.field or _telling_field(view, chosen[-1])]
+    field = fields.fields_of(run)[options.field or _telling_field(view, chosen[-1])]
     if kind in OF_ONE_STEP:
         draw = {"shape": lambda step: shape_figures.shape_figure(view, step, field, options.triads),
                 "fields": lambda step: shape_figures.overview_figure(view, step),

@@ -213,6 +213,18 @@ def _members(group):
             for index, (name, first, count) in enumerate(zip(names, firsts.tolist(), counts.tolist()))]
 
 
+def _per_length(members, rows):
+    """Rows of the elements of the mesh at all samples, over the lengths of the elements."""
+    found, first = [], 0
+    for member in members:
+        number, s = member.element, member.arc_length
+        ends = np.flatnonzero(np.diff(number))
+        lengths = s[np.append(ends, len(s) - 1)] - s[np.append(0, ends + 1)]
+        found.append(rows[first + number] / lengths[number, None])
+        first += len(lengths)
+    return np.concatenate(found)
+
+
 class Selection:
     """The rows of the fields that belong to the members of a run: all of them, or those of chosen members."""
 
@@ -231,7 +243,9 @@ class Selection:
 
     def of(self, group, name):
         """A field of the group."""
-        values = group.read(name, (self.samples, *FIELDS[name]))
+        return self.chosen(group.read(name, (self.samples, *FIELDS[name])))
+
+    def chosen(self, values):
         return values if self._rows is None else values[self._rows]
 
     def numbers(self, numbers):
@@ -301,6 +315,13 @@ class Step:
     def has(self, name):
         """Whether a field is there: stresses are not in every step."""
         return name in self._group
+
+    def gradients(self):
+        """[(quantity, (elements, 6))] C dq/dC of each element, where a run was asked for them: from the derivatives by C and 1 / C."""
+        group = self._group.group("gradients", optional=True)
+        own = [group.group(str(number)) for number in range(len(group.names()) - 1)] if group else []
+        pairs = [(one, *(one.read(name, (None, 6)) for name in ("stiffness", "compliance"))) for one in own if "stiffness" in one]
+        return [(one.attribute("quantity", str), np.copysign(np.sqrt(np.abs(by * inverse)), by)) for one, by, inverse in pairs]
 
     def rows(self, name, numbers):
         """Some rows of a field without reading the others; `numbers` ascending."""
@@ -372,6 +393,7 @@ class Run:
         self.scene_name = self._file.attribute("scene_name", str, path.stem)
         self.members = _members(self._file.group("members"))
         samples, self._members_in_file = self.members[-1].samples.stop, len(self.members)
+        self._everywhere = self.members
         if members is not None:
             self.members = self.members_meant(members)
         self._selection = Selection(samples, members and self.members)
@@ -404,6 +426,10 @@ class Run:
         if self._by_index is None:
             self._by_index = {member.index: member for member in self.members}
         return self._by_index.get(index)
+
+    def gradients(self):
+        """[(quantity, (n, 6))] of the last step, per length of member, in the order EA, GA2, GA3, GIt, EI2, EI3."""
+        return [(quantity, self._selection.chosen(_per_length(self._everywhere, rows))) for quantity, rows in self.steps[-1].gradients()]
 
     def acting(self):
         """What acts on the structure, {"supports", "joints", "point_loads", "line_loads"}: tables by their columns."""

@@ -178,8 +178,8 @@ std::vector<double> SampledFile::field(const std::string& group, const std::stri
   });
 }
 
-std::vector<double> SampledFile::numbers(const std::string& group, const std::string& name) const {
-  return reading(group, [&](hid_t id) { return hdf5::read_dataset(id, name, 1); });
+std::vector<double> SampledFile::numbers(const std::string& group, const std::string& name, std::size_t columns) const {
+  return reading(group, [&](hid_t id) { return hdf5::read_dataset(id, name, columns); });
 }
 
 double SampledFile::number(const std::string& group, const std::string& attribute) const {

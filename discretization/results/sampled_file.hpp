@@ -41,8 +41,8 @@ class SampledFile {
   std::size_t count(const std::string& group, const std::string& name) const;
   /// A field: rows of numbers, one for each sample.
   std::vector<double> field(const std::string& group, const std::string& name) const;
-  /// Numbers of a dataset of one dimension.
-  std::vector<double> numbers(const std::string& group, const std::string& name) const;
+  /// Numbers of a dataset of rows.
+  std::vector<double> numbers(const std::string& group, const std::string& name, std::size_t columns = 1) const;
   double number(const std::string& group, const std::string& attribute) const;
   std::string word(const std::string& group, const std::string& attribute) const;
 

@@ -361,19 +361,24 @@ double AdjointOperator::work_of_free(const Adjoint& adjoint, const DofVector& pr
   return sum;
 }
 
+std::vector<double> weights_of(const ElementView& element) {
+  std::vector<double> weight(static_cast<size_t>(element.layout().moment(0)), 0.0);
+  for_each_force_rule(element.order(), element.block().force_integration, [&](int first, int count, int from, int to) {
+    double points[kMaximumOrder + 1], gauss[kMaximumOrder + 1];
+    gauss_rule(count, points, gauss);
+    for (int q = 0; q < count; ++q)
+      for (int i = from; i < to; ++i)
+        weight[static_cast<size_t>(element.layout().force(first + q) + i)] = 0.5 * element.length() * gauss[q];
+  });
+  return weight;
+}
+
 void weigh_force_rows(const Structure& structure, bool divides, MixedVector& rows) {
   const KernelView<double*> interior = rows.writable_interior(true);
   for_each_element(structure, [&](const ElementView& element) {
+    const std::vector<double> weight = weights_of(element);
     double* row = element.increments_in(interior);
-    for_each_force_rule(element.order(), element.block().force_integration,
-                        [&](int first, int count, int from, int to) {
-                          const GaussPoints& rule = gauss_points(count);
-                          for (int q = 0; q < count; ++q)
-                            for (int i = from; i < to; ++i) {
-                              const double weight = 0.5 * element.length() * rule.weight[q];
-                              row[element.layout().force(first + q) + i] *= divides ? 1.0 / weight : weight;
-                            }
-                        });
+    for (size_t i = 0; i < weight.size(); ++i) row[i] *= divides ? 1.0 / weight[i] : weight[i];
   });
 }
 

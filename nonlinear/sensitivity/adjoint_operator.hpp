@@ -21,6 +21,8 @@ struct Adjoint {
   std::vector<double> held{};  ///< (6 * vertex + component): q_x + R_x^T t, spatial; zero where a vertex is free
 };
 
+/// Of each number N of an element: weight of its Gauss point times h / 2, where it is integrated there.
+std::vector<double> weights_of(const ElementView& element);
 /// Multiplies rows of N, which are strains, by the weights of their points, theory (16), or divides them.
 void weigh_force_rows(const Structure& structure, bool divides, MixedVector& rows);
 

@@ -26,9 +26,7 @@ double slope_of_frequency(double square) { return 1.0 / (4.0 * kPi * std::sqrt(s
 }  // namespace
 
 LastingModes::LastingModes(BeamProblem& problem, const State& state, double load_factor, const ModesParameters& asked)
-    : asked_(asked),
-      load_factor_(load_factor),
-      operator_(problem.model, state, load_factor, asked.in_plane) {
+    : asked_(asked), load_factor_(load_factor), operator_(problem.model, state, load_factor, asked.in_plane) {
   if (operator_.has_forces_of_velocity())
     throw std::invalid_argument("frequencies of motions with damping have no derivative here");
   modes_ = vibration_modes(problem, state, load_factor, asked.number + kMostOfOneFrequency, asked.in_plane);

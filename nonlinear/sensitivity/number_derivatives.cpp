@@ -34,18 +34,6 @@ StateRows rows_at(const Model& model, const State& state, double load_factor) {
   return rows;
 }
 
-std::vector<double> weights_of(const ElementView& element) {
-  std::vector<double> weight(static_cast<size_t>(element.layout().moment(0)), 0.0);
-  for_each_force_rule(element.order(), element.block().force_integration, [&](int first, int count, int from, int to) {
-    double points[kMaximumOrder + 1], gauss[kMaximumOrder + 1];
-    gauss_rule(count, points, gauss);
-    for (int q = 0; q < count; ++q)
-      for (int i = from; i < to; ++i)
-        weight[static_cast<size_t>(element.layout().force(first + q) + i)] = 0.5 * element.length() * gauss[q];
-  });
-  return weight;
-}
-
 /// By both formulas, with the state as it is.
 struct NumberDerivatives::Differences {
   StateRows rows[2];

@@ -41,9 +41,6 @@ StateRows rows_at(const Model& model, const State& state, double load_factor);
 /// The right-hand side that their spatial part makes.
 StateDerivative derivative_of(const Model& model, const State& state, const StateRows& rows);
 
-/// Of each number N of an element: weight of its Gauss point times h / 2, where it is integrated there.
-std::vector<double> weights_of(const ElementView& element);
-
 /// Central differences of sixth and of eighth order: factors of the values at one step to four steps.
 constexpr int kStencil = 4;
 constexpr double kSixth[kStencil] = {3.0 / 4.0, -3.0 / 20.0, 1.0 / 60.0, 0.0};

@@ -89,9 +89,9 @@ TEST_F(GradientList, OfACriticalLoad) {
 }
 
 TEST_F(GradientList, OfACriticalLoadThatDidNotComeIsACheckThatFailed) {
-  const Ended ended = asking("Of: [load factor at critical point 2], With Respect To: [Sections/*/EI3]");
+  const Ended ended = asking("Of: [tip.y, load factor at critical point 2], With Respect To: [Sections/*/EI3]");
   EXPECT_EQ(ended.exit_code, kCheckFailed);
-  expect_in(ended.out, {"it did not come; critical points on the path: 0"});
+  expect_in(ended.out, {"gradient of tip.y", "it did not come; critical points on the path: 0"});
 }
 
 /// The results stay.

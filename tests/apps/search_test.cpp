@@ -250,11 +250,14 @@ TEST_F(SearchFiles, HoldNumbersOfArrays) {
 TEST_F(SearchFiles, HoldTheBestNumbersWhereABranchEnds) {
   const std::string strut = changed(changed(kPlane, "[0, \"=-P\", 0]", "[\"=-P\", 0, 0]"),
                                     "{EI: {Number: Variables/EI}}", "{load: {Number: Variables/P}}");
+  fs::create_directories(folder_ / "out");
+  write_text(folder_ / "out/scene.h5", "of an earlier run");
   const Ended ended = run(changed(changed(strut, "EA: inf", "EA: 100"), "{Quantity: tip.y, Value: -0.301720773799814",
                                   "{Quantity: tip.x, Value: -0.301720773799814"));
   ASSERT_EQ(ended.exit_code, kNoConvergence) << ended.out << ended.err;
   expect_in(ended.err, {"cannot be carried to load = ", "negative eigenvalues changes from 0 to 1", "best numbers"});
   expect_in(text_of(folder_ / "summary.json"), {"\"failure\"", "\"found_numbers\""});
+  EXPECT_FALSE(fs::exists(folder_ / "out/scene.h5"));
   const std::string table = text_of(folder_ / "out/scene-identification.csv");
   const double load = std::stod(table.substr(table.find("Variables/P,2,") + 14));
   // P (1 - P / EA) = pi^2 EI / (4 L^2) about the weaker axis
@@ -278,6 +281,8 @@ TEST_F(SearchFiles, RefuseWhatIsNotOffered) {
     EXPECT_EQ(ended.exit_code, kBadInput) << to << ended.out;
     expect_in(ended.err, {message, "scene.yaml:"});
   }
+  const Ended both = run(changed(changed(kPlane, "Variables/EI}", "Variables/EJ}"), "tip.y", "tip.w"));
+  expect_in(both.err, {"2 mistakes", "did you mean \"Variables/EI\"?", "did you mean \"tip.x\""});
   // what has no derivative is refused as a gradient refuses it
   const Ended count = run(changed(changed(kPlane, "{tip:", "{count: {Quantity: negative eigenvalues}, tip:"),
                                   "{Quantity: tip.y, Value: -0.301720773799814", "{Quantity: count, Value: 0"));

@@ -156,23 +156,17 @@ std::vector<std::size_t> columns_meant(const QuantitySet& quantities, const std:
   return columns;
 }
 
-/// Places in the path of the critical points that are meant, each once. Throws InputError for one that did not come.
-std::vector<std::size_t> points_meant(std::size_t count, const std::vector<std::string>& texts) {
-  std::vector<std::string> names;
-  for (std::size_t i = 1; i <= count; ++i) names.push_back(kCriticalLoad + std::to_string(i));
-  std::vector<std::size_t> places;
+/// Names of the critical points that are meant, each once, and texts that mean none of them.
+std::vector<std::string> points_meant(const std::vector<std::string>& names, const std::vector<std::string>& texts) {
+  std::vector<std::string> points;
   for (const std::string& text : texts) {
     if (!means_critical_points(text)) continue;
-    const std::vector<std::string> meant = names_meant(text, names);
-    if (meant.empty())
-      throw InputError("the gradient of the " + excerpt(text) +
-                       ": it did not come; critical points on the path: " + std::to_string(count));
-    for (const std::string& name : meant) {
-      const std::size_t place = std::find(names.begin(), names.end(), name) - names.begin();
-      if (std::count(places.begin(), places.end(), place) == 0) places.push_back(place);
-    }
+    std::vector<std::string> meant = names_meant(text, names);
+    if (meant.empty()) meant = {text};
+    for (const std::string& name : meant)
+      if (std::count(points.begin(), points.end(), name) == 0) points.push_back(name);
   }
-  return places;
+  return points;
 }
 
 /// Sizes of what a number may be that is zero now, and so are its neighbours.
@@ -319,15 +313,22 @@ RecordedGradients gradients_at(const Simulation& simulation, const GradientParam
     record(simulation.gradients(
                {of.quantities, columns, scene_numbers(simulation, asked, xml, load_case), asked.by_element}),
            recorded);
-  for (const std::size_t i : points_meant(of.points.size(), asked.of)) {
-    const Simulation there = simulation.at(of.points[i].state, of.points[i].load_factor);
-    const std::string name = "critical point " + std::to_string(i + 1);
+  std::vector<std::string> names;
+  for (std::size_t i = 1; i <= of.points.size(); ++i) names.push_back(kCriticalLoad + std::to_string(i));
+  for (const std::string& name : points_meant(names, asked.of)) {
+    const std::size_t i = static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+    double load_factor = std::numeric_limits<double>::quiet_NaN();
     try {
+      if (i == names.size())
+        throw InputError("it did not come; critical points on the path: " + std::to_string(names.size()));
+      load_factor = of.points[i].load_factor;
+      const Simulation there = simulation.at(of.points[i].state, load_factor);
       const std::vector<SceneNumber> numbers = scene_numbers(there, asked, xml, load_case);
-      record(there.gradients(of.points[i], {name, numbers, asked.by_element}), recorded);
+      record(there.gradients(of.points[i], {"critical point " + std::to_string(i + 1), numbers, asked.by_element}),
+             recorded);
     } catch (const InputError& error) {
       const std::vector<double> none(recorded.numbers.size(), std::numeric_limits<double>::quiet_NaN());
-      recorded.quantities.push_back({kCriticalLoad + std::to_string(i + 1), of.points[i].load_factor, none});
+      recorded.quantities.push_back({name, load_factor, none});
       recorded.quantities.back().note = error.what();
     }
   }

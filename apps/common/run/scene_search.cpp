@@ -89,22 +89,26 @@ class SearchReader {
     search_.is_design = name == kDesign;
   }
 
+  /// Looks at all that the list names, whatever is wrong with some of it.
   SearchParameters read() {
+    const ParameterSource& source = app_.xml.source;
     require_offered();
     const List& numbers = list_.sublist(kParameters);
-    for (const std::string& name : names_of(numbers)) add_numbers(name, numbers.sublist(name));
+    for (const std::string& name : names_of(numbers)) source.attempt([&] { add_numbers(name, numbers.sublist(name)); });
     if (search_.paths.size() > kMostSearched)
       refuse({kParameters}, "it means " + std::to_string(search_.paths.size()) + " numbers; allowed: up to " +
                                 std::to_string(kMostSearched));
-    if (search_.is_design) add_wanted("objective", kDesigned.read(list_.sublist(kObjective)), {kObjective});
+    if (search_.is_design)
+      source.attempt([&] { add_wanted("objective", kDesigned.read(list_.sublist(kObjective)), {kObjective}); });
     const std::string& lists = search_.is_design ? kConstraints : kMeasurements;
     const BoundList<WantedQuantity>& declared = search_.is_design ? kConstraint : kMeasured;
-    if (!list_.isSublist(lists)) return search_;
-    const List& wanted = list_.sublist(lists);
-    for (const std::string& name : names_of(wanted)) {
-      add_wanted(name, declared.read(wanted.sublist(name)), {lists, name});
-      if (search_.is_design) require_bounds(search_.wanted.back(), {lists, name});
-    }
+    for (const std::string& name : list_.isSublist(lists) ? names_of(list_.sublist(lists)) : std::vector<std::string>{})
+      source.attempt([&] {
+        const WantedQuantity wanted = declared.read(list_.sublist(lists).sublist(name));
+        if (search_.is_design) require_bounds(wanted, {lists, name});
+        add_wanted(name, wanted, {lists, name});
+      });
+    source.require_none();
     return search_;
   }
 
