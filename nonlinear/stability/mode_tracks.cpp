@@ -44,12 +44,13 @@ double ModeTracks::likeness(const Motion& a, const Motion& b, bool reversed) {
 }
 
 /// (mode, motion before): MAC, and added to it that of the whole space, which is the same where no frequency is shared.
-ModeTracks::Table ModeTracks::likenesses(const std::vector<Motion>& now, bool reversed) const {
-  const std::size_t n = now.size(), m = before_.size();
+ModeTracks::Table ModeTracks::likenesses(const std::vector<Motion>& now, const std::vector<Motion>& before,
+                                         bool reversed) {
+  const std::size_t n = now.size(), m = before.size();
   Table mac(n, std::vector<double>(m)), table = mac;
   for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = 0; j < m; ++j) mac[i][j] = likeness(now[i], before_[j], reversed);
-  const auto with = shared_frequencies(now), with_before = shared_frequencies(before_);
+    for (std::size_t j = 0; j < m; ++j) mac[i][j] = likeness(now[i], before[j], reversed);
+  const auto with = shared_frequencies(now), with_before = shared_frequencies(before);
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = 0; j < m; ++j) {
       double in_space_before = 0.0, in_space = 0.0;
@@ -60,20 +61,20 @@ ModeTracks::Table ModeTracks::likenesses(const std::vector<Motion>& now, bool re
   return table;
 }
 
-/// Place in before_ of the motion that each mode continues, the most like first; -1: none. In a frame that turns a
+/// Place in `before` of the motion that each mode continues, the most like first; -1: none. In a frame that turns a
 /// frequency may pass zero, and its motion goes on the other way round.
-std::vector<int> ModeTracks::continued(const std::vector<Motion>& now) const {
+std::vector<int> ModeTracks::continued(const std::vector<Motion>& now, const std::vector<Motion>& before) {
   std::vector<int> place(now.size(), -1);
-  std::vector<char> taken(before_.size());
+  std::vector<char> taken(before.size());
   for (const bool reversed : {false, true}) {
-    const Table table = likenesses(now, reversed);
+    const Table table = likenesses(now, before, reversed);
     for (int mode = 0; mode >= 0;) {
       double most = kUnlike, nearest = HUGE_VAL;
       mode = -1;
       int motion = -1;
       for (std::size_t i = 0; i < now.size(); ++i)
-        for (std::size_t j = 0; j < before_.size() && place[i] < 0; ++j) {
-          const double distance = std::abs(std::sqrt(now[i].squared) - std::sqrt(before_[j].squared));
+        for (std::size_t j = 0; j < before.size() && place[i] < 0; ++j) {
+          const double distance = std::abs(std::sqrt(now[i].squared) - std::sqrt(before[j].squared));
           const bool is_as_like = table[i][j] >= most - kEquallyLike && distance < nearest;
           if (taken[j] || !(table[i][j] > most + kEquallyLike || is_as_like)) continue;
           most = std::max(most, table[i][j]);
@@ -89,6 +90,31 @@ std::vector<int> ModeTracks::continued(const std::vector<Motion>& now) const {
   return place;
 }
 
+/// Modes without a number that are like a motion that has been absent.
+void ModeTracks::take_up_absent(std::vector<Motion>& now) const {
+  std::vector<Motion> unlike;
+  std::vector<Motion*> of;
+  for (Motion& motion : now)
+    if (motion.track < 1) {
+      unlike.push_back(motion);
+      of.push_back(&motion);
+    }
+  if (absent_.empty() || unlike.empty()) return;
+  const std::vector<int> place = continued(unlike, absent_);
+  for (std::size_t i = 0; i < place.size(); ++i)
+    if (place[i] >= 0) of[i]->track = absent_[place[i]].track;
+}
+
+void ModeTracks::keep_absent(const std::vector<Motion>& now) {
+  const auto is_there = [&](const Motion& motion) {
+    return std::any_of(now.begin(), now.end(), [&](const Motion& other) { return other.track == motion.track; });
+  };
+  absent_.erase(std::remove_if(absent_.begin(), absent_.end(), is_there), absent_.end());
+  for (Motion& motion : before_)
+    if (!is_there(motion)) absent_.push_back(std::move(motion));
+  if (absent_.size() > now.size()) absent_.erase(absent_.begin(), absent_.end() - now.size());
+}
+
 std::vector<int> ModeTracks::follow(std::vector<VibrationMode>& modes, const std::vector<int>& known) {
   std::vector<Motion> now;
   for (VibrationMode& mode : modes) {
@@ -98,9 +124,11 @@ std::vector<int> ModeTracks::follow(std::vector<VibrationMode>& modes, const std
     for (std::vector<double>& part : motion.momenta)
       for (double& x : part) x /= std::sqrt(sum);
   }
-  std::vector<int> place = continued(now);
-  for (std::size_t i = 0; i < now.size(); ++i) {
+  std::vector<int> place = continued(now, before_);
+  for (std::size_t i = 0; i < now.size(); ++i)
     now[i].track = i < known.size() ? known[i] : place[i] >= 0 ? before_[place[i]].track : 0;
+  take_up_absent(now);
+  for (std::size_t i = 0; i < now.size(); ++i) {
     if (now[i].track < 1) now[i].track = ++tracks_;
     const auto continues = [&](const Motion& motion) { return motion.track == now[i].track; };
     const auto found = std::find_if(before_.begin(), before_.end(), continues);
@@ -117,6 +145,7 @@ std::vector<int> ModeTracks::follow(std::vector<VibrationMode>& modes, const std
     if (crosses[i]) now[i].momenta = before_[place[i]].momenta;
     tracks.push_back(now[i].track);
   }
+  keep_absent(now);
   before_ = std::move(now);
   return tracks;
 }

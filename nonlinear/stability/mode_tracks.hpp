@@ -8,7 +8,7 @@ namespace mixbeam {
 /// A mode continues the motion of the state before to which it is most like by the product of their momenta, MAC =
 /// |p . q|^2 / (|p|^2 |q|^2), that is the inner product M along the axes of the sections: the shape counts, not the
 /// place in the order of frequencies. Modes that share a frequency are any vectors of their common space, which is
-/// compared as a whole.
+/// compared as a whole. A mode that is like none of them takes up a motion that was not among those asked for since.
 class ModeTracks {
  public:
   /// `tracks`: numbers that an earlier part of the path has given.
@@ -26,11 +26,14 @@ class ModeTracks {
   };
   using Table = std::vector<std::vector<double>>;
   static double likeness(const Motion& a, const Motion& b, bool reversed);
-  Table likenesses(const std::vector<Motion>& now, bool reversed) const;
-  std::vector<int> continued(const std::vector<Motion>& now) const;
+  static Table likenesses(const std::vector<Motion>& now, const std::vector<Motion>& before, bool reversed);
+  static std::vector<int> continued(const std::vector<Motion>& now, const std::vector<Motion>& before);
+  void take_up_absent(std::vector<Motion>& now) const;
+  void keep_absent(const std::vector<Motion>& now);
 
   std::vector<Motion> before_{};
-  int tracks_;  ///< numbers given so far
+  std::vector<Motion> absent_{};  ///< as they were last, the latest behind; no more than there are modes
+  int tracks_;                    ///< numbers given so far
 };
 
 }  // namespace mixbeam

@@ -4,6 +4,8 @@
 #include "tests/nonlinear/stability_fixture.hpp"
 #include "tests/support/buckling_scenes.hpp"
 
+#include <utility>
+
 namespace mixbeam::test::mode_tracks_test {
 namespace {
 
@@ -23,7 +25,8 @@ TEST(ModeTracks, FollowShapesAndNotTheOrder) {
   ModeTracks tracks;
   EXPECT_EQ(follow(tracks, {mode(1.0, {kBending}), mode(2.0, {kTorsion})}), (std::vector<int>{1, 2}));
   EXPECT_EQ(follow(tracks, {mode(1.9, {kTorsion}), mode(2.1, {kBending})}), (std::vector<int>{2, 1}));
-  EXPECT_EQ(follow(tracks, {mode(1.8, {kAxial}), mode(2.2, {kBending})}), (std::vector<int>{3, 1}));  // a new one
+  EXPECT_EQ(follow(tracks, {mode(1.8, {kAxial}), mode(2.2, {kBending})}), (std::vector<int>{3, 1}));    // a new one
+  EXPECT_EQ(follow(tracks, {mode(1.7, {kTorsion}), mode(2.3, {kBending})}), (std::vector<int>{2, 1}));  // it is back
 }
 
 /// Its modes are any vectors of their common space.
@@ -36,6 +39,14 @@ TEST(ModeTracks, PassAStateInWhichFrequenciesCross) {
   follow(again, {mode(1.0, {kBending}), mode(2.0, {kTorsion})}, {1, 2});  // resumed
   EXPECT_EQ(follow(again, {mode(1.5, {difference}), mode(1.5, {sum})}, there), there);
   EXPECT_EQ(follow(again, {mode(1.4, {kTorsion}), mode(1.6, {kBending})}), (std::vector<int>{2, 1}));
+}
+
+/// No more motions wait than there are modes, and those that left first are forgotten.
+TEST(ModeTracks, ForgetWhatHasBeenAbsentForLong) {
+  ModeTracks tracks;
+  for (const auto& [momenta, track] :
+       {std::pair{kBending, 1}, {kTorsion, 2}, {kBending, 1}, {kAxial, 3}, {kTorsion, 4}})
+    EXPECT_EQ(follow(tracks, {mode(1.0, {momenta})}), std::vector<int>{track});
 }
 
 /// Whirling one way and the other, with the same real parts; any phase of a mode is the same mode.

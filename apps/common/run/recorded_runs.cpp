@@ -10,6 +10,10 @@
 #include "discretization/text/result_names.hpp"
 #include "discretization/text/text_file.hpp"
 
+#include <map>
+#include <set>
+#include <utility>
+
 namespace mixbeam {
 
 namespace {
@@ -95,18 +99,27 @@ class Application::Recorder {
     if (recording.resume != nullptr) for_monitor([&] { monitor_->add(*recording.resume); });
   }
 
-  /// Takes up the motions of a run that goes on: the modes of its last two searches are found again.
+  /// Takes up the motions of a run that goes on: the modes of its last two searches are found again, and those of the
+  /// searches before in which motions were seen last, as many as ModeTracks may remember.
   void follow_tracks(const Simulation& running, const StoredRun& run) {
     int tracks = 0;
-    std::vector<std::size_t> searched;
+    std::map<int, std::size_t> last_seen;
+    std::set<std::size_t> searched;  // and needed
+    std::size_t last = 0, last_but_one = 0;
     for (std::size_t i = 0; i < run.steps().size(); ++i) {
-      if (!run.vibration()[i].empty()) searched.push_back(i);
-      for (const RecordedVibrationMode& mode : run.vibration()[i]) tracks = std::max(tracks, mode.track);
+      if (!run.vibration()[i].empty()) last_but_one = std::exchange(last, i);
+      for (const RecordedVibrationMode& mode : run.vibration()[i]) {
+        tracks = std::max(tracks, mode.track);
+        last_seen[mode.track] = i;
+      }
     }
     tracks_ = ModeTracks(tracks);
-    constexpr std::size_t kSearches = 2;  // what ModeTracks remembers
-    for (std::size_t k = searched.size() - std::min(searched.size(), kSearches); k < searched.size(); ++k) {
-      const std::size_t i = searched[k];
+    for (const auto& [track, step] : last_seen) searched.insert(step);
+    for (const std::size_t step : {last_but_one, last})
+      if (!run.steps().empty() && !run.vibration()[step].empty()) searched.insert(step);
+    const std::size_t remembered = static_cast<std::size_t>(parameters_.analysis.modes.number) + 2;
+    while (searched.size() > remembered) searched.erase(searched.begin());
+    for (const std::size_t i : searched) {
       std::vector<int> known;
       for (const RecordedVibrationMode& mode : run.vibration()[i]) known.push_back(mode.track);
       Simulation there = running;
