@@ -3,19 +3,14 @@
 #include "apps/common/session/command_line.hpp"
 #include "apps/common/session/guarded_run.hpp"
 #include "apps/common/session/interrupt.hpp"
-#include "apps/common/session/last_resort.hpp"
 #include "apps/common/session/mpi_session.hpp"
 #include "apps/common/tables/formatted.hpp"
-#include "apps/mixbeam/batch_solver.hpp"
-#include "apps/mixbeam/case_groups.hpp"
-#include "apps/mixbeam/case_scenes.hpp"
+#include "apps/mixbeam/batch_run.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "apps/mixbeam/found_scene.hpp"
 #include "apps/mixbeam/mesh_report.hpp"
 #include "apps/mixbeam/rest_shape_files.hpp"
-#include "apps/mixbeam/run_report.hpp"
 #include "apps/mixbeam/scene_run.hpp"
-#include "apps/mixbeam/structures_batch.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/text_file.hpp"
@@ -51,11 +46,11 @@ void set_up_batch(Application& app, const CommandLine& line) {
 }
 
 /// All cases of a batch, from their parameters to their rows.
-class BatchRun {
+class VariedBatch : public BatchRun {
  public:
   /// `ranks`: share out the groups of cases, each of which is solved by one of them; the application is that of its
   /// rank alone.
-  BatchRun(Application& app, const Batch& batch, const std::string& load_case, const Communicator& ranks)
+  VariedBatch(Application& app, const Batch& batch, const std::string& load_case, const Communicator& ranks)
       : app_(app),
         ranks_(ranks),
         batch_(batch),
@@ -63,22 +58,14 @@ class BatchRun {
         case_scenes_(app, batch_, load_case),
         solver_(app, quantities_, batch_.size(), [&app] { return interrupt_requested(app.communicator); }) {}
 
-  void solve();
-  void write(const std::filesystem::path& stem) {
-    const Stopwatch stopwatch(app_, "batch output");
-    write_batch(stem, batch_, quantities_, solver_.results(), app_.xml.text);
-  }
-  /// From another thread than the one that solves: the cases that are solved by now.
-  void write_so_far(const std::filesystem::path& stem) const {
-    write_batch(stem, batch_, quantities_, solver_.results_so_far(), app_.xml.text);
-  }
-  /// Compares cases with the expected values that the table has for them.
-  void check_expected();
-  /// Holds quantities of each case against their limits.
-  void check_limits();
-  SolvedBatch solved() const {
-    return {solver_.results(), [this](std::size_t i) { return batch_.name_of_case(i); }, interrupted_};
-  }
+  void solve() override;
+  BatchTable table(const std::vector<CaseResult>& results) const override;
+  std::string name_of_case(std::size_t index) const override { return batch_.name_of_case(index); }
+  const CaseQuantities& quantities_of(std::size_t) const override { return quantities_; }
+  std::size_t place_of(std::size_t name, std::size_t) const override { return name; }
+  void check_expected() override;
+  const std::vector<CaseResult>& results() const override { return solver_.results(); }
+  std::vector<CaseResult> results_so_far() const override { return solver_.results_so_far(); }
 
  private:
   void read_scenes();
@@ -91,7 +78,6 @@ class BatchRun {
   CaseScenes case_scenes_;
   BatchSolver solver_;
   GroupedCases grouped_;
-  bool interrupted_ = false;
 };
 
 /// All scenes are read before the first group is solved. `scene`: of the first case.
@@ -105,7 +91,7 @@ void require_memory_of_cases(const Application& app, const Scene& scene, std::si
                  std::to_string(cases) + " cases");
 }
 
-void BatchRun::read_scenes() {
+void VariedBatch::read_scenes() {
   const Stopwatch stopwatch(app_, "batch set-up");
   if (batch_.size() > 0) require_memory_of_cases(app_, case_scenes_.scene_of(0), batch_.size());
   choose_mesh(app_, batch_.size(), [this](std::size_t row) { return case_scenes_.scene_of(row); });
@@ -113,7 +99,7 @@ void BatchRun::read_scenes() {
   quantities_.take_limits(case_scenes_.limits());
 }
 
-void BatchRun::solve() {
+void VariedBatch::solve() {
   read_scenes();
   const Stopwatch stopwatch(app_, "batch solve");
   double before = stopwatch.seconds();
@@ -126,8 +112,8 @@ void BatchRun::solve() {
   interrupted_ = !solver_.gather(*ranks_, all);
 }
 
-void BatchRun::report_group(const std::vector<std::size_t>& group, std::size_t number, std::size_t groups,
-                            double seconds) {
+void VariedBatch::report_group(const std::vector<std::size_t>& group, std::size_t number, std::size_t groups,
+                               double seconds) {
   if (app_.quiet) return;
   int most_iterations = 0;
   std::size_t alone = 0, failed = 0, unstable = 0;
@@ -145,7 +131,16 @@ void BatchRun::report_group(const std::vector<std::size_t>& group, std::size_t n
              << std::flush;
 }
 
-void BatchRun::check_expected() {
+BatchTable VariedBatch::table(const std::vector<CaseResult>&) const {
+  BatchTable table{batch_.before, {}, quantities_.names(), !quantities_.limits().empty(), {{"scene", app_.xml.text}}};
+  for (std::size_t c = 0; c < batch_.columns.size(); ++c)
+    table.own.push_back(
+        column_of_numbers(batch_.columns[c].parameter, [this, c](std::size_t i) { return batch_.value(i, c); }));
+  return table;
+}
+
+/// With those that the table has for them.
+void VariedBatch::check_expected() {
   for (const CaseScenes::OwnExpectation& own : case_scenes_.own_expectations()) {
     const auto& names = quantities_.names();
     const auto place = std::find(names.begin(), names.end(), own.name) - names.begin();
@@ -157,16 +152,10 @@ void BatchRun::check_expected() {
       app_.summary.check_expected(wanted.name + ", " + batch_.name_of_case(i), result.values.written[place], wanted);
     }
   }
-}
-
-void BatchRun::check_limits() {
-  for (std::size_t i = 0; i < batch_.size(); ++i) {
-    const std::vector<EstimatedValue>& values = solver_.results()[i].values.limited;
-    for (std::size_t j = 0; j < values.size(); ++j)
-      app_.summary.check_limit(batch_.name_of_case(i) + ": size of " + values[j].name, "", std::abs(values[j].value),
-                               values[j].error, values[j].not_estimated,
-                               quantities_.largest_size(quantities_.limits()[j], i));
-  }
+  if (!app_.expected.empty())
+    app_.summary.unchecked =
+        "the expected values of the scene belong to the scene as it stands; those of cases are columns "
+        "\"Expected/<name>/Value\" of the table, with \"Output\" = \"expected\"";
 }
 
 /// The cases, or those rows of them that the command line names.
@@ -192,30 +181,11 @@ int batch_command(const Arguments& arguments) {
     Application app;
     app.communicator = session.communicator();
     set_up_batch(app, line);
-    const std::string name = std::filesystem::path(*line.scene_file).stem().string() + "-batch" + rows_text(line);
-    const SharedResultLock lock = lock_or_warn(app, app.output / (name + ".h5"));
-    watch_for_interrupts();
-    part_ranks(app);
-    BatchRun run(app, chosen_batch(app, line), chosen_case(app.scene, line.load_case), session.communicator());
-    for (const char* ending : {".h5", ".csv"}) require_no_input((app.output / (name + ending)).string());
-    try {
-      const LastResort rows([&] {
-        if (session.communicator()->getRank() == 0) run.write_so_far(app.output / name);
-      });
-      run.solve();
-    } catch (const MemberError& error) {
-      throw placed(app, error);
-    }
-    if (session.communicator()->getRank() > 0) return 0;
-    finish_in_order();  // the table is written as a whole
-    run.write(app.output / name);
-    run.check_expected();
-    run.check_limits();
-    if (!app.expected.empty())
-      app.summary.unchecked =
-          "the expected values of the scene belong to the scene as it stands; those of cases are columns "
-          "\"Expected/<name>/Value\" of the table, with \"Output\" = \"expected\"";
-    return conclude_batch(app, line, run.solved());
+    const auto read = [&] {
+      return std::make_unique<VariedBatch>(app, chosen_batch(app, line), chosen_case(app.scene, line.load_case),
+                                           session.communicator());
+    };
+    return run_batch(app, line, session.communicator(), std::filesystem::path(*line.scene_file).stem().string(), read);
   });
 }
 

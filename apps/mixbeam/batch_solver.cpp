@@ -2,7 +2,6 @@
 
 #include "apps/common/run/value_errors.hpp"
 #include "apps/common/tables/formatted.hpp"
-#include "apps/mixbeam/case_groups.hpp"
 #include "apps/mixbeam/run_report.hpp"
 #include "discretization/scene/merged_scene.hpp"
 #include "nonlinear/run/accurate_run.hpp"
@@ -80,19 +79,6 @@ std::string cause_of(const LoadPathResult& result) {
 }
 
 }  // namespace
-
-GroupedCases grouped_cases(CaseScenes& scenes, std::size_t cases) {
-  GroupedCases result;
-  std::vector<CaseLikeness> likeness;
-  likeness.reserve(cases);
-  result.scenes.reserve(cases);
-  for (std::size_t i = 0; i < cases; ++i) {
-    result.scenes.push_back(scenes.scene_of(i));
-    likeness.push_back(likeness_of(result.scenes.back()));
-  }
-  result.groups = group_cases(likeness);
-  return result;
-}
 
 BatchSolver::BatchSolver(Application& app, const CaseQuantities& quantities, std::size_t cases,
                          std::function<bool()> stop)

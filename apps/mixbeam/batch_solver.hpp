@@ -1,25 +1,15 @@
 /// Solves the cases of a batch: in groups, and alone where a group does not do.
 #pragma once
 
-#include "apps/common/session/command_line.hpp"
+#include "apps/mixbeam/case_groups.hpp"
 #include "apps/mixbeam/case_quantities.hpp"
-#include "apps/mixbeam/case_scenes.hpp"
 
 #include <chrono>
 #include <functional>
-#include <map>
 #include <memory>
 #include <mutex>
 
 namespace mixbeam {
-
-/// The scenes of all cases of a batch, and which of them are solved side by side.
-struct GroupedCases {
-  std::vector<Scene> scenes{};
-  std::vector<std::vector<std::size_t>> groups{};
-};
-/// Throws as CaseScenes.
-GroupedCases grouped_cases(CaseScenes& scenes, std::size_t cases);
 
 /// Adds the time between its beginning and its end to an entry of the summary.
 class Stopwatch {
@@ -99,35 +89,5 @@ class BatchSolver {
   const std::vector<std::size_t>* cases_ = nullptr;
   const std::vector<Scene>* scenes_ = nullptr;
 };
-
-/// "sag; drift": the quantities of a case that are beyond their limits.
-std::string beyond_limits(const CaseResult& result, const CaseQuantities& quantities, std::size_t index);
-
-/// 1 for "true", 0 for "false", 0.5 for "neutral", NaN for "unknown": a column of an HDF5 file holds numbers.
-double number_of_stable(const std::string& stable);
-
-/// "-3-7" of --rows 3:7, for names of files; empty without it.
-std::string rows_text(const CommandLine& line);
-/// Throws InputError where --rows begins behind the last case.
-void require_row(int first, std::size_t cases);
-
-/// Each rank solves by itself from here on; the first one speaks.
-void part_ranks(Application& app);
-
-/// A batch at its end.
-struct SolvedBatch {
-  const std::vector<CaseResult>& results;
-  std::function<std::string(std::size_t)> name_of_case;
-  bool interrupted = false;
-};
-
-/// Counts how the cases end, writes the summary, prints what failed and the last lines. Returns the exit code. Throws
-/// ConvergenceError where cases failed.
-int conclude_batch(Application& app, const CommandLine& line, const SolvedBatch& batch);
-
-/// The files of a batch, <stem>.csv and <stem>.h5, with one row for each case that was tried. `scene_xml` goes to the
-/// latter.
-void write_batch(const std::filesystem::path& stem, const Batch& batch, const CaseQuantities& quantities,
-                 const std::vector<CaseResult>& results, const std::string& scene_xml);
 
 }  // namespace mixbeam

@@ -56,16 +56,12 @@ long range_of(double size) {
   return size > 0.0 ? std::lround(std::floor(std::log(size) / std::log(kLikeness))) : std::numeric_limits<long>::min();
 }
 
-/// Order in which cases are put beside each other: first what must agree, then the load.
-auto key_of(const CaseLikeness& c) {
-  return std::make_tuple(range_of(c.length), range_of(c.load), range_of(c.stiffness));
-}
-
-bool is_alike(const CaseLikeness& a, const CaseLikeness& b) {
-  return key_of(a) == key_of(b) && a.structure == b.structure;
-}
-
-}  // namespace
+/// Properties that decide which cases are alike.
+struct CaseLikeness {
+  std::vector<long> structure{};                     ///< stages, and numbers and kinds of all that a scene holds
+  double length = 0.0, load = 0.0, stiffness = 0.0;  ///< load and EI / L^2 are forces
+  int elements = 0;
+};
 
 CaseLikeness likeness_of(const Scene& scene) {
   CaseLikeness result;
@@ -84,6 +80,15 @@ CaseLikeness likeness_of(const Scene& scene) {
   result.stiffness = bending_stiffness_of(scene) / (result.length * result.length);
   result.load = load_of(scene, result.length, result.stiffness);
   return result;
+}
+
+/// Order in which cases are put beside each other: first what must agree, then the load.
+auto key_of(const CaseLikeness& c) {
+  return std::make_tuple(range_of(c.length), range_of(c.load), range_of(c.stiffness));
+}
+
+bool is_alike(const CaseLikeness& a, const CaseLikeness& b) {
+  return key_of(a) == key_of(b) && a.structure == b.structure;
 }
 
 std::vector<std::vector<std::size_t>> group_cases(const std::vector<CaseLikeness>& cases) {
@@ -108,6 +113,21 @@ std::vector<std::vector<std::size_t>> group_cases(const std::vector<CaseLikeness
     begin = end;
   }
   return groups;
+}
+
+}  // namespace
+
+GroupedCases grouped_cases(CaseScenes& scenes, std::size_t cases) {
+  GroupedCases result;
+  std::vector<CaseLikeness> likeness;
+  likeness.reserve(cases);
+  result.scenes.reserve(cases);
+  for (std::size_t i = 0; i < cases; ++i) {
+    result.scenes.push_back(scenes.scene_of(i));
+    likeness.push_back(likeness_of(result.scenes.back()));
+  }
+  result.groups = group_cases(likeness);
+  return result;
 }
 
 }  // namespace mixbeam

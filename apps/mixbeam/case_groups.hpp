@@ -1,10 +1,7 @@
 /// Which cases of a batch are solved side by side.
 #pragma once
 
-#include "discretization/scene/scene.hpp"
-
-#include <cstddef>
-#include <vector>
+#include "apps/mixbeam/case_scenes.hpp"
 
 namespace mixbeam {
 
@@ -17,17 +14,14 @@ inline constexpr double kLikeness = 2.0;
 /// neighbours grow.
 inline constexpr int kElementsPerGroup = 40'000;
 
-/// Properties that decide which cases are alike.
-struct CaseLikeness {
-  std::vector<long> structure{};                     ///< stages, and numbers and kinds of all that a scene holds
-  double length = 0.0, load = 0.0, stiffness = 0.0;  ///< load and EI / L^2 are forces
-  int elements = 0;
+/// The scenes of all cases of a batch, and which of them are solved side by side.
+struct GroupedCases {
+  std::vector<Scene> scenes{};
+  std::vector<std::vector<std::size_t>> groups{};
 };
 
-CaseLikeness likeness_of(const Scene& scene);
-
 /// Every case in one group, its neighbours there as like it as can be. The groups do not depend on the number of
-/// threads.
-std::vector<std::vector<std::size_t>> group_cases(const std::vector<CaseLikeness>& cases);
+/// threads. Throws as CaseScenes.
+GroupedCases grouped_cases(CaseScenes& scenes, std::size_t cases);
 
 }  // namespace mixbeam

@@ -1,25 +1,18 @@
-#include "apps/mixbeam/structures_batch.hpp"
-
 #include "apps/common/run/room_check.hpp"
 #include "apps/common/run/scene_file.hpp"
 #include "apps/common/session/guarded_run.hpp"
 #include "apps/common/session/interrupt.hpp"
-#include "apps/common/session/last_resort.hpp"
 #include "apps/common/session/mpi_session.hpp"
-#include "apps/common/tables/csv_table.hpp"
 #include "apps/common/tables/formatted.hpp"
-#include "apps/mixbeam/batch_solver.hpp"
+#include "apps/mixbeam/batch_run.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "apps/mixbeam/found_scene.hpp"
 #include "apps/mixbeam/mesh_report.hpp"
 #include "apps/mixbeam/rest_shape_files.hpp"
 #include "apps/mixbeam/scene_run.hpp"
-#include "discretization/results/table_file.hpp"
 #include "discretization/scene/load_cases.hpp"
-#include "mixbeam/version.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <ostream>
 #include <set>
 
@@ -56,28 +49,29 @@ struct StructureCase {
   std::string name() const { return file.filename().string() + (load_case.empty() ? "" : ": case " + load_case); }
 };
 
-class StructuresRun {
+class StructuresRun : public BatchRun {
  public:
   StructuresRun(Application& app, const CommandLine& line, const Communicator& ranks)
       : app_(app), line_(line), ranks_(ranks) {}
 
   /// Throws InputError for a scene that is refused.
   void read();
-  void solve();
-  void check_limits();
-  void write(const fs::path& stem) const;
-  SolvedBatch solved() const {
-    return {results_, [this](std::size_t i) { return cases_[i].name(); }, interrupted_};
+  void solve() override;
+  BatchTable table(const std::vector<CaseResult>& results) const override;
+  std::string name_of_case(std::size_t index) const override { return cases_[index].name(); }
+  const CaseQuantities& quantities_of(std::size_t index) const override { return cases_[index].quantities; }
+  std::size_t place_of(std::size_t name, std::size_t index) const override;
+  void check_expected() override { app_.summary.unchecked = "expected values are compared by mixbeam run"; }
+  const std::vector<CaseResult>& results() const override { return results_; }
+  std::vector<CaseResult> results_so_far() const override {
+    const std::lock_guard<std::mutex> lock(results_mutex_);
+    return results_;
   }
 
  private:
   std::unique_ptr<Application> read(const fs::path& file) const;
   CaseResult solved_case(Application& one, const StructureCase& which) const;
   void report(std::size_t done, std::size_t mine);
-  std::vector<CaseResult> results_so_far() const {
-    const std::lock_guard<std::mutex> lock(results_mutex_);
-    return results_;
-  }
 
   Application& app_;
   const CommandLine& line_;
@@ -88,7 +82,6 @@ class StructuresRun {
   std::vector<CaseResult> results_;
   mutable std::mutex results_mutex_;  // a program that is interrupted writes from another thread
   std::chrono::steady_clock::time_point last_report_ = std::chrono::steady_clock::now();
-  bool interrupted_ = false;
 };
 
 std::unique_ptr<Application> StructuresRun::read(const fs::path& file) const {
@@ -186,57 +179,21 @@ void StructuresRun::report(std::size_t done, std::size_t mine) {
              << formatted(", %td failed\n", failed) << std::flush;
 }
 
-void StructuresRun::check_limits() {
-  for (std::size_t i = 0; i < cases_.size(); ++i) {
-    const CaseQuantities& quantities = cases_[i].quantities;
-    const std::vector<EstimatedValue>& values = results_[i].values.limited;
-    for (std::size_t j = 0; j < values.size(); ++j)
-      app_.summary.check_limit(cases_[i].name() + ": size of " + values[j].name, "", std::abs(values[j].value),
-                               values[j].error, values[j].not_estimated, quantities.limits()[j].largest_size);
-  }
+BatchTable StructuresRun::table(const std::vector<CaseResult>& results) const {
+  BatchTable table;
+  table.before = before_;
+  table.own = {{"structure", [this](std::size_t i) { return CsvCell(cases_[i].file.filename().string()); }},
+               {"load case", [this](std::size_t i) { return CsvCell(cases_[i].load_case); }}};
+  table.names = names_;
+  std::string& structures = table.texts["structures"];
+  for (std::size_t i = 0; i < results.size(); ++i)
+    if (results[i].solved) structures += cases_[i].name() + "\n";
+  return table;
 }
 
-void StructuresRun::write(const fs::path& stem) const {
-  const std::vector<CaseResult> results = results_so_far();
-  std::vector<std::string> head = {"case", "structure", "load case"};
-  head.insert(head.end(), names_.begin(), names_.end());
-  for (const char* name : {"iterations", "residual", "converged", "stable", "cause", "beyond limits"})
-    head.emplace_back(name);
-  CsvTable table(stem.string() + ".csv", head, Appears::when_closed);
-  std::vector<TableColumn> columns(1, {"case", {}});
-  for (const std::string& name : names_) columns.push_back({name, {}});
-  for (const char* name : {"iterations", "residual", "converged", "stable", "within limits"})
-    columns.push_back({name, {}});
-  std::string structures, causes;
-  for (std::size_t i = 0; i < results.size(); ++i) {
-    const CaseResult& result = results[i];
-    if (!result.solved) continue;
-    const std::string beyond = beyond_limits(result, cases_[i].quantities, 0);
-    std::vector<CsvCell> cells = {before_ + i + 1, cases_[i].file.filename().string(), cases_[i].load_case};
-    std::vector<double> numbers = {static_cast<double>(before_ + i + 1)};
-    for (const std::string& name : names_) {
-      const std::vector<std::string>& own = cases_[i].quantities.names();
-      const std::size_t place = std::find(own.begin(), own.end(), name) - own.begin();
-      const bool is_there = place < own.size() && !result.values.written.empty();
-      numbers.push_back(is_there ? result.values.written[place] : std::numeric_limits<double>::quiet_NaN());
-      const std::string member = is_there ? cases_[i].quantities.member_of(place, numbers.back()) : "";
-      cells.push_back(member.empty() ? CsvCell(numbers.back()) : CsvCell(member));
-    }
-    for (const CsvCell& cell :
-         {CsvCell(result.iterations), CsvCell(result.residual), CsvCell(result.converged ? "yes" : "no"),
-          CsvCell(result.stable), CsvCell(result.cause), CsvCell(beyond)})
-      cells.push_back(cell);
-    table.add_row(cells);
-    numbers.insert(numbers.end(),
-                   {static_cast<double>(result.iterations), result.residual, result.converged ? 1.0 : 0.0,
-                    number_of_stable(result.stable), beyond.empty() ? 1.0 : 0.0});
-    for (std::size_t c = 0; c < columns.size(); ++c) columns[c].values.push_back(numbers[c]);
-    structures += cases_[i].name() + "\n";
-    if (!result.cause.empty()) causes += cases_[i].name() + ": " + result.cause + "\n";
-  }
-  table.close();
-  write_table_file(stem.string() + ".h5", columns,
-                   {{"structures", structures}, {"version", kVersion}, {"causes", causes}});
+std::size_t StructuresRun::place_of(std::size_t name, std::size_t index) const {
+  const std::vector<std::string>& own = cases_[index].quantities.names();
+  return static_cast<std::size_t>(std::find(own.begin(), own.end(), names_[name]) - own.begin());
 }
 
 }  // namespace
@@ -253,28 +210,12 @@ int structures_batch(const CommandLine& line) {
     const std::string folder = name_of_folder(*line.scene_file);
     app.output = line.output ? fs::path(*line.output) : fs::path("results") / folder;
     on_first_rank(app.communicator, [&app] { prepare_output_folder(app.output); });
-    const fs::path stem = app.output / (folder + "-batch" + rows_text(line));
-    const SharedResultLock lock = lock_or_warn(app, stem.string() + ".h5");
-    watch_for_interrupts();
-    part_ranks(app);
-    StructuresRun run(app, line, session.communicator());
-    run.read();
-    for (const char* ending : {".h5", ".csv"}) require_no_input(stem.string() + ending);
-    {
-      const LastResort rows([&] {
-        if (session.communicator()->getRank() == 0) run.write(stem);
-      });
-      run.solve();
-    }
-    if (session.communicator()->getRank() > 0) return 0;
-    finish_in_order();  // the table is written as a whole
-    {
-      const Stopwatch stopwatch(app, "batch output");
-      run.write(stem);
-    }
-    run.check_limits();
-    app.summary.unchecked = "expected values are compared by mixbeam run";
-    return conclude_batch(app, line, run.solved());
+    const auto read = [&] {
+      auto run = std::make_unique<StructuresRun>(app, line, session.communicator());
+      run->read();
+      return run;
+    };
+    return run_batch(app, line, session.communicator(), folder, read);
   });
 }
 
