@@ -284,6 +284,7 @@ KOKKOS_FORCEINLINE_FUNCTION void eliminate_stresses(const VibratingBlock& vibrat
   const double* strain = &vibrating.strain(e, 0);
   for (int s = 0; s < layout.stresses(); ++s) {
     const double factor = stress[s];
+    if (factor == 0.0) continue;
 #pragma omp simd
     for (int i = 0; i < layout.motions(); ++i) motions[i] -= strain[s * layout.motions() + i] * factor;
   }
@@ -463,9 +464,12 @@ void recover_columns(const VibratingBlock& vibrating, const MomentumColumns& of)
       if (of.excess.extent(0) == 0) continue;
       double *rows = &of.excess(local, of.stresses * c), strain[kMostStresses] = {}, stress[kMostStresses];
       if (of.forces == nullptr) std::copy_n(rows, layout.stresses(), strain);
-      add_product(&vibrating.strain(e, 0), layout.stresses(), n, n, 1.0, motions, strain);
+      const StressMatrix excess = of_element(vibrating, vibrating.excess, e);
+      for (int s = 0; s < layout.stresses(); ++s)
+        if (!excess.is_diagonal || excess.numbers[s] != 0.0)  // no other strain is asked for
+          add_product(&vibrating.strain(e, n * s), 1, n, n, 1.0, motions, strain + s);
       of_element(vibrating, vibrating.compliance, e).multiply(strain, stress);
-      of_element(vibrating, vibrating.excess, e).multiply(stress, rows);
+      excess.multiply(stress, rows);
     }
   });
 }
