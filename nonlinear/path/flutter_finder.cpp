@@ -180,7 +180,9 @@ std::optional<CriticalPoint> FlutterFinder::locate(Sample low, Sample high) {
                       high.complex_values() / 2, high.state, high.modes[cluster.first]};
   point.modes = static_cast<int>(cluster.count);
   point.error = change;
-  point.omega = std::sqrt(std::abs(cluster.mean(high)));
+  const double share =
+      high.load_factor == low.load_factor ? 1.0 : (here - low.load_factor) / (high.load_factor - low.load_factor);
+  point.omega = std::sqrt(std::abs((1.0 - share) * cluster.mean(low) + share * cluster.mean(high)));
   return point;
 }
 
