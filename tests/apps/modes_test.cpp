@@ -131,6 +131,8 @@ TEST_F(Modes, RefusesWhatHasNoMeaning) {
   expect_refused(scene(", Mass: -1", kClamp, "Number: 1"), {"\"Scene / Sections / rod / Mass\"", "-1"});
   expect_refused(scene(", Mass: 1, Rotary Inertia: [1, 1, 3]", kClamp, "Number: 1"),
                  {"Rotary Inertia", "larger than the sum of the others"});
+  EXPECT_EQ(run(scene(", Mass: 1, Rotary Inertia: [1, 1, 3]", kClamp, "Number: 1")).err.find("missing"),
+            std::string::npos);
   expect_refused(scene(", Rotary Inertia: [2, 1, 1]", kClamp, "Number: 1"), {"given without \"Mass\""});
   expect_refused(
       scene(kMass, kClamp + "  Point Masses: {body: {Point: tip, Mass: 1, Inertia: [1, 1, 3]}}\n", "Number: 1"),

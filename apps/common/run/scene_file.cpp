@@ -269,7 +269,7 @@ void read_lists(Application& app, const ApplicationDefinition& definition) {
       app.scene = with_mode_shapes(app.scene, app.solver, app.communicator, {source, {"Scene"}});
   });
   source.attempt([&] { app.solver.analysis = read_analysis_parameters(root.sublist("Analysis"), app.scene, source); });
-  source.attempt([&] { check_modes(app, free_motions); });
+  if (!source.has_mistakes()) source.attempt([&] { check_modes(app, free_motions); });
   if (!free_motions.empty()) {  // nothing to count, and nothing that an error could be of
     app.solver.analysis.stability = false;
     app.solver.analysis.error_estimate = ErrorEstimation::off;
