@@ -92,7 +92,7 @@ install(FILES .cmake/mixbeamConfig.cmake "${package_folder}/mixbeamConfigVersion
 install(FILES apps/library/mixbeam.hpp DESTINATION include/mixbeam COMPONENT development)
 
 # Libraries of other projects, Open MPI's own files and the licences of all of them.
-install(CODE "set(library_folder ${library_folder})\nset(mpiexec ${MPIEXEC_EXECUTABLE})" COMPONENT bundle EXCLUDE_FROM_ALL)
+install(CODE "set(library_folder ${library_folder})\nset(mpiexec ${MPIEXEC_EXECUTABLE})\nset(compiler ${CMAKE_C_COMPILER})" COMPONENT bundle EXCLUDE_FROM_ALL)
 install(SCRIPT .cmake/bundle.cmake COMPONENT bundle EXCLUDE_FROM_ALL)
 
 # --- Packages -----------------------------------------------------------------------------------------------------------

@@ -1,5 +1,6 @@
 # Run at installation (MixbeamPackages): puts the shared libraries that the installed files need beside them, but those of
-# glibc; Open MPI's plugins and texts; and the licences of all of them, as Debian's packages state them.
+# glibc, under names of their own; Open MPI's plugins and texts; and the licences of all of them, as Debian's packages state
+# them.
 
 set(prefix "$ENV{DESTDIR}${CMAKE_INSTALL_PREFIX}")
 set(libraries "${prefix}/${library_folder}")
@@ -72,6 +73,53 @@ foreach(copy IN LISTS copied_plugins)
     file(RPATH_CHANGE FILE "${copy}" OLD_RPATH "${path}" NEW_RPATH "$ORIGIN/${from_plugins}")
   endif()
 endforeach()
+
+# --- Names of their own -------------------------------------------------------------------------------------------------
+# A process of Python has one library of a name, that of the module which was loaded first: without names that no other
+# package has, mixbeam would be given other builds of its libraries, and others would be given these. What every process
+# has once keeps its name (OF_SYSTEM in make_wheel.py).
+function(patchelf)
+  execute_process(COMMAND patchelf ${ARGN} COMMAND_ERROR_IS_FATAL ANY)
+endfunction()
+
+# Debian's libxml2 has iconv, which it asks first, and ICU for encodings that iconv does not know: ICU's 31 MB of data are
+# an empty table of contents, with which ICU says that it has no such encoding, as long as nothing else needs it.
+set(needs_icu "")
+foreach(file IN LISTS copies copied_plugins)
+  execute_process(COMMAND patchelf --print-needed "${file}" OUTPUT_VARIABLE needed COMMAND_ERROR_IS_FATAL ANY)
+  cmake_path(GET file FILENAME name)
+  if(needed MATCHES "libicu" AND NOT name MATCHES "^libicu")
+    list(APPEND needs_icu "${name}")
+  endif()
+endforeach()
+set(data ${copies})
+list(FILTER data INCLUDE REGEX "/libicudata[.]so[.][0-9]+$")
+if(data AND needs_icu STREQUAL "libxml2.so.2")
+  cmake_path(GET data FILENAME name)
+  string(REGEX REPLACE ".*[.]" "" version "${name}")
+  set(source "${libraries}/empty_icu_data.c")
+  # Header: its size, two marks, then size, format "ToCP" and its version of what follows; no entries.
+  file(WRITE "${source}" "const _Alignas(16) unsigned char icudt${version}_dat[64] = {\n"
+       "  [0] = 32, [2] = 0xda, [3] = 0x27, [4] = 20, [10] = 2, [12] = 'T', [13] = 'o', [14] = 'C', [15] = 'P', [16] = 1};\n")
+  execute_process(COMMAND "${compiler}" -shared -nostdlib -s -Wl,-soname,${name} -o "${data}" "${source}"
+                  COMMAND_ERROR_IS_FATAL ANY)
+  file(REMOVE "${source}")
+endif()
+
+set(renamed "")
+foreach(copy IN LISTS copies)
+  cmake_path(GET copy FILENAME name)
+  if(NOT name MATCHES "^lib(stdc[+][+]|gcc_s|z)[.]so")
+    file(SHA256 "${copy}" sum)
+    string(SUBSTRING "${sum}" 0 8 sum)
+    string(REGEX REPLACE "[.]so" "-${sum}.so" own_name "${name}")
+    file(RENAME "${copy}" "${libraries}/${own_name}")
+    patchelf(--set-soname "${own_name}" "${libraries}/${own_name}")
+    list(APPEND renamed --replace-needed "${name}" "${own_name}")
+  endif()
+endforeach()
+file(GLOB patched "${prefix}/bin/mixbeam" "${libraries}/*.so*" "${libraries}/glibc-hwcaps/*/*.so" "${libraries}/mpi/orterun")
+patchelf(${renamed} ${patched} ${copied_plugins})
 
 # --- Licences -----------------------------------------------------------------------------------------------------------
 set(packages "")

@@ -1,7 +1,11 @@
 # find_package(mixbeam): the target mixbeam::mixbeam, for #include <mixbeam/mixbeam.hpp>.
 get_filename_component(mixbeam_prefix "${CMAKE_CURRENT_LIST_DIR}/../../.." ABSOLUTE)
 # The library takes HDF5 of who loads it: that of the archive, or Debian's.
-find_library(mixbeam_HDF5 NAMES libhdf5_openmpi.so.103 libhdf5_openmpi.so HINTS "${mixbeam_prefix}/lib/mixbeam")
+file(GLOB mixbeam_own_hdf5 "${mixbeam_prefix}/lib/mixbeam/libhdf5_openmpi*.so.*")
+find_library(mixbeam_HDF5 NAMES libhdf5_openmpi.so.103 libhdf5_openmpi.so)
+if(mixbeam_own_hdf5)
+  set(mixbeam_HDF5 "${mixbeam_own_hdf5}")
+endif()
 mark_as_advanced(mixbeam_HDF5)
 if(NOT mixbeam_HDF5)
   set(mixbeam_FOUND FALSE)
