@@ -1,6 +1,10 @@
 // Coupled (full 6 x 6) and tapered sections in whole problems: closed forms, a reference value, and identities.
+#include "discretization/reading/blade_file.hpp"
 #include "discretization/scene/section_shape.hpp"
 #include "kernels/execution/execution_space.hpp"
+#include "kernels/math/vector_algebra.hpp"
+#include "tests/support/blade_texts.hpp"
+#include "tests/support/scene_file.hpp"
 #include "tests/support/scene_units.hpp"
 #include "tests/support/solve.hpp"
 #include "tests/support/states.hpp"
@@ -135,6 +139,78 @@ TEST(CoupledSection, OneMemberOfAFrame) {
   mixed.sections[1].matrix = diagonal_matrix(plain.sections[0]);
   mixed.members[1].section = "matrix";
   EXPECT_TRUE(agrees_relatively(solved(mixed).displacement("tip"), solved(plain).displacement("tip"), 1e-11));
+}
+
+/// The solution of matrix x = b by elimination; the matrix is positive definite.
+std::array<double, 6> solution(Matrix6 matrix, std::array<double, 6> b) {
+  for (int i = 0; i < 6; ++i)
+    for (int row = 0; row < 6; ++row) {
+      if (row == i) continue;
+      const double factor = matrix[row][i] / matrix[i][i];
+      for (int j = i; j < 6; ++j) matrix[row][j] -= factor * matrix[i][j];
+      b[row] -= factor * b[i];
+    }
+  for (int i = 0; i < 6; ++i) b[i] /= matrix[i][i];
+  return b;
+}
+
+/// Displacement of the tip in axes 1, 2, 3 by linear theory: gamma + kappa x r over the length, under the force F and
+/// the moment r x F at the distance r from the tip.
+Vector3 tip_of_small_bending(const Matrix6& stiffness, double length, const Vector3& force) {
+  Vector3 tip{};
+  for (const double xi : {-1.0, 1.0}) {  // Gauss: a quadratic function
+    const Vector3 to_tip = {0.5 * length * (1.0 + xi / std::sqrt(3.0)), 0, 0},
+                  moment = vector_algebra::cross(to_tip, force);
+    const auto strain = solution(stiffness, {force[0], force[1], force[2], moment[0], moment[1], moment[2]});
+    const Vector3 bending = vector_algebra::cross({strain[3], strain[4], strain[5]}, to_tip);
+    for (int i = 0; i < 3; ++i) tip[i] += 0.5 * length * (strain[i] + bending[i]);
+  }
+  return tip;
+}
+
+/// A blade of 10 m along (0, -sin, cos) of the azimuth, its axis 2 along x, under a force in its axes at the tip.
+Vector3 tip_of_blade(const std::string& section, double azimuth, const Vector3& force) {
+  const double s = std::sin(azimuth), c = std::cos(azimuth);
+  const Vector3 axes[3] = {{0, -s, c}, {1, 0, 0}, {0, c, s}};
+  const auto written = [](const Vector3& v) {
+    std::ostringstream text;
+    text << std::setprecision(17) << "[" << v[0] << ", " << v[1] << ", " << v[2] << "]";
+    return text.str();
+  };
+  Vector3 global{};
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) global[j] += force[i] * axes[i][j];
+  const Vector3 u = solved(scene_of_text("Scene: {Sections: {s: {Matrix: " + section +
+                                         "}}, Points: {root: [0, 0, 0], tip: " + written({0, -10 * s, 10 * c}) +
+                                         "}, Members: {blade: {Start: root, End: tip, Section: s, Second Axis: " +
+                                         "[1, 0, 0], Order: 3, Elements: 2}}, Supports: {root: {Point: root}}, " +
+                                         "Point Loads: {push: {Point: tip, Force: " + written(global) + "}}}"))
+                        .displacement("tip");
+  Vector3 local{};
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) local[i] += axes[i][j] * u[j];
+  return local;
+}
+
+TEST(CoupledSection, FilesOfOtherProgramsBendAlikeInThreeAzimuths) {
+  constexpr double kSecondOrder = 1e-7;  // rotations are 1e-8
+  const Vector3 force = {0.03, -0.02, 0.05};
+  const blade_texts::Known known = blade_texts::known_section();
+  const Vector3 tip = tip_of_small_bending(known.stiffness, 10.0, force);
+  for (const std::string& text :
+       {blade_texts::vabs(known), blade_texts::becas(known), blade_texts::beamdyn(known), blade_texts::windio(known)}) {
+    Teuchos::ParameterList sections = sections_of_blade(text, "s.K");
+    std::ostringstream matrix;
+    matrix << std::setprecision(17);
+    for (const double entry : sections.sublist(sections.name(sections.begin())).get<Teuchos::Array<double>>("Matrix"))
+      matrix << (matrix.str().empty() ? "[" : ", ") << entry;
+    for (const double azimuth : {0.0, 2.0943951, 4.1887902})
+      EXPECT_TRUE(agrees_relatively(tip_of_blade(matrix.str() + "]", azimuth, force), tip, kSecondOrder)) << text;
+  }
+  // The twin: without the shift of the centre the tip is elsewhere.
+  Matrix6 straight = known.stiffness;
+  straight[0][4] = straight[4][0] = straight[0][5] = straight[5][0] = 0.0;
+  EXPECT_FALSE(agrees_relatively(tip_of_small_bending(straight, 10.0, force), tip, kSecondOrder));
 }
 
 // Rigid in bending and torsion: what a very stiff section tends to, with and without a matrix.
