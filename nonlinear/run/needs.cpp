@@ -47,6 +47,10 @@ constexpr double kOperationsOfIteratedJunction = 5e6;
 constexpr double kSampleBytes = 212.0, kFileBytesOfSample = 296.0, kFileBytesOfPlace = 40.0, kFileBytesOfMember = 250.0,
                  kFileBytesOfStep = 12000.0, kStressBytes = 4.0 * sizeof(double);
 
+/// Vectors of momenta that a search for modes holds of each: those of its space, and the modes; where velocities make
+/// forces eleven times as many numbers. What a mode takes of the file at a sample. [byte]
+constexpr double kVectorsOfMode = 3.5, kVectorsWithVelocities = 11.0, kFileBytesOfMode = 3.0 * sizeof(double);
+
 /// An element: orders, and whether its section is coupled or varies along the member.
 struct Kind {
   int order = 1, force_points = 1;
@@ -65,6 +69,13 @@ struct Kind {
     const double motions = layout.motions(), inside = layout.interior(), stresses = layout.stresses();
     return kMassNumbers * (order + 1.0) + (stresses + layout.velocities() + motions) * motions +
            3.0 * (general ? stresses * stresses : stresses) + (inside + 12.0) * inside + interior().increments();
+  }
+  /// Numbers while `modes` modes are searched for, of which `complex` times as much is kept, and `followed` of them
+  /// from one state to the next.
+  double searched(int modes, double complex, int followed) const {
+    const double momenta = VibrationLayout{order, force_points}.velocities();
+    return vibrating() + kFullTangent + vertex_factor_size(kSpatialDofs) +
+           momenta * (complex * kVectorsOfMode * modes + followed);
   }
   /// Bytes of it with the vertex behind it while a path is followed, without samples. A plane takes less by a seventh.
   double bytes() const {
@@ -186,7 +197,13 @@ Needs needs_of(const Scene& scene, const SolverParameters& parameters) {
   Needs needs;
   needs.members = static_cast<long long>(scene.members.size());
   needs.vertices = junctions.vertices;
-  double run = 0.0, estimate = 0.0, stability = 0.0, samples = 0.0, state = 0.0;
+  double run = 0.0, estimate = 0.0, stability = 0.0, samples = 0.0, state = 0.0, search = 0.0;
+  const ModesParameters& modes = parameters.analysis.modes;
+  const bool follows = modes.every_step || !modes.load_factors.empty();
+  const bool are_complex = !scene.rotating_frames.empty() ||
+                           std::any_of(scene.sections.begin(), scene.sections.end(), [](const Section& section) {
+                             return section.mass_damping > 0.0 || section.stiffness_damping > 0.0;
+                           });
   for (const Member& member : scene.members) {
     const Kind kind = {member.order, force_point_count(member.order, member.force_integration),
                        has_general_section(scene, member), !scene.rotating_frames.empty()};
@@ -198,6 +215,10 @@ Needs needs_of(const Scene& scene, const SolverParameters& parameters) {
     run += n * kind.bytes();
     estimate += n * kind.estimate_bytes();
     stability += n * sizeof(double) * (kind.tangent() + kStabilityNumbers);
+    if (modes.number > 0)
+      search += n * sizeof(double) *
+                kind.searched(modes.number, are_complex ? kVectorsWithVelocities : 1.0,
+                              (follows ? 2 * modes.number : 0) * (are_complex ? 2 : 1));
     samples += n * recorded_points(kind.order, elements);
     state += n * (4 + kind.interior().unknowns());
   }
@@ -212,6 +233,8 @@ Needs needs_of(const Scene& scene, const SolverParameters& parameters) {
   needs.memory = run + (kSampleBytes + of_stresses) * samples + stability;
   if (estimates_error(parameters.analysis, static_cast<size_t>(needs.elements)))
     needs.memory = std::max(needs.memory, kShareDuringEstimate * run + estimate + stability);
+  if (modes.number > 0)
+    needs.memory = std::max(needs.memory, kShareDuringEstimate * run + kSampleBytes * samples + search + stability);
   needs.memory += kBytesOfMember * members +
                   (iterates ? kBytesOfIteratedEntry : kBytesOfMatrixEntry) * junctions.matrix +
                   kBytesOfFactorEntry * entries;
@@ -220,8 +243,8 @@ Needs needs_of(const Scene& scene, const SolverParameters& parameters) {
       kShareEverywhere * (kBytesOfElement * elements + kBytesOfMember * members + kBytesOfFactorEntry * entries);
   needs.factors = sizeof(double) * (vertex_factor_size(kSpatialDofs) * elements + entries);
   needs.file = kFileBytesOfPlace * samples + kFileBytesOfMember * members;
-  needs.file_per_step =
-      (kFileBytesOfSample + of_stresses) * samples + sizeof(double) * (7 * vertices + state) + kFileBytesOfStep;
+  needs.file_per_step = (kFileBytesOfSample + of_stresses + kFileBytesOfMode * modes.number) * samples +
+                        sizeof(double) * (7 * vertices + state) + kFileBytesOfStep;
   needs.steps = least_steps(scene, parameters);
   needs.network_operations = iterates
                                  ? kOperationsOfIteratedJunction * junctions.count

@@ -70,6 +70,13 @@ TEST(Needs, GrowWithElementsAndOrderAndWithWhatIsAsked) {
   SolverParameters asked = plain;
   asked.analysis.error_estimate = ErrorEstimation::on;
   EXPECT_GT(needs_of(scene, asked).memory, needs_of(scene, plain).memory);
+  SolverParameters vibrating = plain;
+  vibrating.analysis.modes.number = 20;
+  const Needs modes = needs_of(scene, vibrating);
+  EXPECT_GT(modes.memory, 1.5 * needs_of(scene, plain).memory);
+  EXPECT_GT(modes.file_per_step, needs_of(scene, plain).file_per_step);
+  vibrating.analysis.modes.every_step = true;
+  EXPECT_GT(needs_of(scene, vibrating).memory, modes.memory) << "motions are followed";
   scene.members[0].order = 4;
   EXPECT_GT(needs_of(scene, plain).memory, 1.5 * 2.0 * small);
 }
