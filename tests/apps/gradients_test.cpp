@@ -88,6 +88,15 @@ TEST_F(GradientList, OfACriticalLoad) {
   EXPECT_EQ(contents->count("steps/000001/gradients/1/derivative"), 1U);
 }
 
+TEST_F(GradientList, OfACriticalLoadBeforeTheStopOfARunThatIsResumed) {
+  run("{Scene: {Sections: {strip: {EI2: 6}}, Point Loads: {weight: {Force: [-5, 0, 0]}}}, Solver: {Load Path: {Maximum "
+      "Step: 0.2}}, Gradient: {Of: [load factor at critical point 1], With Respect To: [Sections/*/EI3]}}");
+  const std::string table = text_of(folder_ / "out/scene-gradients.csv");
+  fs::remove(folder_ / "out/scene-gradients.csv");
+  run_process(program("mixbeam"), {"resume", "out/scene.h5", "--from", "4", "--quiet"}, folder_.path());
+  EXPECT_EQ(text_of(folder_ / "out/scene-gradients.csv"), table);
+}
+
 TEST_F(GradientList, OfACriticalLoadThatDidNotComeIsACheckThatFailed) {
   const Ended ended = asking("Of: [tip.y, load factor at critical point 2], With Respect To: [Sections/*/EI3]");
   EXPECT_EQ(ended.exit_code, kCheckFailed);
