@@ -1,4 +1,4 @@
-#include "apps/mixbeam/packed_numbers.hpp"
+#include "apps/mixbeam/view_data.hpp"
 
 #include <zlib.h>
 

@@ -122,6 +122,12 @@ double largest_of(const std::vector<double>& values) {
 
 double norm_of(const double* v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
+double longest_of(const std::vector<double>& vectors) {
+  double longest = 0.0;
+  for (std::size_t i = 0; 3 * i + 2 < vectors.size(); ++i) longest = std::max(longest, norm_of(&vectors[3 * i]));
+  return longest;
+}
+
 double median_of(std::vector<double> values) {
   if (values.empty()) return 0.0;
   const std::size_t half = values.size() / 2;
@@ -129,17 +135,6 @@ double median_of(std::vector<double> values) {
   const double upper = values[half];
   if (values.size() % 2 == 1) return upper;
   return 0.5 * (upper + *std::max_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(half)));
-}
-
-/// Rows of some of the samples.
-PageRows chosen(const std::vector<double>& values, std::size_t samples, const std::vector<std::size_t>& which) {
-  PageRows rows;
-  rows.columns = values.size() / samples;
-  rows.values.reserve(which.size() * rows.columns);
-  for (const std::size_t i : which)
-    rows.values.insert(rows.values.end(), values.begin() + static_cast<std::ptrdiff_t>(i * rows.columns),
-                       values.begin() + static_cast<std::ptrdiff_t>((i + 1) * rows.columns));
-  return rows;
 }
 
 /// Numbers 0 to count - 1, or as many as there is room for, evenly.
@@ -433,7 +428,7 @@ class ViewWriter {
     describe_members();
     add_sections();
     const std::string& first = run.steps().front().group;
-    add("rest_triad", chosen(run.field(first, "triad"), run.samples(), kept_), kForDrawing);
+    add("rest_triad", drawn(run.field(first, "triad")), kForDrawing);
     add_modes();
     add_marks();
     add_gradients();
@@ -454,7 +449,7 @@ class ViewWriter {
   void describe_preview(const SaidOfScene& said);
   void add_sections();
   void add_modes();
-  void add_mode(const std::string& group, std::size_t number);
+  void add_mode(const std::string& group, std::size_t step, Json described);
   void add_marks();
   void add_point_loads();
   void add_motions(const Table& supports);
@@ -477,6 +472,8 @@ class ViewWriter {
     data_.description["units_of"][name] = numbers.units;
     data_.arrays.emplace_back(name, std::move(numbers.bytes));
   }
+  /// Of a field: rows of the samples that are drawn.
+  PageRows drawn(const std::vector<double>& values) const;
   void note(const std::string& text) { data_.description["notes"].push_back(text); }
   /// Of a place (member, arc length).
   std::size_t sample_at(double member, double arc_length) const;
@@ -489,8 +486,9 @@ class ViewWriter {
   Units units_;
   ViewData data_;
   std::vector<double> arc_, reference_, strength_;
-  std::vector<std::size_t> kept_, firsts_, shown_members_;  ///< samples; of each member the first of them; members
-  std::vector<std::string> kinds_, sections_;               ///< of each member that is drawn
+  std::vector<std::size_t> kept_, firsts_;  ///< samples; of each member the place of the first among them, and the end
+  std::vector<std::size_t> shown_members_;
+  std::vector<std::string> kinds_, sections_;  ///< of each member that is drawn
   Point center_{};
   double size_ = 1.0;
   std::vector<double> largest_;  ///< displacement in each step
@@ -508,6 +506,15 @@ class ViewWriter {
   };
   std::map<std::string, PageGradient> gradients_;  ///< by their source
 };
+
+PageRows ViewWriter::drawn(const std::vector<double>& values) const {
+  PageRows rows;
+  rows.columns = values.size() / run_.samples();
+  rows.values.reserve(kept_.size() * rows.columns);
+  for (const std::size_t sample : kept_)
+    for (std::size_t c = 0; c < rows.columns; ++c) rows.values.push_back(values[sample * rows.columns + c]);
+  return rows;
+}
 
 /// All samples, or every n-th of each member and its last one; where members are too many, every m-th member.
 void ViewWriter::thin() {
@@ -529,6 +536,7 @@ void ViewWriter::thin() {
     for (std::size_t i = 0; i < last; i += stride) kept_.push_back(members[m].first_sample + i);
     kept_.push_back(members[m].first_sample + last);
   }
+  firsts_.push_back(kept_.size());
 }
 
 void ViewWriter::describe_run() {
@@ -555,11 +563,11 @@ void ViewWriter::describe_members() {
   for (const std::size_t m : shown_members_) names.push_back(run_.members()[m].name);
   data_.description["members"] = names;
   data_.description["all_members"] = run_.members().size();
-  data_.description["first_sample"] = firsts_;
-  PageRows places = chosen(reference_, run_.samples(), kept_);
+  data_.description["first_sample"] = std::vector<std::size_t>(firsts_.begin(), firsts_.end() - 1);
+  PageRows places = drawn(reference_);
   for (std::size_t i = 0; i < places.values.size(); ++i) places.values[i] -= center_[i % 3];
   add("reference", places, kForPlaces);
-  add("arc_length", chosen(arc_, run_.samples(), kept_), kForPlaces);
+  add("arc_length", drawn(arc_), kForPlaces);
 }
 
 void ViewWriter::add_sections() {
@@ -590,8 +598,7 @@ void ViewWriter::add_sections() {
       const double one = shapes.row("strength", row, kPlacesAlongMember)[p];
       known[p] = one > 0.0 ? one : kUnknown;  // 0: not given
     }
-    const std::size_t end = at + 1 < firsts_.size() ? firsts_[at + 1] : kept_.size();
-    for (std::size_t i = firsts_[at]; i < end; ++i) {
+    for (std::size_t i = firsts_[at]; i < firsts_[at + 1]; ++i) {
       const double x = arc_[kept_[i]] / lengths[at];
       for (std::size_t k = 0; k < kSizes; ++k)
         dimensions.values[kSizes * i + k] = along(sizes + k, kPlacesAlongMember, kSizes, x);
@@ -611,49 +618,46 @@ void ViewWriter::add_sections() {
        (units_.length.empty() ? "." : " " + units_.length + "."));
 }
 
-void ViewWriter::add_mode(const std::string& group, std::size_t number) {
-  PageRows mode = chosen(run_.field(group, "mode"), run_.samples(), kept_);
+/// `described`: without the step.
+void ViewWriter::add_mode(const std::string& group, std::size_t step, Json described) {
   const std::vector<double> all = run_.field(group, "mode");
-  double largest = 0.0;
-  for (std::size_t i = 0; 3 * i + 2 < all.size(); ++i) largest = std::max(largest, norm_of(&all[3 * i]));
+  const double largest = longest_of(all);
+  PageRows mode = drawn(all);
   for (double& value : mode.values) value /= largest > 0.0 ? largest : 1.0;
-  add("mode-" + std::to_string(number), mode, kForDrawing);
+  Json& modes = data_.description["modes"];
+  add("mode-" + std::to_string(modes.size()), mode, kForDrawing);
+  described["step"] = step;
+  modes.push_back(std::move(described));
 }
 
 void ViewWriter::add_modes() {
-  Json modes = Json::array();
+  data_.description["modes"] = Json::array();
   const auto& steps = run_.steps();
-  for (std::size_t s = 0; s < steps.size(); ++s)
-    for (std::size_t i = 0; i < run_.count(steps[s].group, "critical_points"); ++i) {
-      const std::string group = steps[s].group + "/critical_points/" + std::to_string(i);
-      add("critical-displacement-" + std::to_string(modes.size()),
-          chosen(run_.field(group, "displacement"), run_.samples(), kept_), kForReading);
-      add_mode(group, modes.size());
-      modes.push_back({{"kind", run_.word(group, "kind")},
-                       {"factor", run_.number(group, "load_factor")},
-                       {"step", s},
-                       {"modes", run_.number(group, "modes")},
-                       {"before", run_.number(group, "negative_before")},
-                       {"after", run_.number(group, "negative_after")}});
+  const auto for_each = [&](const std::string& kind, const auto& action) {
+    for (std::size_t s = 0; s < steps.size(); ++s) {
+      const bool is_in_file = kind == "buckling" && s == 0;  // of the undeformed structure: in the file itself
+      const std::string about = is_in_file ? "" : steps[s].group;
+      for (std::size_t i = 0; i < run_.count(about, kind); ++i)
+        action(s, (about.empty() ? "" : about + "/") + kind + "/" + std::to_string(i));
     }
-  for (std::size_t s = 0; s < steps.size(); ++s) {
-    const std::string about = s == 0 ? "" : steps[s].group;  // of the undeformed structure: in the file itself
-    for (std::size_t i = 0; i < run_.count(about, "buckling"); ++i) {
-      const std::string group = (about.empty() ? "" : about + "/") + "buckling/" + std::to_string(i);
-      add_mode(group, modes.size());
-      modes.push_back({{"kind", "buckling mode"}, {"factor", run_.number(group, "load_factor")}, {"step", s}});
-    }
-  }
-  for (std::size_t s = 0; s < steps.size(); ++s)
-    for (std::size_t i = 0; i < run_.count(steps[s].group, "vibration"); ++i) {
-      const std::string group = steps[s].group + "/vibration/" + std::to_string(i);
-      add_mode(group, modes.size());
-      modes.push_back({{"kind", "natural mode"},
-                       {"factor", steps[s].load_factor},
-                       {"step", s},
-                       {"omega", run_.number(group, "omega")}});
-    }
-  data_.description["modes"] = modes;
+  };
+  for_each("critical_points", [&](std::size_t step, const std::string& group) {
+    add("critical-displacement-" + std::to_string(data_.description["modes"].size()),
+        drawn(run_.field(group, "displacement")), kForReading);
+    add_mode(group, step,
+             {{"kind", run_.word(group, "kind")},
+              {"factor", run_.number(group, "load_factor")},
+              {"modes", run_.number(group, "modes")},
+              {"before", run_.number(group, "negative_before")},
+              {"after", run_.number(group, "negative_after")}});
+  });
+  for_each("buckling", [&](std::size_t step, const std::string& group) {
+    add_mode(group, step, {{"kind", "buckling mode"}, {"factor", run_.number(group, "load_factor")}});
+  });
+  for_each("vibration", [&](std::size_t step, const std::string& group) {
+    add_mode(group, step,
+             {{"kind", "natural mode"}, {"factor", steps[step].load_factor}, {"omega", run_.number(group, "omega")}});
+  });
 }
 
 std::size_t ViewWriter::sample_at(double number, double arc_length) const {
@@ -810,11 +814,7 @@ void ViewWriter::read_steps() {
   const bool turns = shows_directions();
   for (std::size_t s = 0; s < steps.size(); ++s) {
     HeldStep held(run_, steps[s], strength_, size_, units_.megapascals());
-    const std::vector<double>& displacement = held.field("displacement");
-    double largest = 0.0;
-    for (std::size_t i = 0; 3 * i + 2 < displacement.size(); ++i)
-      largest = std::max(largest, norm_of(&displacement[3 * i]));
-    largest_.push_back(largest);
+    largest_.push_back(longest_of(held.field("displacement")));
     force_floors_ = held.force_floors;
     if (!std::binary_search(read.begin(), read.end(), s)) continue;
     const std::vector<Point> far = corners(points_of(run_.field(steps[s].group, "position"), center_));
@@ -830,8 +830,7 @@ void ViewWriter::read_steps() {
     for (const PageField& field : fields_) step.extremes.push_back(held.extremes(field));
     for (const char* name : {"displacement", kForces[0], kForces[1], kStrains[0], kStrains[1], kStresses[0],
                              kStresses[1], kStresses[2], "utilisation", "triad"})
-      if ((name != std::string("triad") || turns) && held.has(name))
-        step.arrays[name] = chosen(held.field(name), run_.samples(), kept_);
+      if ((name != std::string("triad") || turns) && held.has(name)) step.arrays[name] = drawn(held.field(name));
   }
   Json corners_of_hull = Json::array();
   constexpr double kDecimals = 1e9;
@@ -997,13 +996,9 @@ Json ViewWriter::taken_out() {
   const std::set<std::string> unique(sections_.begin(), sections_.end());
   const std::vector<std::string> names(unique.begin(), unique.end());
   std::vector<std::size_t> group(kept_.size());
-  for (std::size_t m = 0; m < firsts_.size(); ++m) {
-    const auto number =
-        static_cast<std::size_t>(std::lower_bound(names.begin(), names.end(), sections_[m]) - names.begin());
-    const std::size_t end = m + 1 < firsts_.size() ? firsts_[m + 1] : kept_.size();
-    std::fill(group.begin() + static_cast<std::ptrdiff_t>(firsts_[m]), group.begin() + static_cast<std::ptrdiff_t>(end),
-              number);
-  }
+  for (std::size_t m = 0; m < sections_.size(); ++m)
+    for (std::size_t i = firsts_[m]; i < firsts_[m + 1]; ++i)
+      group[i] = static_cast<std::size_t>(std::lower_bound(names.begin(), names.end(), sections_[m]) - names.begin());
   Json found = Json::object();
   for (const std::string& name : names) found[name] = Json::array();
   for (std::size_t pair = 0; pair < kForces.size(); ++pair)
