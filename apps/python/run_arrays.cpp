@@ -42,15 +42,20 @@ py::dict path_of(const SolvedRun& run) {
   return path;
 }
 
+/// Of a list "Quantities" in a text, with the variables of the scene.
+QuantitySet quantities_in(const SolvedRun& run, const std::string& xml) {
+  const XmlParameters parameters = parse_xml(xml, "quantity");
+  Variables(run.app().xml.list->sublist("Scene"), parameters.source).resolve(*parameters.list, quantities_spec(), {});
+  const std::vector<Quantity> wanted = read_quantities(*parameters.list, parameters.source, {});
+  return QuantitySet(wanted, run.at(-1).scene(), {parameters.source, {}});
+}
+
 /// Names of columns, and their values in some steps.
 py::tuple evaluate(const SolvedRun& run, const std::string& xml, const std::vector<int>& steps) {
   std::vector<std::string> names;
   std::vector<double> values;
   in_turn([&] {
-    const XmlParameters parameters = parse_xml(xml, "quantity");
-    Variables(run.app().xml.list->sublist("Scene"), parameters.source).resolve(*parameters.list, quantities_spec(), {});
-    const std::vector<Quantity> wanted = read_quantities(*parameters.list, parameters.source, {});
-    const QuantitySet quantities(wanted, run.at(-1).scene(), {parameters.source, {}});
+    const QuantitySet quantities = quantities_in(run, xml);
     names = quantities.names();
     for (const int step : steps) {
       const std::vector<double> row = values_of(quantities, run.at(step));
@@ -63,12 +68,7 @@ py::tuple evaluate(const SolvedRun& run, const std::string& xml, const std::vect
 
 /// Of each column: where an extreme over several places is.
 std::vector<std::string> places(const SolvedRun& run, const std::string& xml, int step) {
-  return in_turn([&] {
-    const XmlParameters parameters = parse_xml(xml, "quantity");
-    Variables(run.app().xml.list->sublist("Scene"), parameters.source).resolve(*parameters.list, quantities_spec(), {});
-    const std::vector<Quantity> wanted = read_quantities(*parameters.list, parameters.source, {});
-    return places_of(QuantitySet(wanted, run.at(-1).scene(), {parameters.source, {}}), run.at(step));
-  });
+  return in_turn([&] { return places_of(quantities_in(run, xml), run.at(step)); });
 }
 
 /// Fields at relative arc lengths of a member.

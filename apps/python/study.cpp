@@ -244,6 +244,12 @@ void bind_judged_problem(py::module_& module) {
       .def("path_error_of", &JudgedReference::path_error_of);
 }
 
+/// A check of the summary as a method of the application.
+template <class... Arguments>
+auto check_by(bool (Summary::*check)(Arguments...)) {
+  return [check](Application& app, Arguments... arguments) { (app.summary.*check)(arguments...); };
+}
+
 }  // namespace
 
 void bind_study(py::module_& module) {
@@ -285,21 +291,14 @@ void bind_study(py::module_& module) {
       .def("words", [](Application& app, const std::string& name) { return study_list<std::string>(app, name); })
       .def("error", [](const Application& app, const ParameterPath& path,
                        const std::string& problem) { throw app.xml.source.error(path, problem); })
-      .def("check_upper_bound",
-           [](Application& app, const std::string& name, double value, double bound, const std::string& source) {
-             app.summary.check_upper_bound(name, value, bound, source);
-           })
-      .def("check_absolute",
-           [](Application& app, const std::string& name, double value, double reference, double tolerance,
-              const std::string& source) { app.summary.check_absolute(name, value, reference, tolerance, source); })
+      .def("check_upper_bound", check_by(&Summary::check_upper_bound))
+      .def("check_absolute", check_by(&Summary::check_absolute))
+      .def("check_relative", check_by(&Summary::check_relative))
       .def("count_work",
            [](Application& app, int load_steps, int iterations) {
              app.summary.load_steps += load_steps;
              app.summary.newton_iterations += iterations;
            })
-      .def("check_relative",
-           [](Application& app, const std::string& name, double value, double reference, double tolerance,
-              const std::string& source) { app.summary.check_relative(name, value, reference, tolerance, source); })
       .def("table", [](const Application& app, const std::string& file, const std::string& columns,
                        std::size_t shown) { return StudyTable(app, file, words(columns), shown); })
       .def("write_machine", [](const Application& app) { write_machine(app); })

@@ -334,7 +334,10 @@ void Summary::write_json(const std::filesystem::path& path) const {
   for (const auto& [phase, time] : seconds) json["seconds"][phase] = json_number(time);
   if (!failure.empty()) json["failure"] = failure;
   if (!stable().empty()) json["stable"] = stable();
-  if (!ends.empty()) json["ends"] = json_of<nlohmann::ordered_json>(ends, false);
+  const auto add = [&json](const char* name, const auto& list) {
+    if (!list.empty()) json[name] = json_of<nlohmann::ordered_json>(list, false);
+  };
+  add("ends", ends);
   if (!stable_cases.empty()) json["stable_cases"] = stable_cases;
   if (!warnings.empty()) json["warnings"] = warnings;
   for (const FollowedQuantity& quantity : quantities) {
@@ -342,11 +345,11 @@ void Summary::write_json(const std::filesystem::path& path) const {
     if (!quantity.member.empty()) continue;
     for (const char* of_place : {"arc_length", "side"}) json["quantities"].back().erase(of_place);
   }
-  if (!gradients.empty()) json["gradients"] = json_of<nlohmann::ordered_json>(gradients, false);
-  if (!found_numbers.empty()) json["found_numbers"] = json_of<nlohmann::ordered_json>(found_numbers, false);
-  if (!envelope.empty()) json["envelope"] = json_of<nlohmann::ordered_json>(envelope, false);
-  if (!estimated_errors.empty()) json["estimated_errors"] = json_of<nlohmann::ordered_json>(estimated_errors, false);
-  if (!chosen_meshes.empty()) json["chosen_meshes"] = json_of<nlohmann::ordered_json>(chosen_meshes, false);
+  add("gradients", gradients);
+  add("found_numbers", found_numbers);
+  add("envelope", envelope);
+  add("estimated_errors", estimated_errors);
+  add("chosen_meshes", chosen_meshes);
   for (const auto& [name, value] : rest_shape) json["rest_shape"][name] = json_number(value);
   json["all_passed"] = all_passed();
   json["checks"] = nlohmann::ordered_json::array();
