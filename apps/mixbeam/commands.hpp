@@ -30,8 +30,23 @@ int verify_command(const Arguments& arguments);
 /// Throws InputError where a command is given another file than it draws: the table of a batch, a scene.
 void require_run(const std::string& command, const std::filesystem::path& file);
 
-/// Folder of the scripts and of the parts of pages: beside the program in a build folder, in the package for Python where
-/// it is installed.
+/// Runs `mixbeam verify` on a result file, up to a step where one is given, so that a file on which the HDF5 library
+/// crashes ends that process and not this one. Throws InputError, which says what is damaged. For programs that have
+/// not started MPI or threads yet; of several ranks the first does it.
+void require_whole(const std::filesystem::path& results, std::optional<int> last_step = {});
+
+/// Whether this is the only process or the first rank, also before MPI starts.
+bool is_first_process();
+
+/// Where a process works and writes; empty: as this one does.
+struct ProcessPlaces {
+  std::string folder{}, out{}, err{};
+};
+/// Exit code of a program, -1 when it cannot be started or is killed.
+int exit_code_of(std::vector<std::string> words, const ProcessPlaces& places = {});
+
+/// Folder of the scripts and of the parts of pages: beside the program in a build folder, in the package for Python
+/// where it is installed.
 std::filesystem::path plots_folder();
 
 /// Help on the whole program, or on one subcommand; empty when there is none of that name.

@@ -121,8 +121,7 @@ void renew_envelope(Application& app, const std::filesystem::path& file) {
   const std::vector<std::string> cases = alternatives(app.scene);
   if (cases.size() < 2 || app.quantities.empty()) return;
   const auto warn = [&](const std::string& reason) {
-    app.summary.warnings.push_back(file.string() + ": the envelope is that of an earlier run: " + reason);
-    app.out() << "warning: " << app.summary.warnings.back() << "\n";
+    app.warn(file.string() + ": the envelope is that of an earlier run: " + reason);
   };
   try {
     std::vector<FollowedQuantity> quantities;

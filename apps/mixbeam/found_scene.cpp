@@ -5,7 +5,6 @@
 #include "apps/common/tables/csv_table.hpp"
 #include "apps/common/tables/formatted.hpp"
 #include "apps/mixbeam/commands.hpp"
-#include "apps/mixbeam/rest_shape_files.hpp"
 #include "discretization/parameters/parameter_file.hpp"
 #include "discretization/results/table_file.hpp"
 #include "discretization/text/errors.hpp"
@@ -172,10 +171,7 @@ void tell(Application& app, const SearchParameters& search, const FoundScene& fo
                                                          found.covariance.begin() + (i + 1) * n);
   }
   print_found(app.out(), search, found);
-  for (const std::string& text : found.remarks) {
-    app.summary.warnings.push_back(text);
-    app.out() << "warning: " << text << "\n";
-  }
+  for (const std::string& text : found.remarks) app.warn(text);
 }
 
 }  // namespace

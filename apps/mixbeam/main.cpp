@@ -1,5 +1,4 @@
 // mixbeam: any structure from one scene file.
-#include "apps/common/session/instructions.hpp"
 #include "apps/common/session/interrupt.hpp"
 #include "apps/common/session/standard_output.hpp"
 #include "apps/mixbeam/commands.hpp"

@@ -25,18 +25,41 @@ constexpr const char* kStart =
 /// Debian's Python has Debian's packages; another one earlier in PATH need not.
 const std::vector<std::string> kInterpreters = {"/usr/bin/python3", "python3"};
 
-/// Exit code of a program, -1 when it cannot be started or is killed. `folder`: it works there, and its messages are of
-/// no interest.
-int exit_code_of(std::vector<std::string> words, const std::string& folder = "") {
+/// `folder`: of the scripts, where matplotlib finds no settings of somebody else.
+std::string suitable_python(const std::string& folder) {
+  std::string found;
+  for (const std::string& python : kInterpreters) {
+    const auto runs = [&](const std::string& text) {
+      return exit_code_of({python, kIsolated, "-c", text}, {folder, "", "/dev/null"}) == 0;
+    };
+    if (runs(kNeeded)) return python;
+    if (!runs("")) continue;
+    std::vector<std::string> lacks;
+    for (const char* module : {"numpy", "matplotlib", "h5py"})
+      if (!runs(std::string("import ") + module)) lacks.push_back(module);
+    found += "; " + python + " lacks " + quoted_list(lacks);
+  }
+  throw InputError("pictures and reports need Python with numpy, matplotlib and h5py" +
+                   (found.empty() ? "; there is neither \"/usr/bin/python3\" nor \"python3\" in PATH" : found) +
+                   " (Debian: apt-get install python3-matplotlib python3-h5py); packages in ~/.local and PYTHONPATH do "
+                   "not count");
+}
+
+}  // namespace
+
+int exit_code_of(std::vector<std::string> words, const ProcessPlaces& places) {
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
-  if (!folder.empty()) {
-    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-    posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
-  }
+  const auto write_to = [&actions](int stream, const std::string& file) {
+    constexpr int kFlags = O_WRONLY | O_CREAT | O_TRUNC, kMode = 0600;
+    if (!file.empty()) posix_spawn_file_actions_addopen(&actions, stream, file.c_str(), kFlags, kMode);
+  };
+  write_to(STDOUT_FILENO, places.out);
+  write_to(STDERR_FILENO, places.err);
+  if (!places.folder.empty()) posix_spawn_file_actions_addchdir_np(&actions, places.folder.c_str());
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   sigset_t as_usual;  // which this program ignores
@@ -53,28 +76,6 @@ int exit_code_of(std::vector<std::string> words, const std::string& folder = "")
   if (problem != 0 || waitpid(process, &status, 0) != process || !WIFEXITED(status)) return -1;
   return WEXITSTATUS(status);
 }
-
-/// `folder`: of the scripts, where matplotlib finds no settings of somebody else.
-std::string suitable_python(const std::string& folder) {
-  std::string found;
-  for (const std::string& python : kInterpreters) {
-    const auto runs = [&](const std::string& text) {
-      return exit_code_of({python, kIsolated, "-c", text}, folder) == 0;
-    };
-    if (runs(kNeeded)) return python;
-    if (!runs("")) continue;
-    std::vector<std::string> lacks;
-    for (const char* module : {"numpy", "matplotlib", "h5py"})
-      if (!runs(std::string("import ") + module)) lacks.push_back(module);
-    found += "; " + python + " lacks " + quoted_list(lacks);
-  }
-  throw InputError("pictures and reports need Python with numpy, matplotlib and h5py" +
-                   (found.empty() ? "; there is neither \"/usr/bin/python3\" nor \"python3\" in PATH" : found) +
-                   " (Debian: apt-get install python3-matplotlib python3-h5py); packages in ~/.local and PYTHONPATH do "
-                   "not count");
-}
-
-}  // namespace
 
 std::filesystem::path plots_folder() {
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe");

@@ -1,4 +1,4 @@
-#include "apps/mixbeam/rest_shape_files.hpp"
+#include "apps/mixbeam/found_scene.hpp"
 
 #include "apps/common/run/scene_file.hpp"
 #include "apps/common/tables/csv_table.hpp"
@@ -94,11 +94,6 @@ void write_members(const Application& app, const RestShape& shape, const std::st
   }
 }
 
-void warn(Application& app, const std::string& text) {
-  app.summary.warnings.push_back(text);
-  app.out() << "warning: " << text << "\n";
-}
-
 void tell(Application& app, const RestShape& shape, const std::filesystem::path& scene) {
   double longer = 0.0;
   const Mesh mesh = build_mesh(app.scene);
@@ -117,12 +112,12 @@ void tell(Application& app, const RestShape& shape, const std::filesystem::path&
   for (const auto& [word, value] : numbers) app.out() << "  " << word << formatted(" %.6g\n", value);
   if (!shape.stable.empty()) app.out() << "  drawn state stable: " << shape.stable << "\n";
   if (shape.negative > 0)
-    warn(app, "the drawn shape is an unstable equilibrium (negative eigenvalues: " + std::to_string(shape.negative) +
-                  "): the structure leaves it");
+    app.warn("the drawn shape is an unstable equilibrium (negative eigenvalues: " + std::to_string(shape.negative) +
+             "): the structure leaves it");
   if (shape.redundancy > 0 && !(shape.stress_left <= kNoStress))
-    warn(app, "the structure has loops, and with these natural strains it keeps stress without its loads: " +
-                  formatted("%.3g", shape.stress_left) +
-                  " of the forces that it has under them (\"Loops\" = \"closed\": none)");
+    app.warn("the structure has loops, and with these natural strains it keeps stress without its loads: " +
+             formatted("%.3g", shape.stress_left) +
+             " of the forces that it has under them (\"Loops\" = \"closed\": none)");
 }
 
 /// From a drawn shape that is unstable a path may lead elsewhere.
@@ -133,8 +128,8 @@ void watch_end(Application& app, const std::string& load_case) {
     for (const auto& [point, vertex] : run.model().mesh().vertex_of_point)
       missed = std::max(missed, vector_algebra::norm(run.displacement(point)));
     if (!(missed <= kArrived * characteristic_length(run.model().mesh())))
-      warn(app, "the run from the rest shape ends in another equilibrium, " + formatted("%.3g", missed) +
-                    " away from the drawn shape");
+      app.warn("the run from the rest shape ends in another equilibrium, " + formatted("%.3g", missed) +
+               " away from the drawn shape");
   };
 }
 

@@ -416,10 +416,7 @@ void RunReport::add_errors(Application& app, const std::string& run) const {
   if (!last_.error_estimate) return;
   const RecordedErrorEstimate& estimate = *last_.error_estimate;
   EstimatedErrors errors{run, estimate.not_estimated, {}};
-  const auto warn = [&](const std::string& warning) {
-    app.summary.warnings.push_back(run + ": " + warning);
-    app.out() << "warning: " << run << ": " << warning << "\n";
-  };
+  const auto warn = [&](const std::string& warning) { app.warn(run + ": " + warning); };
   if (!estimate.not_estimated.empty()) warn("the discretization error is not estimated: " + estimate.not_estimated);
   if (estimate.not_estimated.empty()) {
     for (const NamedError& quantity : named(estimate, length_, bending_))

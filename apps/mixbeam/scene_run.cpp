@@ -119,9 +119,7 @@ std::filesystem::path result_file_of(const std::filesystem::path& folder, const 
 }
 
 void warn_without_lock(Application& app, const SharedResultLock& lock) {
-  if (!lock || lock->warning().empty()) return;
-  app.summary.warnings.push_back(lock->warning());
-  app.out() << "warning: " << lock->warning() << "\n";
+  if (lock && !lock->warning().empty()) app.warn(lock->warning());
 }
 
 SharedResultLock lock_or_warn(Application& app, const std::filesystem::path& file) {

@@ -8,7 +8,6 @@
 #include "apps/mixbeam/commands.hpp"
 #include "apps/mixbeam/found_scene.hpp"
 #include "apps/mixbeam/mesh_report.hpp"
-#include "apps/mixbeam/rest_shape_files.hpp"
 #include "apps/mixbeam/scene_run.hpp"
 #include "discretization/scene/load_cases.hpp"
 

@@ -1,5 +1,3 @@
-#include "apps/mixbeam/verify_command.hpp"
-
 #include "apps/common/session/command_line.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "discretization/results/stored_run.hpp"

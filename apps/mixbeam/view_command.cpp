@@ -1,14 +1,10 @@
 #include "apps/common/session/command_line.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "apps/mixbeam/scene_run.hpp"
-#include "apps/mixbeam/verify_command.hpp"
 #include "apps/mixbeam/view_page.hpp"
 #include "discretization/text/errors.hpp"
 #include "discretization/text/text_file.hpp"
 
-#include <fcntl.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -56,26 +52,6 @@ class TemporaryFolder {
   fs::path path_;
 };
 
-/// Runs this program; its outputs go to the files "out" and "err" of a folder. Returns the exit code, -1 where it was
-/// killed.
-int run_self(std::vector<std::string> words, const fs::path& folder) {
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  const std::string out = (folder / "out").string(), err = (folder / "err").string();
-  constexpr int kFlags = O_WRONLY | O_CREAT | O_TRUNC, kMode = 0600;
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, out.c_str(), kFlags, kMode);
-  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, err.c_str(), kFlags, kMode);
-  pid_t process = 0;
-  const int problem = posix_spawn(&process, "/proc/self/exe", &actions, nullptr, argv.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  int status = 0;
-  if (problem != 0 || waitpid(process, &status, 0) != process || !WIFEXITED(status)) return -1;
-  return WEXITSTATUS(status);
-}
-
 std::string without_prefix(const std::string& text, const std::string& prefix) {
   return text.rfind(prefix, 0) == 0 ? text.substr(prefix.size()) : text;
 }
@@ -91,11 +67,12 @@ struct Undeformed {
 std::unique_ptr<Undeformed> undeformed(const std::string& scene, const std::optional<std::string>& load_case) {
   auto drawn = std::make_unique<Undeformed>();
   const fs::path results = drawn->folder.path() / "results";
-  std::vector<std::string> words = {"mixbeam", "check", scene[0] == '-' ? "./" + scene : scene, "--output",
+  std::vector<std::string> words = {"/proc/self/exe", "check", scene[0] == '-' ? "./" + scene : scene, "--output",
                                     results.string()};
   if (load_case) words.insert(words.end(), {"--case", *load_case});
-  const int code = run_self(words, drawn->folder.path());
-  std::string refusal = text_of_file((drawn->folder.path() / "err").string(), "output");
+  const std::string out_file = drawn->folder.path() / "out", err_file = drawn->folder.path() / "err";
+  const int code = exit_code_of(words, {"", out_file, err_file});
+  std::string refusal = text_of_file(err_file, "output");
   while (!refusal.empty() && refusal.back() == '\n') refusal.pop_back();
   refusal = without_prefix(refusal, "mixbeam: bad input: ");
   std::error_code ignored;
@@ -107,7 +84,7 @@ std::unique_ptr<Undeformed> undeformed(const std::string& scene, const std::opti
   std::sort(drawn->files.begin(), drawn->files.end(),
             [&](const fs::path& a, const fs::path& b) { return written(a) < written(b); });
   drawn->said.refusal = code == 0 ? "" : refusal;
-  std::istringstream out(text_of_file((drawn->folder.path() / "out").string(), "output"));
+  std::istringstream out(text_of_file(out_file, "output"));
   const std::string warning = "warning: ";
   for (std::string line; std::getline(out, line);)
     if (line.rfind(warning, 0) == 0) drawn->said.warnings.push_back(line.substr(warning.size()));

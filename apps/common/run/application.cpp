@@ -2,22 +2,26 @@
 
 #include "apps/common/run/expected_quantity.hpp"
 #include "apps/common/run/room_check.hpp"
-#include "apps/common/session/instructions.hpp"
 #include "apps/common/session/interrupt.hpp"
 #include "apps/common/session/progress.hpp"
-#include "apps/common/session/sleeping_threads.hpp"
 #include "kernels/execution/execution_space.hpp"
+#include "kernels/execution/pack.hpp"
 #include "mixbeam/version.hpp"
 
+#include <omp.h>
+#include <signal.h>
 #include <sys/utsname.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <future>
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <thread>
 
 namespace mixbeam {
 
@@ -51,7 +55,41 @@ std::string machine() {
   return std::string(system.sysname) + " " + system.release + " " + system.machine + ", " + system.nodename;
 }
 
+/// libgomp reads how long to spin when it is loaded, long before main(), and starting again with another environment
+/// costs 35 ms. But it looks at each wait whether it has more threads than there are processors, and then spins 100
+/// times instead of 300,000 (do_spin in its config/linux/wait.h, gomp_managed_threads). So a thread that never works
+/// opens a team as large as the machine and sleeps in it, and the team of the program makes one too many. With another
+/// OpenMP library this changes nothing.
+void crowd(std::promise<void>& ready) {
+  sigset_t all;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, nullptr);  // signals are for the main thread
+  [[maybe_unused]] int members = 0;
+  const int machine = std::max(omp_get_num_procs(), omp_get_max_threads());  // now, and when libgomp was loaded
+#pragma omp parallel num_threads(machine) reduction(+ : members)
+  ++members;
+  ready.set_value();
+  for (;;) pause();
+}
+
+bool crowd_once() {
+  std::promise<void> ready;
+  std::thread([&ready] { crowd(ready); }).detach();
+  ready.get_future().wait();
+  return true;
+}
+
+/// Threads that wait at the end of a loop sleep after microseconds in place of spinning for milliseconds: on a machine
+/// that has other things to do, spinning threads hold the cores that the working ones wait for. A program's choice, not
+/// the library's; does nothing where the user has made one (OMP_WAIT_POLICY, GOMP_SPINCOUNT).
+void let_waiting_threads_sleep() {
+  if (std::getenv("OMP_WAIT_POLICY") != nullptr || std::getenv("GOMP_SPINCOUNT") != nullptr) return;
+  [[maybe_unused]] static const bool done = crowd_once();
+}
+
 }  // namespace
+
+std::string instructions() { return std::string(kInstructions) + ", " + std::to_string(kLanes) + " lanes"; }
 
 // Threads that wait for each other after every loop cost a small scene more than they give, above all on a machine that
 // has other things to do: then a loop of microseconds waits for a thread that is not running.
@@ -66,6 +104,11 @@ int Application::threads_for(const Scene& solved, const SolverParameters& parame
 std::ostream& Application::out() const {
   if (!writes_files()) return nowhere();
   return terminal != nullptr ? *terminal : std::cout;
+}
+
+void Application::warn(const std::string& text) {
+  summary.warnings.push_back(text);
+  out() << "warning: " << text << "\n";
 }
 
 std::ostream& Application::progress_out(const std::string& label) const {

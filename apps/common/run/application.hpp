@@ -53,6 +53,10 @@ struct KeptStep {
 /// Critical points of a step of a run, with their states and without modes.
 std::vector<CriticalPoint> stored_critical_points(Simulation& simulation, const StoredRun& run, std::size_t position);
 
+/// Instruction set that this library was built for, of which a package has several: "x86-64-v4, 8 lanes". Runs have the
+/// same bits where this agrees.
+std::string instructions();
+
 /// `results/scene_failure.txt` of `results/scene.h5`.
 std::filesystem::path failure_file_of(const std::filesystem::path& results);
 
@@ -85,6 +89,8 @@ class Application {
   RunObserver watch{};                    ///< of the steps of a run, after they were recorded
 
   std::ostream& out() const;
+  /// Adds a warning to the summary, and prints it.
+  void warn(const std::string& text);
   /// Where progress lines of a run go: nowhere if the user or an empty label says so.
   std::ostream& progress_out(const std::string& label) const;
   /// By a signal or by asked_to_stop. Collective.

@@ -297,10 +297,7 @@ void read_scene_file(Application& app, XmlParameters xml, const ApplicationDefin
     import_tables(app.xml);
     if (app.xml.list->isSublist("Scene"))
       Variables(app.xml.list->sublist("Scene"), app.xml.source).resolve(*app.xml.list, root, {});
-    for (const std::string& text : validate(*app.xml.list, root, app.xml.source)) {
-      app.summary.warnings.push_back(text);
-      app.out() << "warning: " << text << "\n";
-    }
+    for (const std::string& text : validate(*app.xml.list, root, app.xml.source)) app.warn(text);
     app.xml.source.require_mended();
     read_lists(app, definition);
   });
@@ -311,18 +308,9 @@ void read_scene_file(Application& app, const std::string& file, const Applicatio
   read_scene_file(app, read_parameters(file, root, Mistakes::kept), definition, root);
 }
 
-namespace {
-
-void warn(Application& app, const std::string& text) {
-  app.summary.warnings.push_back(text);
-  app.out() << "warning: " << text << "\n";
-}
-
-}  // namespace
-
 void warn_of_scene(Application& app) {
   for (const std::string& text : warnings(app.scene))
-    if (app.solver.analysis.modes.number == 0 || text != kNothingActs) warn(app, text);
+    if (app.solver.analysis.modes.number == 0 || text != kNothingActs) app.warn(text);
 }
 
 InputError placed(const Application& app, const MemberError& error) {
@@ -337,8 +325,8 @@ constexpr int kMostThreadsPerProcessor = 8;
 void limit_threads(Application& app) {
   const int processors = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   if (app.solver.threads <= kMostThreadsPerProcessor * processors) return;
-  warn(app, std::to_string(app.solver.threads) + " threads on " + std::to_string(processors) + " processor(s); " +
-                std::to_string(processors) + " are used, results are the same");
+  app.warn(std::to_string(app.solver.threads) + " threads on " + std::to_string(processors) + " processor(s); " +
+           std::to_string(processors) + " are used, results are the same");
   app.solver.threads = processors;
 }
 
