@@ -10,6 +10,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -124,6 +125,12 @@ class Plots(unittest.TestCase):
 
     def tearDown(self):
         matplotlib.pyplot.close("all")
+
+    def mixbeam(self, *words, folder=None, code=0):
+        """What the program prints: its output where all goes well, else its complaint."""
+        ended = subprocess.run([PROGRAM, *words], cwd=folder or self.folder.name, capture_output=True, text=True, check=False)
+        self.assertEqual(ended.returncode, code, ended.stdout + ended.stderr)
+        return ended.stderr if code else ended.stdout
 
     def run_of(self, name, members=None):
         run = Run(Path(self.folder.name) / f"{name}.h5", members=members)
@@ -300,10 +307,8 @@ class Plots(unittest.TestCase):
                            ("map", [(f"{-0.01 * i}", f"{j}") for i in range(1, 4) for j in range(1, 3)])):
             (folder / f"{name}.csv").write_text(",".join((force, stiffness)[:len(rows[0])]) + "\n" + "".join(",".join(row) + "\n" for row in rows))
             (folder / f"{name}.xml").write_text(with_list(text, listed("Batch", entry("Table", "string", f"{name}.csv"))))
-            ended = subprocess.run([PROGRAM, "batch", f"{name}.xml", "--output", ".", "--quiet"], cwd=folder, capture_output=True, text=True, check=False)
-            self.assertEqual(ended.returncode, 0, ended.stderr)
-            ended = subprocess.run([PROGRAM, "plot", f"{name}-batch.h5"], cwd=folder, capture_output=True, text=True, check=False)
-            self.assertEqual((ended.returncode, ended.stdout.strip()), (0, f"{name}-batch.png"), ended.stderr)
+            self.mixbeam("batch", f"{name}.xml", "--output", ".", "--quiet")
+            self.assertEqual(self.mixbeam("plot", f"{name}-batch.h5").strip(), f"{name}-batch.png")
         figure = batch_figures.batch_figure(folder / "curve-batch.csv")
         panel = next(axes for axes in figure.axes if axes.get_ylabel() == "b.displacement.y")
         (line,) = named(panel, "curve")
@@ -319,8 +324,7 @@ class Plots(unittest.TestCase):
         (folder / "loose.xml").write_text(portal().replace('"a"/><Parameter name="Fixed Displacement" type="Array(string)" value="{x, y, z}"',
                                                            '"a"/><Parameter name="Fixed Displacement" type="Array(string)" value="{y, z}"')
                                           .replace(entry("Displacement Stiffness", NUMBERS, "{50, 0, 0}"), ""))
-        ended = subprocess.run([PROGRAM, "plot", "loose.xml", "--format", "svg"], cwd=folder, capture_output=True, text=True, check=False)
-        self.assertEqual((ended.returncode, ended.stdout.strip()), (0, "loose-shape.svg"), ended.stderr)
+        self.assertEqual(self.mixbeam("plot", "loose.xml", "--format", "svg").strip(), "loose-shape.svg")
         for words in ("not solved", "can move without strain in 1 way", "moves without strain"):
             self.assertIn(words, re.sub(r"<[^>]*>|\s+", " ", (folder / "loose-shape.svg").read_text()).replace("  ", " "), words)
 
@@ -462,9 +466,8 @@ class Plots(unittest.TestCase):
         folder = Path(self.folder.name) / "cases"
         folder.mkdir()
         (folder / "two.xml").write_text(two_cases())
-        mixbeam = lambda *words: subprocess.run([PROGRAM, *words], cwd=folder, capture_output=True, text=True, check=False)
-        ended = mixbeam("run", "two.xml", "--output", ".", "--quiet")
-        self.assertEqual(ended.returncode, 0, ended.stderr)
+        mixbeam = partial(self.mixbeam, folder=folder)
+        mixbeam("run", "two.xml", "--output", ".", "--quiet")
         envelope = envelope_figures.Envelope(folder / "two.h5")
         self.assertEqual([envelope.case(i) for i in range(3)], ["down", "up", "both"])
         runs = [Run(folder / f"two-{case}.h5") for case in ("down", "up", "both")]
@@ -483,19 +486,16 @@ class Plots(unittest.TestCase):
         for words in (("plot", "two.h5", "--format", "svg"), ("plot", "two.h5", "--along", "*", "--format", "svg"),
                       ("plot", "two.h5", "--case", "up", "--picture", "shape", "--format", "svg"), ("report", "two.h5"),
                       ("report", "two-up.h5"), ("verify", "two.h5")):
-            ended = mixbeam(*words)
-            self.assertEqual(ended.returncode, 0, ended.stderr)
+            mixbeam(*words)
         self.assertIn("quantities at the ends of 3 runs", (folder / "two-envelope.svg").read_text())
         for page in ("two", "two-up"):
             self.assertIn(">Envelope</h2>", (folder / f"{page}-report.html").read_text())
         for words, reason in ((("plot", "two.h5", "--picture", "shape"), "--case takes one of them (down, up, both)"),
                               (("plot", "two-up.h5", "--picture", "envelope"), "of one run")):
-            ended = mixbeam(*words)
-            self.assertEqual(ended.returncode, 2, ended.stdout)
-            self.assertIn(reason, ended.stderr)
+            self.assertIn(reason, mixbeam(*words, code=2))
         self.assertIsNotNone(envelope_figures.envelope_beside(runs[1]))
         (folder / "two.xml").write_text(two_cases("0.06"))  # a case that changes leaves the envelope behind
-        self.assertEqual(mixbeam("run", "two.xml", "--output", ".", "--quiet", "--case", "up").returncode, 0)
+        mixbeam("run", "two.xml", "--output", ".", "--quiet", "--case", "up")
         self.assertIsNone(envelope_figures.envelope_beside(Run(folder / "two-up.h5")))
 
     def test_nothing_foreign_and_nothing_over_an_input(self):
@@ -508,9 +508,9 @@ class Plots(unittest.TestCase):
             for module in ("numpy", "h5py", "matplotlib", "results"):
                 (folder / f"{module}.py").write_text(f"open({str(folder / 'executed')!r}, 'w')")
             (folder / "matplotlibrc").write_text("savefig.dpi: 7\nno.such.thing: 1\n")
-            run = lambda *words: subprocess.run([PROGRAM, *words], cwd=folder, capture_output=True, text=True, check=False)
+            run = partial(self.mixbeam, folder=folder)
             for words in (("report",), ("view", "-o", "v.html"), ("plot", "-o", "pictures", "--format", "png", "--picture", "shape", "diagrams")):
-                ended = run(words[0], "one.h5", *words[1:])
+                ended = subprocess.run([PROGRAM, words[0], "one.h5", *words[1:]], cwd=folder, capture_output=True, text=True, check=False)
                 self.assertEqual((ended.returncode, ended.stderr), (0, ""))
             self.assertFalse((folder / "executed").exists())
             subprocess.run(["/usr/bin/python3", "-c", "import numpy"], cwd=folder, check=False)
@@ -519,10 +519,9 @@ class Plots(unittest.TestCase):
             (folder / "link.html").symlink_to("one.h5")
             before = result.read_bytes()
             for words in (("report", "-o", "one.h5"), ("view", "-o", "one.xml"), ("view", "--output", "link.html")):
-                ended = run(words[0], "one.h5", *words[1:])
-                self.assertEqual(ended.returncode, 2, ended.stdout)
-                self.assertIn(words[-1], ended.stderr)
-                self.assertIn("one.h5", ended.stderr)
+                said = run(words[0], "one.h5", *words[1:], code=2)
+                self.assertIn(words[-1], said)
+                self.assertIn("one.h5", said)
             self.assertEqual((result.read_bytes(), (folder / "one.xml").read_text()), (before, text))
             damaged = bytearray(before)
             with Run(result) as intact:
@@ -530,17 +529,14 @@ class Plots(unittest.TestCase):
             damaged[place + 102] ^= 0x55
             (folder / "other.hdf5").write_bytes(damaged)  # whatever its ending
             for words in (("report",), ("view",), ("plot", "--picture", "shape")):
-                ended = run(words[0], "other.hdf5", *words[1:])
-                self.assertEqual(ended.returncode, 2, ended.stdout)
-                self.assertIn("damaged", ended.stderr)
+                self.assertIn("damaged", run(words[0], "other.hdf5", *words[1:], code=2))
             self.assertEqual([file for file in folder.rglob(".*")], [])  # nothing half written
 
     def test_jumps(self):
         folder = Path(self.folder.name)
         arch = Path(__file__).resolve().parents[2] / "apps" / "gallery" / "snapping_arch.xml"
         for command in (("run", str(arch), "--output", ".", "--quiet"), ("report", "snapping_arch.h5")):
-            ended = subprocess.run([PROGRAM, *command], cwd=folder, capture_output=True, text=True, check=False)
-            self.assertEqual(ended.returncode, 0, ended.stderr)
+            self.mixbeam(*command)
         view, _ = self.view("snapping_arch")
         crown, = [panel for panel in path_figures.load_displacement_figure(view).axes if panel.get_title() == "crown: displacement"]
         at, = [at for at, step in enumerate(view.run.steps) if step.jump]
@@ -568,8 +564,7 @@ class Plots(unittest.TestCase):
             first, last = text.index('<ParameterList name="Sections">'), text.index('<ParameterList name="Points">')
             (folder / "strong.xml").write_text(text[:first] + listed("Sections", section) + text[last:])
             for command in (("run", "strong.xml", "--output", ".", "--quiet", "--summary", "s.json"), ("report", "strong.h5")):
-                ended = subprocess.run([PROGRAM, *command], cwd=folder, capture_output=True, text=True, check=False)
-                self.assertEqual(ended.returncode, 0, ended.stdout + ended.stderr)
+                self.mixbeam(*command)
             page = (folder / "strong-report.html").read_text()
             self.assertEqual(words in page, beyond)
             for one in json.loads((folder / "s.json").read_text())["quantities"]:
@@ -586,8 +581,7 @@ class Plots(unittest.TestCase):
         (folder / "evil.xml").write_text(text)
         for command in (("run", "evil.xml", "--output", ".", "--quiet", "--summary", "sum.json"),
                         ("report", "evil.h5", "--summary", "sum.json")):
-            ended = subprocess.run([PROGRAM, *command], cwd=folder, capture_output=True, text=True, check=False)
-            self.assertEqual(ended.returncode, 0, ended.stderr)
+            self.mixbeam(*command)
         page = (folder / "evil-report.html").read_text()
         self.assertNotIn(evil, page)  # names are data
         self.assertIn("&lt;img src=x onerror=alert(1)&gt;", page)
@@ -597,11 +591,9 @@ class Plots(unittest.TestCase):
         for words in (f"{tip:.4g}", "is stable", "loads and reactions", "data:image/png;base64,", "</html>"):
             self.assertIn(words, page)
         (folder / "pages").mkdir()
-        subprocess.run([PROGRAM, "report", "evil.h5", "--output", "pages"], cwd=folder, capture_output=True, check=True)
+        self.mixbeam("report", "evil.h5", "--output", "pages")
         self.assertTrue((folder / "pages" / "evil-report.html").exists())  # a folder takes the page
-        ended = subprocess.run([PROGRAM, "report", "none.h5"], cwd=folder, capture_output=True, text=True, check=False)
-        self.assertEqual(ended.returncode, 2)
-        self.assertIn("none.h5", ended.stderr)
+        self.assertIn("none.h5", self.mixbeam("report", "none.h5", code=2))
 
     def test_lattices_of_thread_scaling(self):
         def written(folder, kinds):
@@ -625,21 +617,12 @@ class Plots(unittest.TestCase):
                 thread_scaling.lattices_figure(Path(folder))
 
     def test_command_line(self):
-        def plot(*options):
-            return subprocess.run([PROGRAM, "plot", "portal.h5", "--format", "svg", *options], cwd=self.folder.name,
-                                  capture_output=True, text=True, check=False)
-
-        ended = plot("--view", "-60/25", "--scale", "3", "--members", "deck *", "left", "--moments", "left", "--picture",
-                     "shape", "diagrams")
-        self.assertEqual(ended.returncode, 0, ended.stderr)
-        ended = plot("--along", "deck *")
-        self.assertEqual(ended.returncode, 0, ended.stderr)
-        self.assertIn("portal-along.svg", ended.stdout)
+        plot = partial(self.mixbeam, "plot", "portal.h5", "--format", "svg")
+        plot("--view", "-60/25", "--scale", "3", "--members", "deck *", "left", "--moments", "left", "--picture", "shape", "diagrams")
+        self.assertIn("portal-along.svg", plot("--along", "deck *"))
         for options, word in ((("--scale", "-1"), "--scale"), (("--picture", "along"), "--along"), (("--view", "top"), "--view"),
                               (("--moments", "up"), "--moments"), (("--along", "dek"), "deck 1"), (("--picture", "curve"), "--curve")):
-            ended = plot(*options)
-            self.assertEqual(ended.returncode, 2, ended.stdout)
-            self.assertIn(word, ended.stderr)
+            self.assertIn(word, plot(*options, code=2))
 
 
 if __name__ == "__main__":
