@@ -1,5 +1,6 @@
 /// CSV files read back bit for bit.
 #include "apps/common/tables/csv_table.hpp"
+#include "tests/support/files.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,17 +13,8 @@
 namespace mixbeam {
 namespace {
 
-namespace fs = std::filesystem;
-
 class CsvTableTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    std::string folder = (fs::temp_directory_path() / "mixbeam_csv_table_XXXXXX").string();
-    ASSERT_NE(mkdtemp(folder.data()), nullptr);
-    folder_ = folder;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   std::vector<std::string> lines(const fs::path& path) const {
     std::ifstream stream(path);
     std::vector<std::string> result;
@@ -30,7 +22,8 @@ class CsvTableTest : public ::testing::Test {
     return result;
   }
 
-  fs::path folder_;
+  const TemporaryFolder temporary_;
+  const fs::path folder_ = temporary_.path();
 };
 
 TEST_F(CsvTableTest, NumbersReadBackBitForBit) {

@@ -1,6 +1,7 @@
 /// Starting an application as a user does: a process of its own, in a folder of its own.
 #pragma once
 
+#include "tests/support/files.hpp"
 #include "tests/support/text.hpp"
 
 #include <fcntl.h>
@@ -11,25 +12,10 @@
 
 #include <cstdlib>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 namespace mixbeam {
-
-namespace fs = std::filesystem;
-
-inline std::string text_of(const fs::path& file) {
-  std::ifstream stream(file);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
-
-inline void write_text(const fs::path& file, const std::string& text) { std::ofstream(file, std::ios::binary) << text; }
 
 inline fs::path program(const std::string& name) { return fs::path(MIXBEAM_BIN_DIR) / name; }
 
@@ -42,28 +28,6 @@ inline std::string scene_of(const std::string& application) {
 struct Ended {
   int exit_code = -1;
   std::string out, err;
-};
-
-/// A new folder that goes away at the end of the test.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string folder = (fs::temp_directory_path() / "mixbeam_app_XXXXXX").string();
-    if (mkdtemp(folder.data()) == nullptr) throw std::runtime_error("no temporary folder: " + folder);
-    path_ = folder;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-  fs::path operator/(const std::string& name) const { return path_ / name; }
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
 };
 
 /// The environment without what MPI told the test about itself: the program must not think that it is one of its ranks.

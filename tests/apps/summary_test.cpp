@@ -1,23 +1,18 @@
 /// Every kind of check passes when it should and, in a twin beside it, fails when it should.
 #include "apps/common/run/summary.hpp"
+#include "tests/support/files.hpp"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <fstream>
 #include <limits>
 #include <sstream>
 #include <stdexcept>
 
-#include <unistd.h>
-
 namespace mixbeam {
 namespace {
-
-namespace fs = std::filesystem;
 
 const std::string kSource = "invented for this test";
 const double kInfinity = std::numeric_limits<double>::infinity();
@@ -153,9 +148,8 @@ TEST(Summary, WarningsAreCounted) {
 }
 
 TEST(Summary, JsonHoldsEverything) {
-  std::string folder = (fs::temp_directory_path() / "mixbeam_summary_XXXXXX").string();
-  ASSERT_NE(mkdtemp(folder.data()), nullptr);
-  const fs::path path = fs::path(folder) / "summary.json";
+  const TemporaryFolder folder;
+  const fs::path path = folder / "summary.json";
   Summary summary;
   summary.program = "rollup";
   summary.load_steps = 2;
@@ -186,19 +180,14 @@ TEST(Summary, JsonHoldsEverything) {
   EXPECT_EQ(json["ends"][0]["stable_held"], "true");
   EXPECT_EQ(json["ends"][0]["negative_eigenvalues"], 2);
 
-  EXPECT_THROW(summary.write_json(fs::path(folder) / "no" / "summary.json"), std::runtime_error);
-  EXPECT_THROW(summary.write_json(folder), std::runtime_error);
-  fs::remove_all(folder);
+  EXPECT_THROW(summary.write_json(folder.path() / "no" / "summary.json"), std::runtime_error);
+  EXPECT_THROW(summary.write_json(folder.path()), std::runtime_error);
 }
 
 std::string json_of(const Summary& summary) {
-  std::string file = (fs::temp_directory_path() / "mixbeam_summary_XXXXXX").string();
-  close(mkstemp(file.data()));
-  summary.write_json(file);
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
-  fs::remove(file);
-  return text.str();
+  const TemporaryFolder folder;
+  summary.write_json(folder / "summary.json");
+  return text_of(folder / "summary.json");
 }
 
 TEST(Summary, WhatIsPackedComesBackToTheBit) {

@@ -2,6 +2,7 @@
 #include "discretization/reading/blade_file.hpp"
 #include "discretization/text/errors.hpp"
 #include "tests/support/blade_texts.hpp"
+#include "tests/support/errors.hpp"
 
 #include <gtest/gtest.h>
 
@@ -61,14 +62,9 @@ TEST(BladeFile, WindIoTurnsAboutTheAxisTowardsTheRoot) {
 TEST(BladeFile, SaysWhatIsWrong) {
   const Known known = known_section();
   const auto problem = [](const std::string& text) {
-    try {
-      sections_of_blade(text, "s.K");
-    } catch (const InputError& error) {
-      return std::string(error.what());
-    }
-    return std::string("none");
+    return error_of<InputError>([&] { sections_of_blade(text, "s.K"); });
   };
-  EXPECT_EQ(problem(vabs(known)), "none");
+  EXPECT_EQ(problem(vabs(known)), "no error");
   EXPECT_NE(problem("nothing").find("allowed: VABS"), std::string::npos);
   std::string text = vabs(known);
   text.replace(text.find("300"), 3, "3x0");

@@ -2,10 +2,7 @@
 #include "scene_text.hpp"
 
 #include "discretization/reading/import.hpp"
-
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
+#include "tests/support/files.hpp"
 
 namespace mixbeam::field_table_test {
 namespace {
@@ -14,21 +11,17 @@ constexpr double kRounding = 1e-14;
 
 class FieldTables : public testing::Test {
  protected:
-  FieldTables() : folder_((std::filesystem::temp_directory_path() / "mixbeam_tables_XXXXXX").string()) {
-    EXPECT_NE(mkdtemp(folder_.data()), nullptr);
-  }
-  ~FieldTables() override { std::filesystem::remove_all(folder_); }
   Scene read(const std::string& table, const std::string& more = "") {
-    std::ofstream(folder_ + "/t.csv", std::ios::binary) << table;
+    write_text(folder_ / "t.csv", table);
     return described_by(parsed(scene_text("A: [0, 0, 0], B: [2, 0, 0]", member("m", "A", "B"),
                                           "Eigenstrains: {e: {Member: m, Curvature Table: t.csv, " + more + "}}"),
-                               folder_ + "/"));
+                               (folder_ / "").string()));
   }
   void refused(const std::string& table, const std::vector<std::string>& parts, const std::string& more = "") {
     expect_in(message_of([&] { read(table, more); }), parts);
   }
 
-  std::string folder_;
+  const TemporaryFolder folder_;
 };
 
 TEST_F(FieldTables, ArePolynomialsOfElements) {

@@ -4,6 +4,8 @@
 #include "discretization/state/sampling.hpp"
 #include "discretization/state/snapshot.hpp"
 #include "tests/support/constrained_scenes.hpp"
+#include "tests/support/errors.hpp"
+#include "tests/support/files.hpp"
 #include "tests/support/ranks.hpp"
 
 #include <gtest/gtest.h>
@@ -21,8 +23,6 @@
 
 namespace mixbeam::test {
 namespace {
-
-namespace fs = std::filesystem;
 
 bool is_first_rank() { return all_ranks()->getRank() == 0; }
 bool is_last_rank() { return all_ranks()->getRank() == all_ranks()->getSize() - 1; }
@@ -172,11 +172,6 @@ void write_results(const fs::path& path, const Scene& scene, const Communicator&
   file->close();
 }
 
-std::string bytes_of(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 /// A folder that all ranks see.
 class MpiResultFile : public ::testing::Test {
  protected:
@@ -200,7 +195,7 @@ class MpiResultFile : public ::testing::Test {
     const Contents alone = contents_of_results(folder_ / "alone.h5");
     EXPECT_GT(alone.size(), 150U);
     EXPECT_EQ(different_entries(contents_of_results(folder_ / "together.h5"), alone), std::vector<std::string>());
-    EXPECT_TRUE(resumes || bytes_of(folder_ / "together.h5") == bytes_of(folder_ / "alone.h5"));
+    EXPECT_TRUE(resumes || text_of(folder_ / "together.h5") == text_of(folder_ / "alone.h5"));
     EXPECT_EQ(verify_results(folder_ / "together.h5").damage, "");
     change_one_number(folder_ / "together.h5", "/steps/000002/spatial_moment", 7);  // the twin that must fail
     EXPECT_EQ(different_entries(contents_of_results(folder_ / "together.h5"), alone),
@@ -214,15 +209,6 @@ Scene branched_scene() {
   Scene scene = fork(2, 5);
   scene.members[1].order = 4;
   return scene;
-}
-
-std::string shared_error(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const ResultFileError& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 TEST_F(MpiResultFile, TheSameOnAnyNumberOfRanks) { expect_same_file(branched_scene()); }
@@ -250,9 +236,9 @@ TEST_F(MpiResultFile, ARecordThatDoesNotFitOnOneRankIsRefusedByAll) {
   ResultFile file(folder_ / "run.h5", header_of_test(), all_ranks());
   StepRecord broken = record_of(scene, model, 0);
   if (is_last_rank()) broken.members[broken.members.size() - 1].position.pop_back();
-  const std::string error = shared_error([&] { file.append_step(broken); });
+  const std::string error = error_of<ResultFileError>([&] { file.append_step(broken); });
   EXPECT_NE(error.find("unequal length" + of_last_rank()), std::string::npos) << error;
-  EXPECT_EQ(shared_error([&] { file.append_step(record_of(scene, model, 0)); }), "no error");
+  EXPECT_EQ(error_of<ResultFileError>([&] { file.append_step(record_of(scene, model, 0)); }), "no error");
 }
 
 // A limit on the file size stands for a full disk.
@@ -266,19 +252,21 @@ TEST_F(MpiResultFile, AFullDiskOnOneRankIsReportedByAll) {
   const auto handler = std::signal(SIGXFSZ, SIG_IGN);
   const rlimit limit{40000, before.rlim_max};  // less than the file has with its first step
   if (is_last_rank()) setrlimit(RLIMIT_FSIZE, &limit);
-  const std::string error = shared_error([&] { file.append_step(record_of(scene, model, 1)); });
+  const std::string error = error_of<ResultFileError>([&] { file.append_step(record_of(scene, model, 1)); });
   setrlimit(RLIMIT_FSIZE, &before);
   std::signal(SIGXFSZ, handler);
   EXPECT_NE(error.find("File too large" + of_last_rank()), std::string::npos) << error;
-  EXPECT_NE(shared_error([&] { file.append_step(record_of(scene, model, 1)); }).find("takes no more steps"),
-            std::string::npos);
+  EXPECT_NE(
+      error_of<ResultFileError>([&] { file.append_step(record_of(scene, model, 1)); }).find("takes no more steps"),
+      std::string::npos);
   EXPECT_EQ(StoredRun(folder_ / "run.h5").steps().size(), 1U);  // the file keeps what it had
   EXPECT_FALSE(fs::exists(folder_ / ".run.h5.a"));
   EXPECT_FALSE(fs::exists(folder_ / ".run.h5.b"));
 }
 
 TEST_F(MpiResultFile, AMissingFolderIsReportedByAll) {
-  const std::string error = shared_error([&] { ResultFile(folder_ / "no" / "run.h5", header_of_test(), all_ranks()); });
+  const std::string error =
+      error_of<ResultFileError>([&] { ResultFile(folder_ / "no" / "run.h5", header_of_test(), all_ranks()); });
   EXPECT_NE(error.find("does not exist"), std::string::npos) << error;
 }
 

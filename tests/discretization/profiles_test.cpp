@@ -1,15 +1,12 @@
 // The catalogue of profiles: each of its rows against its own dimensions and against printed tables.
 #include "scene_text.hpp"
+#include "tests/support/files.hpp"
 
 #include "discretization/scene/section_shape.hpp"
 #include "tests/support/numbers.hpp"
 
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <map>
-#include <sstream>
 
 namespace mixbeam::profiles_test {
 namespace {
@@ -168,11 +165,7 @@ TEST(Profiles, AllSquareOnesHaveThePrintedAreaAndSecondMoments) {
   }
 }
 
-std::string file_text() {
-  std::ostringstream text;
-  text << std::ifstream(std::string(MIXBEAM_SOURCE_DIR) + "/discretization/reading/profiles.csv").rdbuf();
-  return text.str();
-}
+std::string file_text() { return text_of(fs::path(MIXBEAM_SOURCE_DIR) / "discretization/reading/profiles.csv"); }
 
 /// Every row can be used; hollow ones say their dimensions in their names, and the others are among the printed ones.
 TEST(Profiles, EachRowIsWhatItsNameSays) {
@@ -258,11 +251,10 @@ TEST(Profiles, RoundedBoxBecomesATube) {
 
 /// A catalogue of one's own beside that of the program.
 TEST(Profiles, OwnTablesExtendTheCatalogue) {
-  std::string folder = (std::filesystem::temp_directory_path() / "mixbeam_profiles_XXXXXX").string();
-  ASSERT_NE(mkdtemp(folder.data()), nullptr);
+  const TemporaryFolder folder;
   const auto read = [&](const std::string& table, const std::string& name) {
-    std::ofstream(folder + "/own.csv", std::ios::binary) << table;
-    return described_by(parsed(with_profile(name, "mm, N", "Import: {Profiles File: own.csv}"), folder + "/"))
+    write_text(folder / "own.csv", table);
+    return described_by(parsed(with_profile(name, "mm, N", "Import: {Profiles File: own.csv}"), (folder / "").string()))
         .sections.at(0);
   };
   const std::string head = "name,shape,width,height,wall\n";
@@ -277,7 +269,6 @@ TEST(Profiles, OwnTablesExtendTheCatalogue) {
   refused(head + "my angel,L,50,60,5\n", {"beam / Profile", "did you mean \"my angel\"?"});
   refused(head + "IPE300,L,50,60,5\n", {"own.csv:2:", "in the catalogue already"});
   refused("name,shape,breadth\n", {"own.csv:1:", "\"breadth\""});
-  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

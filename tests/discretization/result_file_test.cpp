@@ -4,6 +4,8 @@
 #include "discretization/state/record_fields.hpp"
 
 #include "discretization/text/errors.hpp"
+#include "tests/support/errors.hpp"
+#include "tests/support/files.hpp"
 
 #include <gtest/gtest.h>
 #include <hdf5.h>
@@ -23,20 +25,10 @@
 namespace mixbeam {
 namespace {
 
-namespace fs = std::filesystem;
-
 class ResultFileTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    std::string folder = (fs::temp_directory_path() / "mixbeam_result_file_XXXXXX").string();
-    ASSERT_NE(mkdtemp(folder.data()), nullptr);
-    folder_ = folder;
-    file_ = folder_ / "run.h5";
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  fs::path folder_;
-  fs::path file_;
+  const TemporaryFolder temporary_;
+  const fs::path folder_ = temporary_.path(), file_ = folder_ / "run.h5";
 };
 
 ResultHeader sample_header() { return {"sample", "<ParameterList name=\"sample\"/>", "0.1.0", {{"compiler", "some"}}}; }
@@ -116,21 +108,6 @@ std::string read_text(const fs::path& path, const std::string& name) {
   H5Dclose(dataset);
   H5Fclose(file);
   return text;
-}
-
-std::string file_text(const fs::path& path) {
-  std::stringstream text;
-  text << std::ifstream(path).rdbuf();
-  return text.str();
-}
-
-std::string error_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const ResultFileError& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 std::size_t entries(const fs::path& folder) {
@@ -350,7 +327,7 @@ void expect_listed(const std::string& page) {
 }
 
 TEST(ResultFields, ThePageNamesAll) {
-  const std::string page = file_text(std::filesystem::path(MIXBEAM_SOURCE_DIR) / "apps/docs/results.md");
+  const std::string page = text_of(std::filesystem::path(MIXBEAM_SOURCE_DIR) / "apps/docs/results.md");
   expect_listed<StepSummary>(page);
   expect_listed<RecordedJump>(page);
   expect_listed<RecordedCriticalPoint>(page);
@@ -406,7 +383,7 @@ TEST_F(ResultFileTest, NamesOfMembersComeBack) {
     goes_on.append_step(record);
     std::swap(record.members[0].name, record.members[1].name);
     record.step = 2;
-    EXPECT_NE(error_of([&] { goes_on.append_step(record); }), "no error");
+    EXPECT_NE(error_of<ResultFileError>([&] { goes_on.append_step(record); }), "no error");
   }
   EXPECT_EQ(StoredRun(file_).steps().size(), 2u);
 }
@@ -443,7 +420,7 @@ TEST_F(ResultFileTest, GroupsOfMembersAreRead) {
   goes_on.append_step(record);
   record.step = 2;
   record.members[1].name = "another";
-  EXPECT_NE(error_of([&] { goes_on.append_step(record); }), "no error");
+  EXPECT_NE(error_of<ResultFileError>([&] { goes_on.append_step(record); }), "no error");
 }
 
 TEST_F(ResultFileTest, NewerFormatsAreRefused) {
@@ -454,12 +431,7 @@ TEST_F(ResultFileTest, NewerFormatsAreRefused) {
   ASSERT_GE(H5Awrite(version, H5T_NATIVE_INT, &of_the_future), 0);
   H5Aclose(version);
   H5Fclose(file);
-  try {
-    StoredRun{file_};
-    FAIL() << "read";
-  } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("format_version is 99"), std::string::npos) << error.what();
-  }
+  EXPECT_NE(error_of<InputError>([&] { StoredRun{file_}; }).find("format_version is 99"), std::string::npos);
 }
 
 TEST_F(ResultFileTest, SceneIsStoredWordForWord) {
@@ -476,7 +448,7 @@ TEST_F(ResultFileTest, OnlyTheTwoFilesRemain) {
     result.append_step(sample_step(1));
   }
   EXPECT_EQ(entries(folder_), 2u);
-  const auto text = file_text(folder_ / "run.xdmf");
+  const auto text = text_of(folder_ / "run.xdmf");
   EXPECT_NE(text.find("run.h5:/steps/000001/position"), std::string::npos);
   EXPECT_NE(text.find("</Xdmf>"), std::string::npos);
 }
@@ -486,7 +458,7 @@ TEST_F(ResultFileTest, XdmfListsEveryStepAfterClosing) {
     ResultFile result(file_, sample_header());
     for (int step = 1; step <= 250; ++step) result.append_step(sample_step(step));
   }
-  EXPECT_NE(file_text(folder_ / "run.xdmf").find("run.h5:/steps/000250/position"), std::string::npos);
+  EXPECT_NE(text_of(folder_ / "run.xdmf").find("run.h5:/steps/000250/position"), std::string::npos);
 }
 
 TEST_F(ResultFileTest, KilledWriterLeavesEveryCompletedStep) {
@@ -502,7 +474,7 @@ TEST_F(ResultFileTest, KilledWriterLeavesEveryCompletedStep) {
   ASSERT_EQ(status, 0);
   EXPECT_EQ(read_doubles(file_, "/monitor/step"), (std::vector<double>{1, 2, 3}));
   EXPECT_EQ(read_doubles(file_, "/steps/000003/position").size(), 15u);
-  EXPECT_NE(file_text(folder_ / "run.xdmf").find("/steps/000003/"), std::string::npos);
+  EXPECT_NE(text_of(folder_ / "run.xdmf").find("/steps/000003/"), std::string::npos);
 
   ResultFile again(file_, sample_header());  // a new run starts afresh and clears what the killed one left
   again.append_step(sample_step(1));
@@ -537,17 +509,22 @@ TEST_F(ResultFileTest, KillsAtAnyMomentLeaveAReadableFile) {
 }
 
 TEST_F(ResultFileTest, UnwritablePathsAreNamedWithTheirReason) {
-  EXPECT_NE(error_of([&] { ResultFile(folder_, sample_header()); }).find("is a directory"), std::string::npos);
-  const auto missing = error_of([&] { ResultFile(folder_ / "no" / "run.h5", sample_header()); });
+  EXPECT_NE(error_of<ResultFileError>([&] { ResultFile(folder_, sample_header()); }).find("is a directory"),
+            std::string::npos);
+  const auto missing = error_of<ResultFileError>([&] { ResultFile(folder_ / "no" / "run.h5", sample_header()); });
   EXPECT_NE(missing.find("no/run.h5"), std::string::npos);
   EXPECT_NE(missing.find("does not exist"), std::string::npos);
   std::ofstream(folder_ / "plain") << "text";
-  EXPECT_NE(error_of([&] { ResultFile(folder_ / "plain" / "run.h5", sample_header()); }).find("not a folder"),
+  EXPECT_NE(error_of<ResultFileError>([&] {
+              ResultFile(folder_ / "plain" / "run.h5", sample_header());
+            }).find("not a folder"),
             std::string::npos);
-  EXPECT_NE(
-      error_of([&] { ResultFile("/proc/run.h5", sample_header()); }).find("/proc/run.h5: cannot create the file: "),
-      std::string::npos);
-  EXPECT_EQ(error_of([&] { ResultFile(file_, sample_header()); }), "no error");  // the twin that must succeed
+  EXPECT_NE(error_of<ResultFileError>([&] {
+              ResultFile("/proc/run.h5", sample_header());
+            }).find("/proc/run.h5: cannot create the file: "),
+            std::string::npos);
+  EXPECT_EQ(error_of<ResultFileError>([&] { ResultFile(file_, sample_header()); }),
+            "no error");  // the twin that must succeed
 }
 
 // A limit on the file size stands for a full disk: both make write() fail in the middle of a step.
@@ -560,7 +537,7 @@ TEST_F(ResultFileTest, FullDiskIsReportedAndKeepsTheEarlierSteps) {
     std::signal(SIGXFSZ, SIG_IGN);
     const rlimit limit{500000, 500000};
     setrlimit(RLIMIT_FSIZE, &limit);
-    report_stream << error_of([&] {
+    report_stream << error_of<ResultFileError>([&] {
       ResultFile result(file_, sample_header());
       for (int step = 1; step < 1000; ++step) result.append_step(sample_step(step));
     });
@@ -570,7 +547,7 @@ TEST_F(ResultFileTest, FullDiskIsReportedAndKeepsTheEarlierSteps) {
   int status = 0;
   waitpid(child, &status, 0);
   EXPECT_EQ(status, 0);
-  EXPECT_NE(file_text(report).find("File too large"), std::string::npos) << file_text(report);
+  EXPECT_NE(text_of(report).find("File too large"), std::string::npos) << text_of(report);
   EXPECT_GT(read_doubles(file_, "/monitor/step").size(), 1u);
   EXPECT_FALSE(fs::exists(folder_ / ".run.h5.a"));
   EXPECT_FALSE(fs::exists(folder_ / ".run.h5.b"));
@@ -579,23 +556,26 @@ TEST_F(ResultFileTest, FullDiskIsReportedAndKeepsTheEarlierSteps) {
 TEST_F(ResultFileTest, RecordsThatDoNotFitAreRefused) {
   ResultFile result(file_, sample_header());
   result.append_step(sample_step(1));
-  EXPECT_NE(error_of([&] { result.append_step(sample_step(1)); }).find("steps must grow"), std::string::npos);
+  EXPECT_NE(error_of<ResultFileError>([&] { result.append_step(sample_step(1)); }).find("steps must grow"),
+            std::string::npos);
   auto other = sample_step(2);
   other.members[0] = sample_member("shaft", 0, 4, 2);
-  EXPECT_NE(error_of([&] { result.append_step(other); }).find("differ"), std::string::npos);
+  EXPECT_NE(error_of<ResultFileError>([&] { result.append_step(other); }).find("differ"), std::string::npos);
   other = sample_step(2);
   other.members[1].position.pop_back();
-  EXPECT_NE(error_of([&] { result.append_step(other); }).find("unequal length"), std::string::npos);
+  EXPECT_NE(error_of<ResultFileError>([&] { result.append_step(other); }).find("unequal length"), std::string::npos);
   other = step_behind_limit_point(2);
   other.critical_points[0].mode.pop_back();
-  EXPECT_NE(error_of([&] { result.append_step(other); }).find("unequal length"), std::string::npos);
+  EXPECT_NE(error_of<ResultFileError>([&] { result.append_step(other); }).find("unequal length"), std::string::npos);
   other = sample_step(2);
   other.members[1].name = "a/b";
-  EXPECT_NE(error_of([&] { result.append_step(other); }).find("cannot name a member"), std::string::npos);
+  EXPECT_NE(error_of<ResultFileError>([&] { result.append_step(other); }).find("cannot name a member"),
+            std::string::npos);
   other = sample_step(2);
   other.monitored[1].name = "residual";
-  EXPECT_NE(error_of([&] { result.append_step(other); }).find("cannot name a monitored"), std::string::npos);
-  EXPECT_EQ(error_of([&] { result.append_step(sample_step(2)); }), "no error");
+  EXPECT_NE(error_of<ResultFileError>([&] { result.append_step(other); }).find("cannot name a monitored"),
+            std::string::npos);
+  EXPECT_EQ(error_of<ResultFileError>([&] { result.append_step(sample_step(2)); }), "no error");
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 #include "discretization/results/result_lock.hpp"
 
 #include "discretization/results/result_file.hpp"
+#include "tests/support/errors.hpp"
+#include "tests/support/files.hpp"
 
 #include <gtest/gtest.h>
 
@@ -16,27 +18,14 @@
 namespace mixbeam::result_lock_test {
 namespace {
 
-namespace fs = std::filesystem;
-
 class ResultLocks : public ::testing::Test {
  protected:
-  void SetUp() override {
-    std::string folder = (fs::temp_directory_path() / "mixbeam_lock_XXXXXX").string();
-    ASSERT_NE(mkdtemp(folder.data()), nullptr);
-    folder_ = folder;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  fs::path folder_;
+  const TemporaryFolder temporary_;
+  const fs::path folder_ = temporary_.path();
 };
 
 std::string problem_of(const fs::path& file) {
-  try {
-    const ResultLock lock(file);
-  } catch (const ResultFileError& error) {
-    return error.what();
-  }
-  return "";
+  return error_of<ResultFileError>([&] { const ResultLock lock(file); });
 }
 
 TEST_F(ResultLocks, TheSecondOneIsToldWhoWrites) {
@@ -47,10 +36,10 @@ TEST_F(ResultLocks, TheSecondOneIsToldWhoWrites) {
     const std::string problem = problem_of(file);
     EXPECT_NE(problem.find(file.string()), std::string::npos) << problem;
     EXPECT_NE(problem.find("process " + std::to_string(getpid()) + " on "), std::string::npos) << problem;
-    EXPECT_EQ(problem_of(folder_ / "other.h5"), "") << "other files of the folder are free";
+    EXPECT_EQ(problem_of(folder_ / "other.h5"), "no error") << "other files of the folder are free";
   }
   EXPECT_TRUE(fs::is_empty(folder_));
-  EXPECT_EQ(problem_of(file), "");
+  EXPECT_EQ(problem_of(file), "no error");
 }
 
 TEST_F(ResultLocks, EndsWithTheProcess) {
@@ -72,7 +61,7 @@ TEST_F(ResultLocks, EndsWithTheProcess) {
   close(ready[0]);
   close(ready[1]);
   EXPECT_TRUE(fs::exists(folder_ / ".run.h5.lock")) << "left by the killed one";
-  EXPECT_EQ(problem_of(file), "");
+  EXPECT_EQ(problem_of(file), "no error");
 }
 
 TEST_F(ResultLocks, ASecondResultFileTouchesNothing) {
@@ -113,7 +102,7 @@ TEST_F(ResultLocks, NothingIsWrittenThroughLinks) {
   fs::remove(folder_ / ".run.h5.lock");
   for (const char* hidden : {".run.h5.a", ".run.h5.b", ".run.h5.new"}) fs::create_symlink(precious, folder_ / hidden);
   fs::create_symlink(nowhere, folder_ / ".run.xdmf.new");
-  EXPECT_EQ(problem_of(file), "") << "the twin";
+  EXPECT_EQ(problem_of(file), "no error") << "the twin";
   EXPECT_NO_THROW(ResultFile(file, {"scene", "<xml/>", "1", {}}).close());
   EXPECT_TRUE(fs::is_regular_file(fs::symlink_status(file)));
   EXPECT_EQ(content_of(precious), "process of mine");

@@ -1,40 +1,27 @@
 #include "scene_text.hpp"
+#include "tests/support/files.hpp"
 #include "tests/support/processor_time.hpp"
 
 #include "discretization/text/csv_file.hpp"
 
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <stdexcept>
-
 namespace mixbeam {
 namespace {
 
-/// A folder of its own with tables beside a scene, removed in the end: several users may test on one machine.
+/// Tables beside a scene.
 class SceneImport : public ::testing::Test {
  protected:
-  SceneImport() {
-    std::string folder = (std::filesystem::temp_directory_path() / "mixbeam_import_XXXXXX").string();
-    if (mkdtemp(folder.data()) == nullptr) throw std::runtime_error("no temporary folder: " + folder);
-    folder_ = folder;
-  }
-  ~SceneImport() override { std::filesystem::remove_all(folder_); }
-
-  void write(const std::string& file, const std::string& text) const {
-    std::ofstream(folder_ / file, std::ios::binary) << text;
-  }
+  void write(const std::string& file, const std::string& text) const { write_text(folder_ / file, text); }
 
   Scene read(const std::string& more = "", const std::string& points = "", const std::string& members = "") const {
     const std::string import = "Import: {Points File: points.csv, Members File: members.csv, " + more + "}, ";
-    return described_by(parsed(scene_text(points, members, import), folder_.string() + "/"));
+    return described_by(parsed(scene_text(points, members, import), (folder_ / "").string()));
   }
 
   void expect_refused(const std::vector<std::string>& parts) const {
     expect_in(message_of([&] { read(); }), parts);
   }
 
-  std::filesystem::path folder_;
+  const TemporaryFolder folder_;
 };
 
 const std::string kPoints = "A,0,0,0\nB,1,0,0\nC,1,1e0,-2.5\n";
@@ -61,7 +48,7 @@ TEST_F(SceneImport, CellsMayBeFormulas) {
       "Variables: {h: 2, w: \"=y('C')\"}, Import: {Points File: points.csv, Members File: members.csv, Point Loads "
       "File: "
       "loads.csv}, ";
-  XmlParameters file = parsed(scene_text("", "", import), folder_.string() + "/");
+  XmlParameters file = parsed(scene_text("", "", import), (folder_ / "").string());
   import_entries(file.list->sublist("Scene"), file.source);
   const Scene scene = described_by(file);
   expect_at(scene, "C", {4, 1, -2.5}, 0.0);
@@ -209,7 +196,7 @@ class EntryImport : public SceneImport {
   Scene scene_with(const std::string& import, const std::string& more = "") const {
     const std::string points = "A: [0, 0, 0], B: [1, 0, 0], ";
     XmlParameters xml =
-        parsed(scene_text(points, member("m", "A", "B"), "Import: {" + import + "}, " + more), folder_.string() + "/");
+        parsed(scene_text(points, member("m", "A", "B"), "Import: {" + import + "}, " + more), (folder_ / "").string());
     import_entries(xml.list->sublist("Scene"), xml.source);
     return described_by(xml);
   }

@@ -5,6 +5,8 @@
 #include "discretization/results/result_file.hpp"
 #include "discretization/results/table_file.hpp"
 #include "discretization/text/errors.hpp"
+#include "tests/support/errors.hpp"
+#include "tests/support/files.hpp"
 
 #include <gtest/gtest.h>
 #include <hdf5.h>
@@ -27,21 +29,18 @@
 namespace mixbeam::seal_test {
 namespace {
 
-namespace fs = std::filesystem;
 using Bytes = std::vector<char>;
 
 constexpr std::size_t kPage = 4096;  // what a disk loses at a time
 
 class Seals : public ::testing::Test {
  protected:
-  void SetUp() override {
-    std::string folder = (fs::temp_directory_path() / "mixbeam_seal_XXXXXX").string();
-    ASSERT_NE(mkdtemp(folder.data()), nullptr);
-    folder_ = folder;
-    file_ = folder_ / "run.h5";
+  /// Of the file, or why nothing is left of it.
+  std::string damage() const {
+    std::string found;
+    const std::string error = error_of<InputError>([&] { found = verify_results(file_).damage; });
+    return error == "no error" ? found : error;
   }
-  void TearDown() override { fs::remove_all(folder_); }
-
   Bytes read() const {
     std::ifstream stream(file_, std::ios::binary);
     return {std::istreambuf_iterator<char>(stream), {}};
@@ -50,7 +49,8 @@ class Seals : public ::testing::Test {
     std::ofstream(file_, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   }
 
-  fs::path folder_, file_;
+  const TemporaryFolder temporary_;
+  const fs::path folder_ = temporary_.path(), file_ = folder_ / "run.h5";
 };
 
 StepRecord step_of(int number, std::size_t samples) {
@@ -131,13 +131,7 @@ TEST_F(Seals, DamageOfEveryKindIsSeen) {
         continue;
       }
       write(bytes);
-      std::string damage;
-      try {
-        damage = verify_results(file_).damage;
-      } catch (const InputError& error) {  // nothing is left of it
-        damage = error.what();
-      }
-      EXPECT_NE(damage, "") << "kind " << kind << ", case " << i;
+      EXPECT_NE(damage(), "") << "kind " << kind << ", case " << i;
       ++refused;
     }
   EXPECT_GT(refused, 4 * kEach) << same << " pages were the same";
@@ -248,13 +242,11 @@ TEST_F(Seals, DamageThatIsMetWhileCopyingIsAnError) {
     Bytes bytes = whole;
     bytes[place] ^= 1;
     write(bytes);
-    try {
-      ResultFile{run};
-    } catch (const ResultFileError& error) {
-      EXPECT_NE(std::string(error.what()).find("damaged"), std::string::npos) << error.what();
-      EXPECT_EQ(read(), bytes) << "the file is left as it is";
-      ++refused;
-    }
+    const std::string error = error_of<ResultFileError>([&] { ResultFile{run}; });
+    if (error == "no error") continue;
+    EXPECT_NE(error.find("damaged"), std::string::npos) << error;
+    EXPECT_EQ(read(), bytes) << "the file is left as it is";
+    ++refused;
   }
   EXPECT_GT(refused, blocks / 2) << "of " << blocks << "; the others hold what is not copied";
 }
@@ -348,13 +340,7 @@ TEST_F(Seals, ForgedFilesAreRefusedBeforeTheyAreRead) {
   for (const Forgery& forgery : forgeries(other_file)) {
     write(whole);
     forge_and_seal(file_, forgery.forge);
-    std::string damage;
-    try {
-      damage = verify_results(file_).damage;
-    } catch (const InputError& error) {
-      damage = error.what();
-    }
-    EXPECT_NE(damage.find(forgery.reason), std::string::npos) << forgery.reason << ": " << damage;
+    EXPECT_NE(damage().find(forgery.reason), std::string::npos) << forgery.reason << ": " << damage();
     if (forgery.is_run_refused) {
       EXPECT_THROW(read_run(file_), InputError) << forgery.reason;
     }

@@ -1,5 +1,6 @@
 // Members through tables of sections, and rigid arms.
 #include "scene_text.hpp"
+#include "tests/support/files.hpp"
 
 #include "discretization/checks/scene_warnings.hpp"
 
@@ -75,17 +76,15 @@ TEST(SectionStations, MistakesAreNamed) {
 }
 
 TEST(SectionStations, ComeFromATable) {
-  std::string folder = (std::filesystem::temp_directory_path() / "mixbeam_stations_XXXXXX").string();
-  ASSERT_NE(mkdtemp(folder.data()), nullptr);
+  const TemporaryFolder folder;
   const auto read = [&](const std::string& table) {
-    std::ofstream(folder + "/blade.csv", std::ios::binary) << table;
-    return described_by(parsed(blade("Table: blade.csv"), folder + "/"));
+    write_text(folder / "blade.csv", table);
+    return described_by(parsed(blade("Table: blade.csv"), (folder / "").string()));
   };
   const Scene scene = read("position,section,twist,offset 3\n0,root,0.3,\n0.2,flat,=0.2/2,0.5\n1,tip,,\n");
   expect_at(scene, "blade[1]", {3, 0, 0.5}, kRounding);
   EXPECT_NEAR(scene.members[1].twist, -0.1, kRounding);
   expect_in(message_of([&] { read("position,section\n0,root\nx,tip\n"); }), {"blade.csv:3:", "position"});
-  std::filesystem::remove_all(folder);
 }
 
 TEST(RigidArms, StandBesideTheirMember) {

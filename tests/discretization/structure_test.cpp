@@ -2,7 +2,9 @@
 #include "discretization/mesh/structure.hpp"
 
 #include "discretization/text/errors.hpp"
+#include "tests/support/errors.hpp"
 #include "tests/support/scenes.hpp"
+#include "tests/support/text.hpp"
 
 #include <gtest/gtest.h>
 
@@ -58,12 +60,7 @@ TEST(Mesh, EndOfAnArcMayFollowFromItsCurve) {
 TEST(Mesh, NamesTheNearestPointAndMember) {
   const Scene scene = branched();
   const Mesh mesh = build_mesh(scene);
-  try {
-    vertex_of(mesh, "tyne 1");
-    FAIL() << "no error";
-  } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("\"tine 1\""), std::string::npos) << error.what();
-  }
+  expect_in(error_of<InputError>([&] { vertex_of(mesh, "tyne 1"); }), {"\"tine 1\""});
   EXPECT_THROW(member_index(scene, "shafd"), InputError);
 }
 
