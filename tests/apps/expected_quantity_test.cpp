@@ -1,6 +1,8 @@
 /// Every quantity that a scene may expect, of a rod whose answer is exact.
 #include "apps/common/run/expected_quantity.hpp"
 
+#include "tests/support/scenes.hpp"
+
 #include <gtest/gtest.h>
 #include <Teuchos_DefaultMpiComm.hpp>
 
@@ -16,31 +18,11 @@ constexpr double kTolerance = 1e-9;  // Newton's method ends below it for values
 /// A rod along y from "foot" to "tip", clamped at its foot.
 Scene rod(const Vector3& force, const Vector3& moment) {
   Scene scene;
-  Section section;
-  section.name = "section";
-  section.axial_stiffness = kAxial;
-  section.shear_stiffness = {500.0, 500.0};
-  section.torsional_stiffness = kBending;
-  section.bending_stiffness = {kBending, kBending};
-  scene.sections = {section};
+  scene.sections = {test::section(kAxial, 500.0, kBending, kBending)};
   scene.points = {{"foot", {0, 0, 0}}, {"tip", {0, kLength, 0}}};
-  Member member;
-  member.name = "rod";
-  member.start_point = "foot";
-  member.end_point = "tip";
-  member.section = "section";
-  member.order = 4;
-  member.elements = 4;
-  scene.members = {member};
-  Support clamp;
-  clamp.point = "foot";
-  clamp.displacement_fixed = clamp.rotation_fixed = {true, true, true};
-  scene.supports = {clamp};
-  PointLoad load;
-  load.point = "tip";
-  load.force = force;
-  load.moment = moment;
-  scene.point_loads = {load};
+  scene.members = {test::line("rod", "foot", "tip", 4, 4)};
+  scene.supports = {test::clamp("foot")};
+  scene.point_loads = {test::dead_load("tip", force, moment)};
   return scene;
 }
 
