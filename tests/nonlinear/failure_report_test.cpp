@@ -2,6 +2,7 @@
 #include "nonlinear/diagnosis/failure_report.hpp"
 
 #include "tests/nonlinear/beam_fixture.hpp"
+#include "tests/support/constrained_scenes.hpp"
 #include "tests/support/text.hpp"
 
 #include <algorithm>
@@ -180,11 +181,7 @@ TEST(FailureReport, OfALimitPoint) {
   scene.points = {{"foot", {0, 0, 0}}, {"corner", {0, 120, 0}}, {"loaded", {24, 120, 0}}, {"end", {120, 120, 0}}};
   scene.members = {line("column", "foot", "corner", 4, 6), line("short", "corner", "loaded", 4, 2),
                    line("long", "loaded", "end", 4, 5)};
-  for (const char* point : {"foot", "end"}) {
-    Support hinge = clamp(point);
-    hinge.rotation_fixed = {true, true, false};
-    scene.supports.push_back(hinge);
-  }
+  scene.supports = {hinged("foot"), hinged("end")};
   scene.point_loads = {dead_load("loaded", {0, -2.0, 0})};
   const Outcome outcome = follow(scene, in_steps(0.1, 1e-4, 6));
   ASSERT_TRUE(outcome.result.report.has_value());

@@ -5,7 +5,7 @@
 #include "nonlinear/newton/step.hpp"
 #include "nonlinear/path/path_measure.hpp"
 #include "tests/nonlinear/stability_fixture.hpp"
-#include "tests/support/constrained_scenes.hpp"
+#include "tests/support/buckling_scenes.hpp"
 #include "tests/support/solve.hpp"
 
 #include <cmath>
@@ -142,10 +142,7 @@ TEST(Jumps, AnArchThatBucklesAsideArrivesOnItsSymmetricPath) {
 Scene column(double load) {
   Scene scene = cantilever(section(1e4, 1e4, 1.0, 1.0), 1.0, 3, 6);
   scene.name = "column";
-  Support guide = clamp("tip");
-  guide.displacement_fixed = {false, false, true};
-  guide.rotation_fixed = {true, true, false};
-  scene.supports.push_back(guide);
+  scene.supports.push_back(support("tip", {false, false, true}, {true, true, false}));
   scene.point_loads = {dead_load("tip", {-load, 0, 0})};
   return scene;
 }
@@ -174,13 +171,10 @@ Scene held_lattice(int size) {
   for (int i = 0; i < size; ++i)
     for (int j = 0; j < size; ++j) {
       scene.points.push_back({name(i, j), {1.0 * i, 1.0 * j, 0}});
-      Support support = clamp(name(i, j));
-      if (i > 0 && i < size - 1) {
-        support.displacement_fixed = {false, false, true};
-        support.rotation_fixed = {true, true, false};
-      }
-      if (i == size - 1) support.prescribed_displacement = {-0.02 * i, 0.1 * i, 0};
-      scene.supports.push_back(support);
+      const bool is_inside = i > 0 && i < size - 1;
+      scene.supports.push_back(is_inside ? support(name(i, j), {false, false, true}, {true, true, false})
+                                         : clamp(name(i, j)));
+      if (i == size - 1) scene.supports.back().prescribed_displacement = {-0.02 * i, 0.1 * i, 0};
       if (i > 0) scene.members.push_back(line("x" + name(i, j), name(i - 1, j), name(i, j), 2, 2));
       if (j > 0 && i > 0 && i < size - 1)
         scene.members.push_back(line("y" + name(i, j), name(i, j - 1), name(i, j), 2, 2));
@@ -230,11 +224,7 @@ Scene springs_and_loads(double load) {
   for (PointLoad& one : scene.point_loads) one.moment = {0, 0, 0};
   scene.point_loads.pop_back();
   scene.supports[0].prescribed_displacement = {0.05 * load, -0.02 * load, 0.0};
-  Eigenstrain strain;
-  strain.member = "beam 1";
-  strain.strain = {2e-3 * load, 0, 0};
-  strain.curvature = {0, 0.05 * load, 0.1 * load};
-  scene.eigenstrains = {strain};
+  scene.eigenstrains = {{"beam 1", {2e-3 * load, 0, 0}, {0, 0.05 * load, 0.1 * load}}};
   return scene;
 }
 

@@ -110,11 +110,7 @@ Scene beam_on_columns(double bending) {
     scene.members.back().section = "beam";
   }
   for (Member& member : scene.members) member.second_axis = {0, 0, 1};
-  Support no_sway;
-  no_sway.point = "top 0";
-  no_sway.displacement_fixed = {true, false, true};
-  no_sway.rotation_fixed = {true, true, false};
-  scene.supports.push_back(no_sway);
+  scene.supports.push_back(support("top 0", {true, false, true}, {true, true, false}));  // no sway
   scene.point_loads = {dead_load("load", {0, -1, 0})};
   return scene;
 }

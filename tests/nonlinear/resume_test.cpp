@@ -2,7 +2,7 @@
 #include "discretization/state/difference.hpp"
 #include "nonlinear/path/step_size.hpp"
 #include "tests/nonlinear/beam_fixture.hpp"
-#include "tests/support/constrained_scenes.hpp"
+#include "tests/support/buckling_scenes.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -199,11 +199,8 @@ TEST(Resume, PathThroughLimitPoints) {
 
 TEST(Resume, BranchBehindABifurcation) {
   Scene column = cantilever(section(kRigid, kRigid, 1.0, 2.0), 1.0, 3, 6);
-  Support plane;  // in which it buckles, else it could choose
-  plane.point = "tip";
-  plane.displacement_fixed = {false, false, true};
-  plane.rotation_fixed = {true, true, false};
-  column.supports.push_back(plane);
+  // in this plane it buckles, else it could choose
+  column.supports.push_back(support("tip", {false, false, true}, {true, true, false}));
   column.point_loads = {dead_load("tip", {-6, 0, 0})};
   SolverParameters parameters;
   parameters.analysis.branch = Branch::positive;
