@@ -825,7 +825,7 @@ void ViewWriter::read_steps() {
     for (const auto& [name, gradient] : gradients_) {
       if (s + 1 < steps.size()) break;
       held.take(name, sensitivities(steps[s].group + "/" + gradient.group, gradient.stiffness));
-      step.arrays[name] = chosen(held.field(name), run_.samples(), kept_);
+      step.arrays[name] = drawn(held.field(name));
     }
     for (const PageField& field : fields_) step.extremes.push_back(held.extremes(field));
     for (const char* name : {"displacement", kForces[0], kForces[1], kStrains[0], kStrains[1], kStresses[0],
