@@ -6,8 +6,8 @@
 
 #include "discretization/assembly/line_fields.hpp"
 #include "discretization/assembly/phase_timer.hpp"
-#include "discretization/assembly/rotating_elements.hpp"
 #include "discretization/constraints/external_energy.hpp"
+#include "discretization/constraints/rotating_frame.hpp"
 #include "discretization/linear_system/vertex_matrix.hpp"
 #include "discretization/mesh/mixed_vector.hpp"
 #include "discretization/mesh/structure.hpp"

@@ -1,6 +1,6 @@
 #include "nonlinear/path/step_size.hpp"
 
-#include "discretization/constraints/conditions.hpp"
+#include "discretization/constraints/constraint_rows.hpp"
 #include "discretization/scene/scene.hpp"
 #include "kernels/math/constants.hpp"
 #include "nonlinear/path/thresholds.hpp"
