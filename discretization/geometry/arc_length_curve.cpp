@@ -38,14 +38,6 @@ const GaussRule& rule() {
 
 Vec3<double> unit(const Vec3<double>& v) { return (1.0 / std::hypot(v[0], v[1], v[2])) * v; }
 
-/// Smallest rotation between two unit vectors that are not opposite.
-Quaternion<double> smallest_rotation(const Vec3<double>& from, const Vec3<double>& to) {
-  const Vec3<double> axis = cross(from, to);
-  return normalized(Quaternion<double>{1.0 + dot(from, to), axis[0], axis[1], axis[2]});
-}
-
-Quaternion<double> turn_about_tangent(double angle) { return {std::cos(0.5 * angle), std::sin(0.5 * angle), 0.0, 0.0}; }
-
 Vec3<double> first_axis(const Quaternion<double>& triad) {
   const Mat3<double> m = rotation_matrix(triad);
   return unit({{m(0, 0), m(1, 0), m(2, 0)}});
@@ -56,6 +48,15 @@ std::invalid_argument no_tangent(double t) {
 }
 
 }  // namespace
+
+Quaternion<double> smallest_rotation(const Vec3<double>& from, const Vec3<double>& to) {
+  const Vec3<double> axis = cross(from, to);
+  return normalized(Quaternion<double>{1.0 + dot(from, to), axis[0], axis[1], axis[2]});
+}
+
+Quaternion<double> turn_about_first_axis(double angle) {
+  return {std::cos(0.5 * angle), std::sin(0.5 * angle), 0.0, 0.0};
+}
 
 Vec3<double> start_tangent(const PolynomialCurve& curve) {
   const PolynomialPiece& piece = curve.pieces.front();
@@ -100,7 +101,7 @@ ArcLengthCurve::Integrals ArcLengthCurve::Panel::integrate(double t) const {
 
 Quaternion<double> ArcLengthCurve::Panel::carried_triad(double t, double angle) const {
   const Vec3<double> g1 = forward() * unit(piece->velocity(t));
-  return normalized(smallest_rotation(tangent, g1) * triad * turn_about_tangent(angle));
+  return normalized(smallest_rotation(tangent, g1) * triad * turn_about_first_axis(angle));
 }
 
 void ArcLengthCurve::add_panels(const PolynomialPiece& piece, double first, double last, int halvings) {

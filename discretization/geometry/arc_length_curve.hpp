@@ -63,6 +63,10 @@ class ArcLengthCurve {
   std::vector<Panel> panels_;
 };
 
+/// Smallest rotation between two unit vectors that are not opposite.
+Quaternion<double> smallest_rotation(const Vec3<double>& from, const Vec3<double>& to);
+Quaternion<double> turn_about_first_axis(double angle);
+
 /// Unit tangent at the start of a curve. Throws std::invalid_argument when the curve does not move there.
 Vec3<double> start_tangent(const PolynomialCurve& curve);
 

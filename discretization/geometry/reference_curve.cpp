@@ -84,10 +84,6 @@ Quaternion<double> triad_of(const Vector3& g1, const Vector3& g2) {
   return quaternion_of(Mat3<double>{{{g1[0], g2[0], g3[0]}, {g1[1], g2[1], g3[1]}, {g1[2], g2[2], g3[2]}}});
 }
 
-Quaternion<double> turn_about_first_axis(double angle) {
-  return {std::cos(0.5 * angle), std::sin(0.5 * angle), 0.0, 0.0};
-}
-
 Quaternion<double> carried_triad(const ReferenceCurve& curve, double s) {
   if (curve.path != nullptr) return curve.path->triad(s);
   return curve.start_triad * exp_quaternion(s * (curve.start_curvature - Vec3<double>{{curve.twist_rate, 0.0, 0.0}}));

@@ -134,12 +134,6 @@ Quat triad_at(const ElementView& element, double xi) {
   return element.triad() * exp_quaternion(element.relative_rotation_at(P));
 }
 
-/// The rotation that takes one unit vector into another by the shortest way.
-Quat shortest_turn(const Vec& from, const Vec& to) {
-  const Vec axis = cross(from, to);
-  return normalized(Quat{1.0 + dot(from, to), axis[0], axis[1], axis[2]});
-}
-
 /// Finds forces that balance the loads in the drawn geometry, and sections turned so that shear needs no natural
 /// strain.
 class RestShapeFinder {
@@ -307,7 +301,7 @@ double RestShapeFinder::turn_sections() {
       const double across = goal[1] * goal[1] + goal[2] * goal[2];
       if (!(across < 1.0)) throw ConvergenceError("the rest shape: shear turns sections along the drawn axis");
       goal[0] = std::sqrt(1.0 - across);
-      turned.push_back(triad_at(element.in(drawn_.views), gauss.xi[q]) * shortest_turn(goal, Vec{{1.0, 0.0, 0.0}}));
+      turned.push_back(triad_at(element.in(drawn_.views), gauss.xi[q]) * smallest_rotation(goal, Vec{{1.0, 0.0, 0.0}}));
     }
     const FittedRotation fit = fit_rotation(element.triad(), turned, gauss.xi, gauss.weight, k);
     store_quaternion(fit.triad, element.triad_numbers());
