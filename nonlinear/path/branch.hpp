@@ -2,7 +2,7 @@
 #pragma once
 
 #include "nonlinear/path/corrector.hpp"
-#include "nonlinear/stability/critical_point.hpp"
+#include "nonlinear/stability/stability.hpp"
 
 #include <functional>
 #include <optional>

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "nonlinear/path/corrector.hpp"
-#include "nonlinear/stability/critical_point.hpp"
+#include "nonlinear/stability/stability.hpp"
 
 #include <complex>
 #include <optional>

@@ -4,7 +4,7 @@
 #include "discretization/state/member_samples.hpp"
 #include "nonlinear/diagnosis/failure_report.hpp"
 #include "nonlinear/parameters/solver_parameters.hpp"
-#include "nonlinear/stability/critical_point.hpp"
+#include "nonlinear/stability/stability.hpp"
 
 #include <functional>
 #include <optional>

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "nonlinear/newton/beam_group.hpp"
-#include "nonlinear/stability/critical_point.hpp"
 #include "nonlinear/stability/stability.hpp"
 
 #include <cmath>

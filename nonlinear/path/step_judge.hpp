@@ -14,7 +14,7 @@
 #include "discretization/scene/amplitude.hpp"
 #include "nonlinear/path/corrector.hpp"
 #include "nonlinear/path/path_measure.hpp"
-#include "nonlinear/stability/critical_point.hpp"
+#include "nonlinear/stability/stability.hpp"
 
 #include <string>
 #include <vector>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "nonlinear/sensitivity/gradient.hpp"
-#include "nonlinear/stability/critical_point.hpp"
+#include "nonlinear/stability/stability.hpp"
 
 namespace mixbeam {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "nonlinear/newton/beam_problem.hpp"
-#include "nonlinear/stability/eigen_mode.hpp"
+#include "nonlinear/stability/independent_unknowns.hpp"
 
 #include <array>
 #include <complex>

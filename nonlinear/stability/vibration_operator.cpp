@@ -4,7 +4,7 @@
 #include "nonlinear/linear/krylov.hpp"
 #include "nonlinear/linear/linear_solver.hpp"
 #include "nonlinear/stability/block_krylov.hpp"
-#include "nonlinear/stability/eigen_mode.hpp"
+#include "nonlinear/stability/independent_unknowns.hpp"
 #include "nonlinear/stability/thresholds.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
