@@ -68,16 +68,16 @@ std::vector<double> Masses::damped_strains_of(const MixedVector& motion) const {
   if (strain_count_ == 0) return {};
   const KernelView<const double* [6]> vertex = model_->local_increment(motion);
   for (const VibratingBlock& block : blocks_) strains_of(block, vertex, motion.interior(), strains_);
-  std::vector<double> mine(strain_count_, 0.0), all(strain_count_);
+  std::vector<double> all(strain_count_, 0.0);
   for (const VibratingBlock& block : blocks_)
     for (int e = 0; e < block.block.count; ++e) {
       const ElementView element(model_->structure(), block.block, e);
       if (!element.is_owned()) continue;
       const double beta = damping_[element.mesh_element()][1];
-      double* out = &mine[static_cast<size_t>(strain_stride_) * element.mesh_element()];
+      double* out = &all[static_cast<size_t>(strain_stride_) * element.mesh_element()];
       for (int i = 0; i < block.layout().stresses(); ++i) out[i] = beta * strains_(element.local(), i);
     }
-  Teuchos::reduceAll(*model_->map()->getComm(), Teuchos::REDUCE_SUM, strain_count_, mine.data(), all.data());
+  sum_over_ranks(*model_->map()->getComm(), all.data(), all.size());
   return all;
 }
 
@@ -130,9 +130,8 @@ void Masses::add_coriolis(const double* momenta, std::vector<double>& forces) co
       const size_t first = place_of(bodies_[i]) + 3 * part;
       store_vector(of_bodies_[i][part] * load_vector(momenta + first), &mine[first]);
     }
-  std::vector<double> all(count_);
-  Teuchos::reduceAll(*model_->map()->getComm(), Teuchos::REDUCE_SUM, count_, mine.data(), all.data());
-  for (size_t i = 0; i < all.size(); ++i) forces[i] += all[i];
+  sum_over_ranks(*model_->map()->getComm(), mine.data(), mine.size());
+  for (size_t i = 0; i < mine.size(); ++i) forces[i] += mine[i];
 }
 
 /// Velocities along the normal of the plane and spins about other axes get no mass.
@@ -208,22 +207,21 @@ Tangent::InteriorCount Masses::interior_count() const {
       const int negative = block.negative(e);
       sums[negative == kUncertainCount ? 1 : 0] += negative == kUncertainCount ? 1.0 : negative;
     }
-  double all[2] = {0.0, 0.0};
-  Teuchos::reduceAll(*model_->map()->getComm(), Teuchos::REDUCE_SUM, 2, sums, all);
-  return {static_cast<long>(all[0]), all[1] > 0.0};
+  sum_over_ranks(*model_->map()->getComm(), sums, 2);
+  return {static_cast<long>(sums[0]), sums[1] > 0.0};
 }
 
 std::vector<double> Masses::momenta_of(const State& state, const MixedVector& motion) const {
   const KernelView<const double* [6]> vertex = model_->local_increment(motion);
   for (const VibratingBlock& block : blocks_) mixbeam::momenta_of(block, vertex, motion.interior(), of_elements_);
-  std::vector<double> mine(count_, 0.0), all(count_);
+  std::vector<double> all(count_, 0.0);
   for_each_element(model_->structure(), [&](const ElementView& element) {
     if (!element.is_owned()) return;
     const int count = VibrationLayout{element.order(), 0}.velocities();
-    std::copy_n(&of_elements_(element.local(), 0), count, &mine[static_cast<size_t>(stride_) * element.mesh_element()]);
+    std::copy_n(&of_elements_(element.local(), 0), count, &all[static_cast<size_t>(stride_) * element.mesh_element()]);
   });
-  take_momenta_of_bodies(state, vertex, mine.data());
-  Teuchos::reduceAll(*model_->map()->getComm(), Teuchos::REDUCE_SUM, count_, mine.data(), all.data());
+  take_momenta_of_bodies(state, vertex, all.data());
+  sum_over_ranks(*model_->map()->getComm(), all.data(), all.size());
   return all;
 }
 

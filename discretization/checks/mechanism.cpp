@@ -383,10 +383,7 @@ RigidAssembly locked(const RigidAssembly& assembly) {
     whole.points.insert(whole.points.end(), part.points.begin(), part.points.end());
     whole.positions.insert(whole.positions.end(), part.positions.begin(), part.positions.end());
   }
-  for (const Vector3& position : whole.positions)
-    whole.center = sum(whole.center, scaled(1.0 / static_cast<double>(whole.positions.size()), position));
-  for (const Vector3& position : whole.positions)
-    whole.size = std::max(whole.size, norm(difference(position, whole.center)));
+  measure(whole);
   return single;
 }
 

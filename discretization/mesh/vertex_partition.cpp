@@ -18,40 +18,28 @@ struct VertexGraph {
   std::vector<idx_t> ends;  ///< (node): ends of elements there, which take memory and time
   std::vector<idx_t> start, next, price;
 
-  explicit VertexGraph(const Mesh& mesh);
-
- private:
-  void number(const Mesh& mesh);
-};
-
-void VertexGraph::number(const Mesh& mesh) {
-  node.resize(mesh.vertices());
-  std::vector<unsigned char> is_slave(mesh.vertices(), 0);
-  for (const MeshJoint& joint : mesh.joints) is_slave[joint.slave] = 1;
-  idx_t nodes = 0;
-  for (int v = 0; v < mesh.vertices(); ++v) node[v] = is_slave[v] != 0 ? -1 : nodes++;
-  for (const MeshJoint& joint : mesh.joints) node[joint.slave] = node[joint.master];
-  ends.assign(nodes, 0);
-  for (const MeshElement& element : mesh.elements)
-    for (int vertex : element.vertex) ++ends[node[vertex]];
-}
-
-VertexGraph::VertexGraph(const Mesh& mesh) {
-  number(mesh);
-  const auto nodes = static_cast<idx_t>(ends.size());
-  const auto inside_chain = [this](idx_t n) { return ends[n] == 2 ? 1 : 0; };
-  const Graph<idx_t> graph = joined_links<idx_t>(static_cast<int>(nodes), [&](const auto& add) {
+  explicit VertexGraph(const Mesh& mesh) : node(mesh.vertices(), 0) {
+    for (const MeshJoint& joint : mesh.joints) node[joint.slave] = -1;
+    idx_t nodes = 0;
+    for (idx_t& number : node) number = number < 0 ? -1 : nodes++;
+    for (const MeshJoint& joint : mesh.joints) node[joint.slave] = node[joint.master];
+    ends.assign(nodes, 0);
     for (const MeshElement& element : mesh.elements)
-      for (int end = 0; end < 2; ++end) {
-        const idx_t here = node[element.vertex[end]], there = node[element.vertex[1 - end]];
-        // a cut element is evaluated on both sides, and its ends are not eliminated
-        add(static_cast<int>(here), {static_cast<int>(there), 1 + inside_chain(here) + inside_chain(there)});
-      }
-  });
-  start.assign(graph.start.begin(), graph.start.end());
-  next.assign(graph.neighbour.begin(), graph.neighbour.end());
-  price = graph.weight;
-}
+      for (int vertex : element.vertex) ++ends[node[vertex]];
+    const auto inside_chain = [this](idx_t n) { return ends[n] == 2 ? 1 : 0; };
+    const Graph<idx_t> graph = joined_links<idx_t>(static_cast<int>(nodes), [&](const auto& add) {
+      for (const MeshElement& element : mesh.elements)
+        for (int end = 0; end < 2; ++end) {
+          const idx_t here = node[element.vertex[end]], there = node[element.vertex[1 - end]];
+          // a cut element is evaluated on both sides, and its ends are not eliminated
+          add(static_cast<int>(here), {static_cast<int>(there), 1 + inside_chain(here) + inside_chain(there)});
+        }
+    });
+    start.assign(graph.start.begin(), graph.start.end());
+    next.assign(graph.neighbour.begin(), graph.neighbour.end());
+    price = graph.weight;
+  }
+};
 
 /// First vertex of a contiguous share.
 int first_of_share(int rank, int ranks, const Mesh& mesh) {

@@ -358,7 +358,7 @@ void Hierarchy::cycle(size_t l) {
   level.restrict_to(v.residual, vectors_[l + 1].residual);
   cycle(l + 1);
   level.prolong(vectors_[l + 1].x, v.step);
-  level.add(v.step, v.x);
+  multilevel::add(1.0, v.step, v.x);
   level.subtract_product(v.step, v.residual);
   level.smooth(v.residual, v.x, v.step, v.other, false);
 }

@@ -281,12 +281,6 @@ void Level::smooth(const LevelVector& residual, const LevelVector& x, const Leve
   }
 }
 
-void Level::add(const LevelVector& step, const LevelVector& x) const {
-  double* to = x.data();
-  const double* from = step.data();
-  for_each(unknowns(), [=](int i) { to[i] += from[i]; });
-}
-
 void Level::scale_rows(const KernelView<const double*>& b, const LevelVector& scaled) const {
   for_each(nodes_, [&](int v) {
     const int at = unknown_[v], m = unknown_[v + 1] - at;

@@ -158,8 +158,6 @@ class Level {
   /// before, and afterwards to x without `step`, the last change. `other`: scratch.
   void smooth(const LevelVector& residual, const LevelVector& x, const LevelVector& step, const LevelVector& other,
               bool starts_at_zero) const;
-  /// x += step
-  void add(const LevelVector& step, const LevelVector& x) const;
   /// residual -= A^ x
   void subtract_product(const LevelVector& x, const LevelVector& residual) const;
   void restrict_to(const LevelVector& fine, const LevelVector& coarse) const;
