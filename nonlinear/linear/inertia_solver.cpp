@@ -165,6 +165,7 @@ struct InertiaSolver::Dense final : Factors {
   double& at(int i, int j) { return factors[static_cast<size_t>(j) * rows + i]; }
 
   Signs factorize() override {
+    if (rows == 0) return {0, 0, 1};  // LAPACK takes no leading dimension of zero
     std::fill(factors.begin(), factors.end(), 0.0);
     double largest = 0.0;
     for (size_t k = 0; k < entry.size(); ++k) {
@@ -218,6 +219,7 @@ struct InertiaSolver::Dense final : Factors {
   }
   void solve(double* block, int columns, bool transposed) override {
     int info = 0;
+    if (rows == 0) return;
     if (kind == Kind::general) {
       dgetrs_(transposed ? "T" : "N", &rows, &columns, factors.data(), &rows, pivots.data(), block, &rows, &info);
       return;
