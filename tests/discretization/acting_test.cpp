@@ -13,34 +13,21 @@ namespace {
 constexpr double kRounding = 1e-14;
 
 Member straight(const std::string& name, const std::string& start, const std::string& end) {
-  Member member;
-  member.name = name;
-  member.start_point = start;
-  member.end_point = end;
-  member.section = "s";
-  member.elements = 2;
-  return member;
+  return {name, start, end, {}, "s", 2, 2};
 }
 
 /// Two members of length 2 and 3 that meet in a hinge; the middle of the first has a name.
 Scene hinged() {
   Scene scene;
   scene.units = "m, N";
-  scene.sections = {Section{}};
-  scene.sections[0].name = "s";
-  set_diagonal(scene.sections[0], {1, 1, 1, 1, 1, 1});
+  scene.sections = {{"s", 1, {1, 1}, 1, {1, 1}}};
   scene.points = {{"a", {0, 0, 0}}, {"b", {2, 0, 0}}, {"c", {2, 3, 0}}};
   scene.members = {straight("first", "a", "b"), straight("second", "b", "c")};
   scene.members[0].inner_points = {{"middle", 0.5}};
-  Joint joint;
-  joint.name = "pin";
-  joint.point = "b";
-  joint.members = {"first"};
-  scene.joints = {joint};
-  Support support;
-  support.point = "middle";
-  support.displacement_fixed = {true, true, true};
-  scene.supports = {support};
+  scene.joints = {{"pin", "b", {"first"}}};
+  scene.supports.resize(1);
+  scene.supports[0].point = "middle";
+  scene.supports[0].displacement_fixed = {true, true, true};
   return scene;
 }
 
@@ -66,12 +53,7 @@ void expect_at(const ActingTable& table, std::size_t row, int member, double s, 
 
 TEST(ActingOn, PointsLieWhereNoJointMovesThem) {
   Scene scene = hinged();
-  PointLoad load;
-  load.point = "b";
-  load.force = {0, 1, 0};
-  scene.point_loads = {load, load};
-  scene.point_loads[1].frame = LoadFrame::follower;
-  scene.point_loads[1].member = "first";
+  scene.point_loads = {{"b", {0, 1, 0}}, {"b", {0, 1, 0}, {}, LoadFrame::follower, "first"}};
   const Acting acting = acting_on(scene, build_mesh(scene));
   EXPECT_EQ(acting.units, "m, N");
   ASSERT_EQ(table_of(acting, "supports").rows, 1U);
@@ -86,11 +68,7 @@ TEST(ActingOn, PointsLieWhereNoJointMovesThem) {
 
 TEST(ActingOn, LineLoadsAreSampledAlongTheirMember) {
   Scene scene = hinged();
-  DistributedLoad load;
-  load.member = "second";
-  load.force = {0, 0, -2};
-  load.force_formula = {"s", "", "x^2"};
-  scene.distributed_loads = {load};
+  scene.distributed_loads = {{"second", {0, 0, -2}, {}, 1, LoadFrame::dead, {"s", "", "x^2"}}};
   const Acting acting = acting_on(scene, build_mesh(scene));
   const ActingTable& loads = table_of(acting, "line_loads");
   ASSERT_EQ(loads.rows, 1U);
@@ -104,11 +82,7 @@ TEST(ActingOn, LineLoadsAreSampledAlongTheirMember) {
 
 TEST(ActingOn, EigenstrainsAreSampledToo) {
   Scene scene = hinged();
-  Eigenstrain strain;
-  strain.member = "first";
-  strain.curvature = {0, 0.5, 0};
-  strain.strain_formula = {"1e-3*x", "", ""};
-  scene.eigenstrains = {strain};
+  scene.eigenstrains = {{"first", {}, {0, 0.5, 0}, 1, {"1e-3*x", "", ""}}};
   const Acting acting = acting_on(scene, build_mesh(scene));
   const ActingTable& strains = table_of(acting, "eigenstrains");
   ASSERT_EQ(strains.rows, 1U);

@@ -3,6 +3,7 @@
 
 #include "scene_text.hpp"
 #include "tests/support/processor_time.hpp"
+#include "tests/support/scenes.hpp"
 
 #include <cmath>
 #include <functional>
@@ -11,24 +12,10 @@ namespace mixbeam {
 namespace {
 
 /// Diameter 0.1 and E = 100 GPa, in m and N.
-Section steel() {
-  Section section;
-  section.name = "steel";
-  section.axial_stiffness = 7.85e8;
-  section.shear_stiffness = {2.7e8, 2.7e8};
-  section.torsional_stiffness = 3.8e5;
-  section.bending_stiffness = {4.9e5, 4.9e5};
-  return section;
-}
+Section steel() { return {"steel", 7.85e8, {2.7e8, 2.7e8}, 3.8e5, {4.9e5, 4.9e5}}; }
 
 Member line(const std::string& name, const std::string& start, const std::string& end, int elements = 4) {
-  Member member;
-  member.name = name;
-  member.start_point = start;
-  member.end_point = end;
-  member.section = "steel";
-  member.elements = elements;
-  return member;
+  return {name, start, end, {}, "steel", 2, elements};
 }
 
 /// An L of two rods of 5 m with a force of 1 kN at its end.
@@ -37,14 +24,8 @@ Scene frame() {
   scene.sections = {steel()};
   scene.points = {{"foot", {0, 0, 0}}, {"corner", {0, 0, 5}}, {"end", {5, 0, 5}}};
   scene.members = {line("post", "foot", "corner"), line("arm", "corner", "end")};
-  Support clamp;
-  clamp.point = "foot";
-  clamp.displacement_fixed = clamp.rotation_fixed = {true, true, true};
-  scene.supports = {clamp};
-  PointLoad load;
-  load.point = "end";
-  load.force = {0, 0, -1000};
-  scene.point_loads = {load};
+  scene.supports = {test::clamp("foot")};
+  scene.point_loads = {test::dead_load("end", {0, 0, -1000})};
   return scene;
 }
 
@@ -91,12 +72,7 @@ TEST(SceneWarnings, OfUnits) {
   expect_warning({"GIt over", "It is the sum"}, [](Scene& s) { s.sections[0].torsional_stiffness = 3.8e11; });
   expect_warning({"Point Loads / at end", "over EI is 1.02e+08", "units"},
                  [](Scene& s) { s.point_loads[0].force[2] = 1e12; });
-  expect_warning({"Distributed Loads / on arm"}, [](Scene& s) {
-    DistributedLoad load;
-    load.member = "arm";
-    load.couple = {0, 1e12, 0};
-    s.distributed_loads = {load};
-  });
+  expect_warning({"Distributed Loads / on arm"}, [](Scene& s) { s.distributed_loads = {{"arm", {}, {0, 1e12, 0}}}; });
 }
 
 /// F l^2 / EI of the frame is 0.051, its strain 5.1e-4; r = 0.025.
