@@ -37,26 +37,16 @@ void halve_elements(const MeshMember& mesh, Member& member) {
   member.stations.back() = 1.0;
 }
 
-/// Meshes with no more than that many elements in every member and members, on which one order more often has an error
-/// of the other sign: two more cost 1.08 times as much there. All members or none, whose shares would not compare.
-constexpr int kFewElements = 2;
-constexpr size_t kFewMembers = 3;
-
-/// One order more in every member, two where the mesh has few elements; where the order is the highest there is, two
-/// elements of it in place of each one.
+/// One order more in every member; where the order is the highest there is, two elements of it in place of each one.
 RicherScene richer_scene(const Model& model) {
   const Scene& scene = model.scene();
   std::shared_ptr<const Mesh> mesh;
   RicherScene richer{std::make_shared<Scene>(scene), std::vector<unsigned char>(scene.members.size(), 0)};
-  const bool has_few = scene.members.size() <= kFewMembers &&
-                       std::all_of(scene.members.begin(), scene.members.end(),
-                                   [](const Member& member) { return member.elements <= kFewElements; });
   for (size_t m = 0; m < scene.members.size(); ++m) {
     Member& member = richer.scene->members[m];
     richer.is_halved[m] = member.order == kMaximumOrder;
     if (!richer.is_halved[m]) {
       ++member.order;
-      if (member.order < kMaximumOrder && has_few) ++member.order;
       continue;
     }
     if (mesh == nullptr) mesh = model.whole_mesh();
