@@ -189,6 +189,7 @@ class Gradients {
   std::optional<AdjointOperator> adjoint_{}, tangent_{};
   std::optional<NumberDerivatives> derivatives_{}, motion_{};
 };
+
 /// Adds dq/dS and dq/dgamma_0, dq/dkappa_0 of the products with N and M, theory (80).
 void add_products(const ElementView& element, const double* stresses, const double* adjoint,
                   const StateDerivative& quantity, ElementDerivatives& gradient) {

@@ -14,6 +14,7 @@ namespace {
 /// Share of omega^2 within which frequencies are one: derivatives of closer ones hold for smaller changes alone, and
 /// their modes have fewer digits.
 constexpr double kOneFrequency = 1e-5;
+/// Modes beyond those asked for, of which the last may share their frequency: as many as a free body has motions.
 constexpr int kMostOfOneFrequency = 6;
 /// The shift misses omega^2 by this share: each solution leaves that share of modes at twice the frequency, and keeps
 /// all but two digits of its own.
