@@ -16,6 +16,14 @@ constexpr int kOfBody = 6;
 /// Directions within this of the normal of the plane are along it: as Model::plane() has them.
 constexpr double kAlongNormal = 0.5;
 
+bool has_rotary_inertia(const VibratingBlock& block) {
+  for (int e = 0; e < block.block.count; ++e)
+    for (int q = 0; q <= block.block.order; ++q)
+      for (int i = 3; i < 6; ++i)
+        if (block.mass(e, kMassNumbers * q + triangle(i, i)) != 0.0) return true;
+  return false;
+}
+
 }  // namespace
 
 Masses::Masses(const Model& model, bool in_plane) : model_(&model), in_plane_(in_plane) {
@@ -38,6 +46,7 @@ Masses::Masses(const Model& model, bool in_plane) : model_(&model), in_plane_(in
   bodies_ = vertex_bodies(model.scene(), model.mesh(), structure);
   take_damping();
   if (in_plane) keep_in_plane();
+  for (VibratingBlock& block : blocks_) block.has_spins = has_rotary_inertia(block);
 }
 
 /// That of the middle of each element.

@@ -1,6 +1,7 @@
 #include "kernels/vibration/vibration.hpp"
 
 #include "kernels/condensation/row_pivoting.hpp"
+#include "kernels/execution/pack.hpp"
 #include "kernels/loops/dispatch.hpp"
 
 #include <cmath>
@@ -65,14 +66,15 @@ void factorize(double* a, int n, int* pivots) {
     }
   }
 }
-KOKKOS_FORCEINLINE_FUNCTION void solve_factors(const double* a, int n, const int* pivots, double* x) {
+template <class Real>
+KOKKOS_FORCEINLINE_FUNCTION void solve_factors(const double* a, int n, const int* pivots, Real* x) {
   for (int k = 0; k < n; ++k)
     std::swap(x[k], x[pivots[k]]);  // all before any: rows of L were exchanged with the others
   for (int k = 0; k < n; ++k)
     for (int i = k + 1; i < n; ++i) x[i] -= a[i * n + k] * x[k];
   for (int k = n - 1; k >= 0; --k) {
     for (int j = k + 1; j < n; ++j) x[k] -= a[k * n + j] * x[j];
-    x[k] /= a[k * n + k];
+    x[k] = x[k] / a[k * n + k];
   }
 }
 
@@ -422,56 +424,151 @@ void recover_motion(const VibratingBlock& vibrating, const KernelView<const doub
 
 namespace {
 
-/// Rows of all motions of an element with the stresses eliminated.
-KOKKOS_FORCEINLINE_FUNCTION void gather_forces(const VibratingBlock& vibrating, const MomentumColumns& of, int e,
-                                               int column, const VibrationLayout& layout, double* motions) {
-  const int local = vibrating.block.first_element + e;
-  if (of.forces == nullptr)
-    return eliminate_stresses(vibrating, e, layout, &of.excess(local, of.stresses * column), motions);
-  const double* given = of.forces + of.momenta_of_column * column + of.place(local);
-  add_transposed_product(&vibrating.momentum(e, 0), layout.velocities(), layout.motions(), layout.motions(), given,
-                         motions);
+/// Columns that pass through the matrices of an element at once, each in a lane; a pass with fewer costs the same.
+constexpr int kColumns = 4;
+using Columns = Pack<kColumns>;
+
+/// y += A x, y += A^T x
+KOKKOS_FORCEINLINE_FUNCTION void add_product(const double* a, int rows, int columns, int stride, const Columns* x,
+                                             Columns* y) {
+  for (int i = 0; i < rows; ++i)
+    for (int j = 0; j < columns; ++j) y[i] += a[i * stride + j] * x[j];
+}
+KOKKOS_FORCEINLINE_FUNCTION void add_transposed_product(const double* a, int rows, int columns, int stride,
+                                                        const Columns* x, Columns* y) {
+  for (int i = 0; i < rows; ++i)
+    for (int j = 0; j < columns; ++j) y[j] += a[i * stride + j] * x[i];
+}
+
+/// Some columns of one element.
+template <int K>
+struct ElementColumns {
+  static constexpr VibrationLayout kLargest{K, 2 * K + 1};
+  static constexpr int kMotions = kLargest.motions(), kInterior = kLargest.interior(), kStresses = kLargest.stresses();
+  const VibratingBlock& vibrating;
+  const MomentumColumns& of;
+  int stresses;
+  int e, first, count;  ///< element of the block; columns
+
+  int local() const { return vibrating.block.first_element + e; }
+  const double* momentum(int q) const { return &vibrating.momentum(e, 6 * q * kMotions); }
+  int moving() const { return vibrating.has_spins ? 6 : 3; }
+  template <class Place>
+  void load(int numbers, const Place& place, Columns* x) const {
+    for (int i = 0; i < numbers; ++i)
+      x[i] = Columns::gathered([&](int lane) { return lane < count ? place(first + lane)[i] : 0.0; });
+  }
+  template <class Place>
+  void store(int numbers, const Columns* x, const Place& place) const {
+    for (int lane = 0; lane < count; ++lane)
+      for (int i = 0; i < numbers; ++i) place(first + lane)[i] = x[i][lane];
+  }
+  double* ends(int column) const { return &of.ends(local(), 12 * column); }
+  double* excess(int column) const { return &of.excess(local(), of.stresses * column); }
+  double* momenta(int column) const { return of.momenta + of.momenta_of_column * column + of.place(local()); }
+  const double* forces(int column) const { return of.forces + of.momenta_of_column * column + of.place(local()); }
+  void multiply(const KernelView<double**>& matrix, const Columns* x, Columns* y) const {
+    const StressMatrix m = of_element(vibrating, matrix, e);
+    for (int i = 0; i < m.size; ++i) y[i] = m.is_diagonal ? m.numbers[i] * x[i] : Columns(0.0);
+    if (!m.is_diagonal) add_product(m.numbers, m.size, m.size, m.size, x, y);
+  }
+
+  /// Rows of all motions with the stresses eliminated, from forces or from rows of stresses.
+  void gather(Columns* motions) const {
+    std::fill_n(motions, kMotions, Columns(0.0));
+    if (of.forces != nullptr) {
+      Columns given[6];
+      for (int q = 0; q <= K; ++q) {
+        load(
+            moving(), [&](int column) { return forces(column) + 6 * q; }, given);
+        add_transposed_product(momentum(q), moving(), kMotions, kMotions, given, motions);
+      }
+      return;
+    }
+    Columns rows[kStresses], stress[kStresses];
+    load(
+        stresses, [&](int column) { return excess(column); }, rows);
+    multiply(vibrating.compliance, rows, stress);
+    for (int s = 0; s < stresses; ++s)
+      if (has_excess(s))
+        add_transposed_product(&vibrating.strain(e, kMotions * s), 1, kMotions, kMotions, &(stress[s] = -stress[s]),
+                               motions);
+  }
+  /// False: rows of this stress are zero.
+  bool has_excess(int s) const {
+    const StressMatrix excess = of_element(vibrating, vibrating.excess, e);
+    return !excess.is_diagonal || excess.numbers[s] != 0.0;
+  }
+
+  void condense() const {
+    Columns motions[kMotions];
+    gather(motions);
+    const KernelView<double**>& from = vibrating.left.extent(0) > 0 ? vibrating.left : vibrating.response;
+    add_transposed_product(&from(e, 0), kInterior, 12, 12, motions, motions + kInterior);
+    store(12, motions + kInterior, [&](int column) { return ends(column); });
+  }
+  void recover() const {
+    Columns motions[kMotions];
+    gather(motions);
+    solve_factors(&vibrating.factors(e, 0), kInterior, &vibrating.pivots(e, 0), motions);
+    Columns* const own = motions + kInterior;
+    load(
+        12, [&](int column) { return ends(column); }, own);
+    add_product(&vibrating.response(e, 0), kInterior, 12, 12, own, motions);
+    if (of.excess.extent(0) > 0 || of.increments != nullptr) recover_stresses(motions);
+    for (int q = 0; q <= K; ++q) {
+      Columns velocities[6];
+      std::fill_n(velocities, 6, Columns(0.0));
+      add_product(momentum(q), moving(), kMotions, kMotions, motions, velocities);
+      store(6, velocities, [&](int column) { return momenta(column) + 6 * q; });
+    }
+  }
+  void recover_stresses(const Columns* motions) const {
+    const bool has_cap = of.excess.extent(0) > 0, all = of.increments != nullptr;
+    Columns strain[kStresses], stress[kStresses];
+    std::fill_n(strain, stresses, Columns(0.0));
+    if (of.forces == nullptr)
+      load(
+          stresses, [&](int column) { return excess(column); }, strain);
+    for (int s = 0; s < stresses; ++s)
+      if (all || has_excess(s))  // no other strain is asked for
+        add_product(&vibrating.strain(e, kMotions * s), 1, kMotions, kMotions, motions, strain + s);
+    multiply(vibrating.compliance, strain, stress);
+    if (all) {
+      const auto increment = [&](int column) { return of.increments[column] + vibrating.block.increments_at()(e); };
+      store(stresses, stress, increment);
+      store(kInterior, motions, [&](int column) { return increment(column) + stresses; });
+    }
+    if (!has_cap) return;
+    multiply(vibrating.excess, stress, strain);
+    store(stresses, strain, [&](int column) { return excess(column); });
+  }
+};
+
+/// Calls action(some columns of an element) for all of a block.
+template <class Action>
+void for_each_of_columns(const char* label, const VibratingBlock& vibrating, const MomentumColumns& of,
+                         const Action& action) {
+  for_order(vibrating.block.order, [&](auto order) {
+    const int stresses = vibrating.layout().stresses();
+    Kokkos::parallel_for(label, Range(0, vibrating.block.count), [=](int e) {
+      for (int first = 0; first < of.columns; first += kColumns)
+        action(ElementColumns<decltype(order)::value>{vibrating, of, stresses, e, first,
+                                                      std::min(kColumns, of.columns - first)});
+    });
+  });
 }
 
 }  // namespace
 
 void condense_columns(const VibratingBlock& vibrating, const MomentumColumns& of) {
-  for_each_of("mixbeam::vibration::condense_columns", vibrating, [=](int e, const VibrationLayout layout) {
-    const KernelView<double**>& from = vibrating.left.extent(0) > 0 ? vibrating.left : vibrating.response;
-    for (int c = 0; c < of.columns; ++c) {
-      double motions[kMostMotions] = {};
-      gather_forces(vibrating, of, e, c, layout, motions);
-      double* out = &of.ends(vibrating.block.first_element + e, 12 * c);
-      std::copy_n(motions + layout.interior(), 12, out);
-      add_transposed_product(&from(e, 0), layout.interior(), 12, 12, motions, out);
-    }
-  });
+  for_each_of_columns("mixbeam::vibration::condense_columns", vibrating, of,
+                      [](const auto& columns) { columns.condense(); });
 }
 
 void recover_columns(const VibratingBlock& vibrating, const MomentumColumns& of) {
-  for_each_of("mixbeam::vibration::recover_columns", vibrating, [=](int e, const VibrationLayout layout) {
-    const int local = vibrating.block.first_element + e, n = layout.motions();
-    for (int c = 0; c < of.columns; ++c) {
-      double motions[kMostMotions] = {};
-      gather_forces(vibrating, of, e, c, layout, motions);
-      solve_factors(&vibrating.factors(e, 0), layout.interior(), &vibrating.pivots(e, 0), motions);
-      const double* ends = &of.ends(local, 12 * c);
-      std::copy_n(ends, 12, motions + layout.interior());
-      add_product(&vibrating.response(e, 0), layout.interior(), 12, 12, 1.0, ends, motions);
-      double* out = of.momenta + of.momenta_of_column * c + of.place(local);
-      std::fill_n(out, layout.velocities(), 0.0);
-      add_product(&vibrating.momentum(e, 0), layout.velocities(), n, n, 1.0, motions, out);
-      if (of.excess.extent(0) == 0) continue;
-      double *rows = &of.excess(local, of.stresses * c), strain[kMostStresses] = {}, stress[kMostStresses];
-      if (of.forces == nullptr) std::copy_n(rows, layout.stresses(), strain);
-      const StressMatrix excess = of_element(vibrating, vibrating.excess, e);
-      for (int s = 0; s < layout.stresses(); ++s)
-        if (!excess.is_diagonal || excess.numbers[s] != 0.0)  // no other strain is asked for
-          add_product(&vibrating.strain(e, n * s), 1, n, n, 1.0, motions, strain + s);
-      of_element(vibrating, vibrating.compliance, e).multiply(strain, stress);
-      excess.multiply(stress, rows);
-    }
-  });
+  for_each_of_columns("mixbeam::vibration::recover_columns", vibrating, of,
+                      [](const auto& columns) { columns.recover(); });
 }
 
 void stiffness_forms(const VibratingBlock& vibrating, const KernelView<const double* [6]>& vertex,

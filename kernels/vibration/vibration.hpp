@@ -24,6 +24,7 @@ struct VibratingBlock {
   KernelView<double**> left{};                         ///< as response, of the transpose; empty: all are symmetric
   KernelView<int**> pivots{};                          ///< rows exchanged
   KernelView<int*> negative{};                         ///< pivots below zero of the interior; kUncertainCount
+  bool has_spins = true;                               ///< some mass resists spins: rows of G
   bool transposed = false;                             ///< loads without a potential enter by their transpose
   VibrationLayout layout() const { return {block.order, block.interior.force_points}; }
 };
@@ -33,12 +34,13 @@ struct VibratingBlock {
 struct MomentumColumns {
   int columns = 0;
   size_t momenta_of_column = 0;
-  KernelView<const int*> place{};  ///< (local element): its first momentum in a column
-  const double* forces = nullptr;  ///< momenta as forces; null: rows of stresses in their place
-  double* momenta = nullptr;       ///< of the motions, which may take the place of the forces
-  KernelView<double**> ends{};     ///< (local element, 12 * column): rows of both vertices, then their motions
-  int stresses = 0;                ///< of an element, at most
-  KernelView<double**> excess{};   ///< (local element, stresses * column): rows of excess_rows(); empty: no cap
+  KernelView<const int*> place{};       ///< (local element): its first momentum in a column
+  const double* forces = nullptr;       ///< momenta as forces; null: rows of stresses in their place
+  double* momenta = nullptr;            ///< of the motions, which may take the place of the forces
+  KernelView<double**> ends{};          ///< (local element, 12 * column): rows of both vertices, then their motions
+  int stresses = 0;                     ///< of an element, at most
+  KernelView<double**> excess{};        ///< (local element, stresses * column): rows of excess_rows(); empty: no cap
+  double* const* increments = nullptr;  ///< interiors of the motions of each column; null: not asked for
 };
 
 /// Room for the elements of a block; `mass` is to be filled.
@@ -90,8 +92,8 @@ void recover_motion(const VibratingBlock& vibrating, const KernelView<const doub
                     const KernelView<const double* [6]>& vertex, const KernelView<double*>& increment);
 /// Rows of both vertices of each element after elimination of the interior, from forces or excess rows.
 void condense_columns(const VibratingBlock& vibrating, const MomentumColumns& of);
-/// Momenta of the motions that belong to those of the vertices, and the excess rows of their stresses where there is a
-/// cap.
+/// Momenta of the motions that belong to those of the vertices, the excess rows of their stresses where there is a cap,
+/// and their interiors where asked.
 void recover_columns(const VibratingBlock& vibrating, const MomentumColumns& of);
 /// (2 dN . D dx - dN . S dN + dx . H dx) of each local element, S the true compliance: stationary at a mode.
 void stiffness_forms(const VibratingBlock& vibrating, const KernelView<const double* [6]>& vertex,

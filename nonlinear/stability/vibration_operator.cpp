@@ -134,11 +134,14 @@ void VibrationOperator::expand(const double* y, DofVector& motion) {
   system_.expand(remaining_, motion);
 }
 
-void VibrationOperator::solve(const MomentumColumns& of) {
+/// Motions that belong to columns of momenta, which are replaced.
+std::vector<VibrationOperator::Response> VibrationOperator::solve(MomentumColumns& of, bool with_interiors) {
   std::vector<MixedVector> rows, motions;
+  std::vector<double*> interiors;
   for (int j = 0; j < of.columns; ++j) {
     rows.push_back(model_.create_vector());
     motions.push_back(model_.create_vector());
+    if (with_interiors) interiors.push_back(motions.back().writable_interior(false).data());
   }
   masses_.condense_columns(state_, of, rows);
   std::vector<double> y;
@@ -147,29 +150,42 @@ void VibrationOperator::solve(const MomentumColumns& of) {
     y.insert(y.end(), own.begin(), own.end());
   }
   on_root(unknowns_.root(), [&] { solve_reduced(y, of.columns); });
-  for (int j = 0; j < of.columns; ++j) expand(y.data() + y.size() / of.columns * j, motions[j].vertex_dofs());
+  const auto of_column = [&](int j) { return y.data() + y.size() / of.columns * j; };
+  for (int j = 0; j < of.columns; ++j) expand(of_column(j), motions[j].vertex_dofs());
+  of.increments = with_interiors ? interiors.data() : nullptr;
   masses_.recover_columns(state_, of, motions);
+  std::vector<Response> found;
+  for (int j = 0; j < of.columns; ++j)
+    found.push_back({std::move(motions[j]), std::vector<double>(of_column(j), of_column(j + 1))});
+  return found;
 }
 
-void VibrationOperator::apply(double* momenta, int columns) {
+void VibrationOperator::apply(double* momenta, int columns, std::vector<Response>* motions) {
   const size_t count = masses_.momenta();
   const bool corrects = tangent_->cap().cuts_off;
   const std::vector<double> given(momenta, momenta + (corrects ? count * columns : 0));
   if (!corrects_slowly_) {
     MomentumColumns of = masses_.columns_of(momenta, columns, corrects);
-    solve(of);
-    if (corrects) corrects_slowly_ = !correct(of);
+    std::vector<Response> found = solve(of, motions != nullptr);
+    if (motions != nullptr) *motions = std::move(found);
+    if (corrects) corrects_slowly_ = !correct(of, motions);
   }
-  for (int j = 0; corrects_slowly_ && j < columns; ++j) {
-    const std::vector<double> image = momenta_of(respond(&given[count * j]).motion);
+  if (!corrects_slowly_) return;
+  if (motions != nullptr) motions->clear();
+  for (int j = 0; j < columns; ++j) {
+    Response found = respond(&given[count * j]);
+    const std::vector<double> image = momenta_of(found.motion);
     std::copy(image.begin(), image.end(), momenta + count * j);
+    if (motions != nullptr) motions->push_back(std::move(found));
   }
 }
 
 /// Takes what the cap leaves out of columns that are solved; false where that is slow.
-bool VibrationOperator::correct(MomentumColumns& of) {
-  std::vector<double> left = masses_.excess_norms(of), allowed = left, more(of.momenta_of_column * of.columns);
+bool VibrationOperator::correct(MomentumColumns& of, std::vector<Response>* motions) {
+  std::vector<double> left = masses_.excess_norms(of), allowed = left;
   for (double& norm : allowed) norm *= cap_left();
+  std::vector<double>& more = correction_;
+  more.assign(of.momenta_of_column * of.columns, 0.0);  // not all of it is written to where orders differ
   double* const sum = std::exchange(of.momenta, more.data());
   of.forces = nullptr;
   const auto is_left = [&](int j) { return left[j] > allowed[j]; };
@@ -179,11 +195,12 @@ bool VibrationOperator::correct(MomentumColumns& of) {
     return any;
   };
   while (any_is_left()) {
-    solve(of);
+    const std::vector<Response> found = solve(of, motions != nullptr);
     const std::vector<double> now = masses_.excess_norms(of);
     for (int j = 0; j < of.columns; ++j)
       if (is_left(j) && !(now[j] <= kFastCorrection * left[j])) return false;
     for (size_t i = 0; i < more.size(); ++i) sum[i] += more[i];
+    for (size_t j = 0; motions != nullptr && j < motions->size(); ++j) (*motions)[j].add(1.0, found[j]);
     left = now;
   }
   return true;

@@ -54,7 +54,8 @@ class VibrationOperator {
   /// `strains`: rows of stresses, Masses::damped_strains() of them; null: zero.
   Response respond(const double* momenta, const double* strains = nullptr);
   /// Replaces columns of momenta by G (K + shift M)^-1 G^T times them: respond() with one pass over the elements.
-  void apply(double* momenta, int columns);
+  /// `motions`: receives those, where they are asked for.
+  void apply(double* momenta, int columns, std::vector<Response>* motions = nullptr);
   std::vector<double> momenta_of(const MixedVector& motion) const { return masses_.momenta_of(state_, motion); }
 
   /// phi . (K - square M) phi of motions of the operator `of`, on the same mesh: their free motions, interiors and
@@ -64,8 +65,8 @@ class VibrationOperator {
  private:
   Response solve(const MixedVector& rows);
   Response solve_interior(const MixedVector& rows);
-  void solve(const MomentumColumns& of);
-  bool correct(MomentumColumns& of);
+  std::vector<Response> solve(MomentumColumns& of, bool with_interiors);
+  bool correct(MomentumColumns& of, std::vector<Response>* motions);
   std::vector<double> condense(const MixedVector& rows, DofVector& motion);
   void expand(const double* y, DofVector& motion);
   void correct_by_gmres(MixedVector excess, double norm, double reduction, Response& found);
@@ -84,6 +85,7 @@ class VibrationOperator {
   DofVector remaining_;
   std::optional<Tangent> tangent_;
   std::unique_ptr<InertiaSolver> of_symmetric_, of_general_;  ///< rank 0
+  std::vector<double> correction_;                            ///< momenta of the last one
   bool symmetric_ = true;
   bool corrects_slowly_ = false;  ///< the cap, in the last factors
 };
