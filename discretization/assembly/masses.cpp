@@ -341,7 +341,7 @@ void Masses::recover_columns(const State& state, const MomentumColumns& of,
   }
   for (const VibratingBlock& block : blocks_) mixbeam::recover_columns(block, of);
   for (int j = 0; j < of.columns; ++j) {
-    const KernelView<double*> own = motions[j].vertex();
+    const KernelView<const double*> own = motions[j].vertex();
     double* all = of.momenta + of.momenta_of_column * j;
     std::fill(all + elements, all + count_, 0.0);
     take_momenta_of_bodies(state, KernelView<const double* [6]>(own.data(), own.extent(0) / kVertexDofs), all);

@@ -140,12 +140,12 @@ MixedVector Model::create_vector() const {
 }
 
 KernelView<const double* [6]> Model::local_increment(const MixedVector& increment) const {
-  DofVector* source = &increment.vertex_dofs();
+  const DofVector* source = &increment.vertex_dofs();
   if (!maps_.import.is_null()) {
     workspace_->ghosted_increment->doImport(*source, *maps_.import, Tpetra::REPLACE);
     source = workspace_->ghosted_increment.get();
   }
-  const KernelView<double*> flat = MixedVector::view_of(*source);
+  const KernelView<const double*> flat = MixedVector::view_of(*source);
   return KernelView<const double* [6]>(flat.data(), flat.extent(0) / kVertexDofs);
 }
 

@@ -70,7 +70,8 @@ enum VertexPart { kForcePart = 0, kMomentPart = 3 };
 
 inline size_t vertex_row(int vertex, int component) { return static_cast<size_t>(kVertexDofs) * vertex + component; }
 
-inline Vec rows_of(const KernelView<double*>& rows, int vertex, VertexPart part) {
+template <class Rows>
+inline Vec rows_of(const Rows& rows, int vertex, VertexPart part) {
   return load_vector(&rows(vertex_row(vertex, part)));
 }
 inline void set_rows_of(const KernelView<double*>& rows, int vertex, VertexPart part, const Vec& value) {

@@ -100,6 +100,14 @@ void clear(const Entries& y) {
       "mixbeam::vector::clear", y.extent(0), KOKKOS_LAMBDA(size_t i) { y(i) = 0.0; });
 }
 
+const Teuchos::RCP<DofVector>& zero_vertices_of(VectorPool& pool, const Teuchos::RCP<const DofMap>& map) {
+  if (pool.zero_vertices.is_null()) {
+    pool.zero_vertices = new_vertex_dofs(map, pool);
+    clear(MixedVector::view_of(*pool.zero_vertices));
+  }
+  return pool.zero_vertices;
+}
+
 const Entries& zeros_of(VectorPool& pool, size_t size) {
   if (pool.zeros.data() == nullptr) {
     pool.zeros = pool.interior.take("mixbeam::mixed_vector", size);
@@ -113,19 +121,24 @@ const Entries& zeros_of(VectorPool& pool, size_t size) {
 MixedVector::MixedVector(const Teuchos::RCP<const DofMap>& map, size_t interior_size,
                          const KernelView<const unsigned char*>& owned_interior,
                          const std::shared_ptr<VectorPool>& pool)
-    : MixedVector(map, zeros_of(*pool, interior_size), owned_interior, pool) {
-  clear(vertex());
-}
-
-MixedVector::MixedVector(const Teuchos::RCP<const DofMap>& map, const Entries& interior,
-                         const KernelView<const unsigned char*>& owned_interior,
-                         const std::shared_ptr<VectorPool>& pool)
-    : pool_(pool), vertex_dofs_(new_vertex_dofs(map, *pool)), interior_(interior), owned_interior_(owned_interior) {}
+    : pool_(pool),
+      vertex_dofs_(zero_vertices_of(*pool, map)),
+      interior_(zeros_of(*pool, interior_size)),
+      owned_interior_(owned_interior) {}
 
 MixedVector MixedVector::clone(bool copy_values) const {
-  MixedVector copy(vertex_dofs_->getMap(), interior_, owned_interior_, pool_);
-  if (copy_values) copy_entries(vertex(), copy.vertex());
+  MixedVector copy(*this);
+  if (!copy_values) copy.vertex_dofs_ = new_vertex_dofs(vertex_dofs_->getMap(), *pool_);
   return copy;
+}
+
+Entries MixedVector::writable_vertex(bool keep_values) {
+  if (vertex_dofs_.strong_count() > 1) {
+    const Teuchos::RCP<const DofVector> shared = vertex_dofs_;
+    vertex_dofs_ = new_vertex_dofs(shared->getMap(), *pool_);
+    if (keep_values) copy_entries(view_of(*shared), view_of(*vertex_dofs_));
+  }
+  return view_of(*vertex_dofs_);
 }
 
 KernelView<double*> MixedVector::writable_interior(bool keep_values) {
@@ -149,11 +162,11 @@ KernelView<double*> MixedVector::view_of(DofVector& v) {
 
 void MixedVector::fill(double value) {
   if (value == 0.0) {
-    clear(vertex());
+    vertex_dofs_ = zero_vertices_of(*pool_, vertex_dofs_->getMap());
     interior_ = zeros_of(*pool_, interior_.extent(0));
     return;
   }
-  for (const Entries& part : {vertex(), writable_interior(false)}) {
+  for (const Entries& part : {writable_vertex(false), writable_interior(false)}) {
     const Entries y = part;
     for_each_entry(
         "mixbeam::vector::fill", y.extent(0), KOKKOS_LAMBDA(size_t i) { y(i) = value; });
@@ -161,7 +174,7 @@ void MixedVector::fill(double value) {
 }
 
 void MixedVector::assign(const MixedVector& other) {
-  copy_entries(other.vertex(), vertex());
+  vertex_dofs_ = other.vertex_dofs_;
   interior_ = other.interior_;
 }
 
@@ -178,8 +191,8 @@ void MixedVector::update(double a, const MixedVector& x, double gamma) { update(
 void MixedVector::update(double a, const MixedVector& x, double b, const MixedVector& y, double gamma) {
   // the sources first: writing may part this vector from one of them
   const ConstEntries first[2] = {x.vertex(), x.interior_}, second[2] = {y.vertex(), y.interior_},
-                     old[2] = {vertex(), interior_};
-  const Entries out[2] = {vertex(), writable_interior(false)};
+                     old[2] = {std::as_const(*this).vertex(), interior_};
+  const Entries out[2] = {writable_vertex(false), writable_interior(false)};
   for (int part = 0; part < 2; ++part) {
     const Entries z = out[part];
     const ConstEntries p = first[part], q = second[part], before = old[part];
@@ -196,8 +209,8 @@ void MixedVector::update(double a, const MixedVector& x, double b, const MixedVe
 /// this_i = action(this_i, other_i)
 template <class Action>
 void MixedVector::combine_with(const MixedVector& other, const Action& action) {
-  const ConstEntries in[2] = {other.vertex(), other.interior_}, old[2] = {vertex(), interior_};
-  const Entries out[2] = {vertex(), writable_interior(false)};
+  const ConstEntries in[2] = {other.vertex(), other.interior_}, old[2] = {std::as_const(*this).vertex(), interior_};
+  const Entries out[2] = {writable_vertex(false), writable_interior(false)};
   for (int part = 0; part < 2; ++part) {
     const Entries y = out[part];
     const ConstEntries x = in[part], own = old[part];
@@ -294,7 +307,7 @@ GlobalOrdinal MixedVector::global_length() const {
 }
 
 bool MixedVector::same_values(const MixedVector& other) const {
-  const Entries x[2] = {vertex(), interior_}, y[2] = {other.vertex(), other.interior_};
+  const ConstEntries x[2] = {vertex(), interior_}, y[2] = {other.vertex(), other.interior_};
   double different = 0.0;
   for (int part = 0; part < 2; ++part) {
     const ConstEntries a = x[part], b = y[part];

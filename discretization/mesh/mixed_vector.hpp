@@ -9,6 +9,7 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <utility>
 
 namespace mixbeam {
 
@@ -19,7 +20,9 @@ struct VectorPool {
   // arrays of vectors that are not in use
   ViewPool<DofVector::dual_view_type::t_dev> vertex;
   ViewPool<KernelView<double*>> interior;
-  KernelView<double*> zeros;             ///< the interior that vectors share until they are written to
+  // what vectors share until they are written to
+  Teuchos::RCP<DofVector> zero_vertices;
+  KernelView<double*> zeros;
   std::optional<GlobalOrdinal> entries;  ///< of all ranks, each counted once
 };
 
@@ -30,18 +33,25 @@ class MixedVector {
   MixedVector(const Teuchos::RCP<const DofMap>& map, size_t interior_size,
               const KernelView<const unsigned char*>& owned_interior, const std::shared_ptr<VectorPool>& pool);
 
-  /// Same shape; entries copied when asked. The interior is shared until one of the two is written to: solvers copy
-  /// vectors far more often than they change them.
+  /// Same shape; entries copied when asked. They are shared until one of the two is written to, as those of a copy are:
+  /// solvers copy vectors far more often than they change them. A view for writing serves until the next copy.
   MixedVector clone(bool copy_values) const;
 
-  KernelView<double*> vertex() const { return view_of(*vertex_dofs_); }  ///< (6 * owned vertex + component)
+  KernelView<const double*> vertex() const {
+    return view_of(std::as_const(*vertex_dofs_));
+  }                                                               ///< (6 * owned vertex + i)
+  KernelView<double*> vertex() { return writable_vertex(true); }  ///< no longer shared with any other vector
   /// The local entries of a Tpetra vector, not owned.
   static KernelView<double*> view_of(DofVector& v);
   static KernelView<const double*> view_of(const DofVector& v);
   KernelView<const double*> interior() const { return interior_; }
   /// The interior for writing, no longer shared with any other vector; present values are kept only when asked.
   KernelView<double*> writable_interior(bool keep_values);
-  DofVector& vertex_dofs() const { return *vertex_dofs_; }
+  const DofVector& vertex_dofs() const { return *vertex_dofs_; }
+  DofVector& vertex_dofs() {
+    vertex();
+    return *vertex_dofs_;
+  }
 
   void fill(double value);
   /// True: the interior is zero. False: unknown.
@@ -67,9 +77,7 @@ class MixedVector {
   double largest_vertex_spin() const;
 
  private:
-  MixedVector(const Teuchos::RCP<const DofMap>& map, const KernelView<double*>& interior,
-              const KernelView<const unsigned char*>& owned_interior, const std::shared_ptr<VectorPool>& pool);
-
+  KernelView<double*> writable_vertex(bool keep_values);
   template <class Action>
   void combine_with(const MixedVector& other, const Action& action);
   template <class Term>

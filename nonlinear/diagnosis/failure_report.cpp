@@ -104,7 +104,7 @@ void keep_largest(std::vector<Motion>& motions) {
 }
 
 std::vector<Motion> largest_motions(const Model& model, const MixedVector& mode) {
-  const KernelView<double*> rows = mode.vertex();
+  const KernelView<const double*> rows = mode.vertex();
   const double length = model.structure().length;
   std::vector<Motion> mine;
   for (int v = 0; v < model.structure().owned_vertices; ++v) {

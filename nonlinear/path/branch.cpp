@@ -24,7 +24,7 @@ std::array<std::vector<double>, 3> displacements(const Model& model, const Verte
   for (int c = 0; c < 3; ++c) {
     std::vector<double> mine(modes.size(), 0.0);
     for (size_t m = 0; m < modes.size(); ++m) {
-      const KernelView<double*> rows = modes[m].vertex();
+      const KernelView<const double*> rows = modes[m].vertex();
       for (const auto& [vertex, weight] : weights)
         if (const int local = partition.place(vertex); local >= 0)
           mine[m] += weight * rows(static_cast<size_t>(kVertexDofs) * local + c);

@@ -28,7 +28,7 @@ double PathMeasure::motion(const MixedVector& a) const { return std::sqrt(motion
 std::vector<double> PathMeasure::motion_of_parts(const MixedVector& a, const MixedVector& b) const {
   if (parts_ == 1) return {motion(a, b)};
   std::vector<double> sums(parts_, 0.0);
-  const KernelView<double*> w = weights_.vertex(), x = a.vertex(), y = b.vertex();
+  const KernelView<const double*> w = weights_.vertex(), x = a.vertex(), y = b.vertex();
   for (size_t v = 0; v < part_of_vertex_.size(); ++v)
     for (size_t i = kVertexDofs * v; i < kVertexDofs * (v + 1); ++i) sums[part_of_vertex_[v]] += w(i) * x(i) * y(i);
   std::vector<double> all(parts_);

@@ -664,7 +664,7 @@ std::vector<double> Stability::second_variations(const Tangent& tangent, const s
   const EvaluationPoint& point = tangent.point();
   std::vector<double> form(static_cast<size_t>(m) * m, 0.0), of_vertices(form.size(), 0.0);
   for (int j = 0; j < m; ++j) {
-    const MixedVector derivative = derivative_along(model, point.state, point.load_factor, motions[j]);
+    MixedVector derivative = derivative_along(model, point.state, point.load_factor, motions[j]);
     const std::vector<double> rows = unknowns_->reduced_rows(derivative.vertex_dofs());
     derivative.vertex_dofs().putScalar(0.0);
     for (int i = 0; i < m; ++i) {

@@ -113,7 +113,7 @@ std::vector<double> VibrationOperator::forms(const VibrationOperator& of, const 
 }
 
 /// Under rows that condense_momenta() or condense_interior() gathered, of the capped stiffness.
-VibrationOperator::Response VibrationOperator::solve(const MixedVector& rows) {
+VibrationOperator::Response VibrationOperator::solve(MixedVector& rows) {
   Response response{model_.create_vector()};
   response.y = condense(rows, response.motion.vertex_dofs());
   on_root(unknowns_.root(), [&] { solve_reduced(response.y, 1); });
@@ -123,7 +123,7 @@ VibrationOperator::Response VibrationOperator::solve(const MixedVector& rows) {
 }
 
 /// Rows of the unknowns (rank 0) from those of the vertices; `motion` is half done.
-std::vector<double> VibrationOperator::condense(const MixedVector& rows, DofVector& motion) {
+std::vector<double> VibrationOperator::condense(MixedVector& rows, DofVector& motion) {
   tangent_->project_on_free_motions(rows.vertex());
   system_.condense_rows(rows.vertex_dofs(), remaining_, motion);
   return unknowns_.reduced_remaining_rows(remaining_);

@@ -63,11 +63,11 @@ class VibrationOperator {
   std::vector<double> forms(const VibrationOperator& of, const std::vector<Response>& motions, double square);
 
  private:
-  Response solve(const MixedVector& rows);
+  Response solve(MixedVector& rows);
   Response solve_interior(const MixedVector& rows);
   std::vector<Response> solve(MomentumColumns& of, bool with_interiors);
   bool correct(MomentumColumns& of, std::vector<Response>* motions);
-  std::vector<double> condense(const MixedVector& rows, DofVector& motion);
+  std::vector<double> condense(MixedVector& rows, DofVector& motion);
   void expand(const double* y, DofVector& motion);
   void correct_by_gmres(MixedVector excess, double norm, double reduction, Response& found);
   void solve_reduced(std::vector<double>& y, int columns);

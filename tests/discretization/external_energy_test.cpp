@@ -36,7 +36,7 @@ MixedVector some_motion(const Model& model, unsigned seed) {
   return motion;
 }
 
-double product(const KernelView<double*>& a, const KernelView<double*>& b) {
+double product(const KernelView<const double*>& a, const KernelView<const double*>& b) {
   double sum = 0.0;
   for (size_t i = 0; i < a.extent(0); ++i) sum += a(i) * b(i);
   return sum;
