@@ -179,7 +179,7 @@ doubled, in all orders, as far as they may be the cheapest for one of the accura
 ESTIMATES = """
 ## Estimated errors
 
-Every run estimates its own error (one Newton correction in the next order). Estimate over true error in all cells of
+Every run estimates its own error (one Newton correction in the next order, on few elements the one after). Estimate over true error in all cells of
 the default integration whose true error is 1e-10 to 1e-2 and at least ten times the difference of the references:
 
 {table}

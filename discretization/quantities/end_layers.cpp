@@ -55,14 +55,16 @@ std::vector<unsigned char> points_of(const Mesh& mesh) {
 /// One element of a state.
 class LayerSearch {
  public:
-  LayerSearch(const Model& model, const State& state, int local)
+  LayerSearch(const Model& model, const State& state, int local, const Scene* coarse)
       : structure_(model.structure()),
         mesh_(model.mesh()),
         state_(state),
         local_(local),
         element_(mesh_.elements[structure_.local_element_to_mesh[local]]),
         order_(structure_.block_of(local).order),
-        length_(mesh_.element_length(element_)) {}
+        length_(mesh_.element_length(element_)) {
+    if (coarse != nullptr) order_ = std::min(order_, coarse->members[element_.member].order + 1);
+  }
 
   void add(const std::vector<unsigned char>& is_point, std::vector<EndLayer>& layers) const {
     if (!is_point[element_.vertex[0]] && !is_point[element_.vertex[1]]) return;
@@ -171,12 +173,12 @@ std::vector<EndLayer> of_all_ranks(const Teuchos::Comm<int>& comm, std::vector<E
 
 }  // namespace
 
-std::vector<EndLayer> end_layers(const Model& model, const State& state) {
+std::vector<EndLayer> end_layers(const Model& model, const State& state, const Scene* coarse) {
   std::vector<EndLayer> layers;
   const std::vector<unsigned char> is_point = points_of(model.mesh());
   for (const int local : model.structure().elements_in_order)
     if (answers_for(model.structure(), model.structure().local_element_to_mesh[local]))
-      LayerSearch(model, state, local).add(is_point, layers);
+      LayerSearch(model, state, local, coarse).add(is_point, layers);
   return of_all_ranks(*model.map()->getComm(), std::move(layers));
 }
 

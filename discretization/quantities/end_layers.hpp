@@ -28,7 +28,8 @@ struct EndLayer {
   double vertex_arc_length() const { return sample.arc_length; }
 };
 
-/// Finds the layers of all elements, on every rank. Hinged ends have none: no moment, no layer. Collective.
-std::vector<EndLayer> end_layers(const Model& model, const State& state);
+/// Finds the layers of all elements, on every rank. Hinged ends have none: no moment, no layer. `coarse`: the scene
+/// whose state this richer one judges; then one order more than there counts, whatever the order here is. Collective.
+std::vector<EndLayer> end_layers(const Model& model, const State& state, const Scene* coarse = nullptr);
 
 }  // namespace mixbeam

@@ -23,7 +23,7 @@ namespace {
 /// The same scene in a space that holds more.
 struct RicherScene {
   std::shared_ptr<Scene> scene;
-  std::vector<unsigned char> is_halved;  ///< (member): two elements in place of each one, else one order more
+  std::vector<unsigned char> is_halved;  ///< (member): two elements in place of each one, else a higher order
 };
 
 void halve_elements(const MeshMember& mesh, Member& member) {
@@ -37,8 +37,21 @@ void halve_elements(const MeshMember& mesh, Member& member) {
   member.stations.back() = 1.0;
 }
 
-/// One order more in every member; where the order is the highest there is, two elements of it in place of each one.
-RicherScene richer_scene(const Model& model) {
+/// Meshes with no more elements in any member, and no more members. There one order more often errs with the other
+/// sign, and two of them cost little beside what does not depend on the mesh.
+constexpr int kFewElements = 2;
+constexpr size_t kFewMembers = 3;
+
+/// Orders more in which a state is judged: the same in all members, or their shares would not compare.
+int more_orders(const std::vector<Member>& members) {
+  const auto allows_two = [](const Member& member) {
+    return member.elements <= kFewElements && member.order + 2 <= kMaximumOrder;
+  };
+  return members.size() <= kFewMembers && std::all_of(members.begin(), members.end(), allows_two) ? 2 : 1;
+}
+
+/// So many orders more in every member; where the order is the highest there is, two elements in place of each one.
+RicherScene richer_scene(const Model& model, int more) {
   const Scene& scene = model.scene();
   std::shared_ptr<const Mesh> mesh;
   RicherScene richer{std::make_shared<Scene>(scene), std::vector<unsigned char>(scene.members.size(), 0)};
@@ -46,7 +59,7 @@ RicherScene richer_scene(const Model& model) {
     Member& member = richer.scene->members[m];
     richer.is_halved[m] = member.order == kMaximumOrder;
     if (!richer.is_halved[m]) {
-      ++member.order;
+      member.order += more;
       continue;
     }
     if (mesh == nullptr) mesh = model.whole_mesh();
@@ -246,7 +259,7 @@ ErrorEstimate estimate_in(const RicherScene& richer, BeamProblem& of, const Solv
     estimate = compare(model, state, problem->model, start, solve.state());
   }
   if (solve.residual() > std::max(first, parameters.newton.residual_tolerance))
-    throw NotEstimated{"Newton's method does not converge with one order more; the mesh is too coarse"};
+    throw NotEstimated{"Newton's method does not converge in the richer space; the mesh is too coarse"};
   estimate.corrections = solve.corrections();
   estimate.richer = problem;
   estimate.richer_state = solve.state();
@@ -272,7 +285,8 @@ State polished(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters&
 
 Teuchos::RCP<BeamProblem> richer_problem(const BeamProblem& problem, const SolverParameters& parameters) {
   const Model& model = problem.model;
-  return Teuchos::rcp(new BeamProblem(richer_scene(model).scene, model.map()->getComm(), parameters));
+  return Teuchos::rcp(new BeamProblem(richer_scene(model, more_orders(model.scene().members)).scene,
+                                      model.map()->getComm(), parameters));
 }
 
 State with_layers(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, const State& state,
@@ -341,18 +355,21 @@ std::vector<double> shares_of_members(const Model& model, const State& state, do
 
 ErrorEstimate estimate_error(BeamProblem& problem, const SolverParameters& parameters, const State& state,
                              double load_factor) {
+  const Model& model = problem.model;
   ErrorEstimate none;
-  try {
-    const Model& model = problem.model;
-    return estimate_in(richer_scene(model), problem, parameters, state, load_factor);
-  } catch (const NotEstimated& cause) {
-    none.not_estimated = cause.reason;
-  } catch (const std::invalid_argument& error) {  // of the transfer
-    none.not_estimated = error.what();
-  } catch (const LinearSolverError& error) {  // of a tangent that is singular
-    none.not_estimated = error.what();
-  } catch (const InputError& error) {  // of the richer scene
-    none.not_estimated = error.what();
+  for (int more = more_orders(model.scene().members); more > 0;
+       --more) {  // on a very coarse mesh a smaller step may converge
+    try {
+      return estimate_in(richer_scene(model, more), problem, parameters, state, load_factor);
+    } catch (const NotEstimated& cause) {
+      none.not_estimated = cause.reason;
+    } catch (const std::invalid_argument& error) {  // of the transfer
+      none.not_estimated = error.what();
+    } catch (const LinearSolverError& error) {  // of a tangent that is singular
+      none.not_estimated = error.what();
+    } catch (const InputError& error) {  // of the richer scene
+      none.not_estimated = error.what();
+    }
   }
   return none;
 }

@@ -28,14 +28,15 @@ struct ErrorEstimate : RecordedErrorEstimate {
   bool exists() const { return not_estimated.empty(); }
 };
 
-/// Estimates by what Newton's method makes of the state in a richer space, theory (52): one order more, or two elements
-/// in place of one where the order is the highest there is. A first correction starts from the present fields, with
-/// relative rotations recovered from the vertices (recovered_rotation.hpp). Where its residual tells that the squares
-/// it leaves might be seen in the estimate, a second one follows with the same tangent, or with a new one where the
-/// first was far off. The error of the richer space itself stays unseen; it is much smaller wherever more elements or a
-/// higher order pay at all. Costs two Newton iterations for orders 2 to 7, and three to four for order 1, whose
-/// iterations are cheap beside those of order 2, and for order 8. The load factor stays what it is, also where a
-/// displacement is controlled: next to a limit point errors of the path count as errors of the state.
+/// Estimates by what Newton's method makes of the state in a richer space, theory (52): one order more, two on
+/// meshes of a few elements if Newton's method converges there, or two elements in place of one where the order is
+/// the highest there is. A first correction starts from the present fields, with relative rotations recovered from
+/// the vertices (recovered_rotation.hpp). Where its residual tells that the squares it leaves might be seen in the
+/// estimate, a second one follows with the same tangent, or with a new one where the first was far off. The error
+/// of the richer space itself stays unseen; it is much smaller wherever more elements or a higher order pay at all.
+/// Costs two Newton iterations for orders 2 to 7, and three to four for order 1, whose iterations are cheap beside
+/// those of order 2, and for order 8. The load factor stays what it is, also where a displacement is controlled:
+/// next to a limit point errors of the path count as errors of the state.
 ///
 /// What makes an estimate impossible is stated in `not_estimated`, not thrown. Collective.
 ///

@@ -108,11 +108,11 @@ Simulation Simulation::at(const State& state, double load_factor, const Recorded
 Simulation Simulation::richer(const ErrorEstimate& estimate, std::vector<EndLayer>& layers) const {
   Simulation other = at(estimate.richer_state, load_factor_, stability_);
   other.problem_ = estimate.richer;
-  layers = end_layers(other.model(), other.state());
+  layers = end_layers(other.model(), other.state(), &scene());
   if (layers.empty()) return other;
   try {
     other.state_ = with_layers(other.problem_, parameters_, other.state_, load_factor_, layers);
-    layers = end_layers(other.model(), other.state());
+    layers = end_layers(other.model(), other.state(), &scene());
   } catch (const LinearSolverError&) {  // the layers count where they are
   }
   return other;

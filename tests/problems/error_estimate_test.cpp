@@ -52,6 +52,32 @@ TEST(ErrorEstimate, TipAndEnergyOfTheElastica) {
   }
 }
 
+// One or two elements: one order more has an error of the other sign there.
+TEST(ErrorEstimate, TipOfFewElementsToATenth) {
+  const auto is_near = [](double estimated, double error) { return std::abs(estimated / error - 1.0) < 0.1; };
+  int within = 0;  // the twin: what the tip moves by with one order more
+  const Cells cells{{3, 1}, {5, 1}, {6, 1}, {3, 2}, {5, 2}};
+  for (const auto& [order, elements] : cells) {
+    const Simulation beam = solved(elastica(10.0, order, elements));
+    const Vector3 tip = beam.displacement("tip");
+    const double error = length_of(difference_of(kElasticaTip, tip));
+    EXPECT_TRUE(is_near(length_of(error_at(beam, beam.estimate_error(), "tip")), error)) << order << ", " << elements;
+    const Simulation richer = solved(elastica(10.0, order + 1, elements));
+    within += is_near(length_of(difference_of(richer.displacement("tip"), tip)), error);
+  }
+  EXPECT_LT(within, static_cast<int>(cells.size()));
+}
+
+TEST(ErrorEstimate, OfOneOrderWhereTwoDoNotConverge) {
+  for (const bool is_full : {true, false}) {
+    Scene arc = arc_segment(1e4, 5, 2);
+    if (is_full) arc.members[0].force_integration = ForceIntegration::full;
+    const ErrorEstimate estimate = solved(arc).estimate_error();
+    ASSERT_TRUE(estimate.exists()) << estimate.not_estimated;
+    EXPECT_EQ(estimate.richer->model.scene().members[0].order, is_full ? 6 : 7);
+  }
+}
+
 // The vector is estimated, not only its length.
 TEST(ErrorEstimate, SubtractedMakesTheTipBetter) {
   const Simulation beam = solved(elastica(10.0, 2, 8));

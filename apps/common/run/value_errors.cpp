@@ -14,14 +14,14 @@ namespace mixbeam {
 
 namespace {
 
-/// What is left of the error with one order more, beside the difference of both: in 40 structures the true error of the
+/// What is left of the error in the richer space, beside the difference of both: in 40 structures the true error of the
 /// largest stress was at most 1.11 of the estimate.
 constexpr double kSafety = 1.5;
 /// What Newton's method leaves of a value.
 constexpr double kRounding = 1e-10;
 
 constexpr const char* kHidden = "an element is longer than the layer in which its end bends, and no formula tells more";
-constexpr const char* kNoNumber = "it is no number with one order more";
+constexpr const char* kNoNumber = "it is no number in the richer space of the estimate";
 
 Quantity largest(const std::string& kind, const std::string& member) {
   Quantity quantity;
@@ -110,7 +110,7 @@ std::vector<EstimatedValue> with_errors(const QuantitySet& set, const std::vecto
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (!set.columns()[i].is_value) continue;
     EstimatedValue& one = all.emplace_back(EstimatedValue{set.names()[i], values[i]});
-    double change = 0.0, before = values[i];  // by one order more, then by layers: they may cancel each other here
+    double change = 0.0, before = values[i];  // by the richer space, then by layers: they may cancel each other here
     for (auto there = better.rbegin(); there != better.rend(); ++there) {
       const double next = (*there)[i];
       if (!(next == before) && !(std::isnan(next) && std::isnan(before))) change += std::abs(next - before);
