@@ -101,31 +101,34 @@ def _jumps(view):
 
 
 def frequencies_figure(view, steps):
-    """Frequencies of natural modes and their rates of growth over the load factor, or over the angular velocity of a frame with
-    its multiples (Campbell); crosses: flutter."""
+    """Frequencies of natural modes, and their rates of growth if there are any, over the load factor, or over the angular velocity
+    of a frame with its multiples (Campbell); crosses: flutter."""
     factor, speed = np.array([step.load_factor for step in steps]), _speed(view)
     if speed is not None:
         factor = speed(factor)
     curves = followed_modes([step.natural_modes() for step in steps])
-    canvas, (upper, lower) = style.figure(7.0, 6.4, 2, 1, sharex=True)
+    all_modes = [mode for _, modes in curves for mode in modes]
+    largest = max((mode["omega"] for mode in all_modes), default=0.0)
+    grows = any(abs(mode["growth"]) > NO_GROWTH * largest for mode in all_modes)
+    canvas, panels = style.figure(7.0, 6.4 if grows else 4.2, 2 if grows else 1, 1, sharex=True, squeeze=False)
+    upper, lowest = panels[0, 0], panels[-1, 0]
     for number, (at, modes) in enumerate(curves):
         color = list(style.ORDER_COLORS.values())[number % len(style.ORDER_COLORS)]
-        upper.plot(factor[at], [mode["omega"] for mode in modes], ".-", color=color, markersize=4, gid="frequency")
-        lower.plot(factor[at], [mode["growth"] for mode in modes], ".-", color=color, markersize=4, gid="growth")
+        for panel, (key, gid) in zip(panels[:, 0], (("omega", "frequency"), ("growth", "growth"))):
+            panel.plot(factor[at], [mode[key] for mode in modes], ".-", color=color, markersize=4, gid=gid)
     for point in view.run.critical_points():
         if point.kind == "flutter":
             marker, color = MARKERS["flutter"]
             upper.plot(speed(point.load_factor) if speed is not None else point.load_factor, point.omega, marker, color=color, markersize=8, zorder=5, label=f"flutter at {point.load_factor:.6g}")
     if upper.get_legend_handles_labels()[1]:
         upper.legend(loc="best")
-    upper.set(ylabel=r"frequency $\omega$", ylim=(0.0, None))
-    lower.set(xlabel=r"angular velocity $\Omega$" if speed is not None else "load factor", ylabel="rate of growth")
     for multiple in range(1, MULTIPLES + 1) if speed is not None else ():
         upper.plot(factor, multiple * factor, ":", color=style.GREY, linewidth=0.8, zorder=1, gid=f"multiple {multiple}")
-    lower.axhline(0.0, color=style.GREY, linewidth=0.7, zorder=1)
-    largest = max((mode["omega"] for _, modes in curves for mode in modes), default=0.0)
-    if all(abs(mode["growth"]) <= NO_GROWTH * largest for _, modes in curves for mode in modes):
-        lower.set_ylim(-1e-3 * largest or -1.0, 1e-3 * largest or 1.0)
+    if grows:
+        lowest.set_ylabel("rate of growth")
+        lowest.axhline(0.0, color=style.GREY, linewidth=0.7, zorder=1)
+    upper.set(ylabel=r"frequency $\omega$", ylim=(0.0, None))
+    lowest.set_xlabel(r"angular velocity $\Omega$" if speed is not None else "load factor")
     canvas.suptitle(f"{view.scene_words}: natural modes over the path", fontsize=13)
     return canvas
 

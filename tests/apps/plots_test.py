@@ -446,6 +446,17 @@ class Plots(unittest.TestCase):
         with self.assertRaisesRegex(InputError, "nothing is followed as bb.x; the nearest are .*b.displacement.x"):
             path_figures.curve_figure(view, "load_factor", "bb.x")
 
+    def test_rates_of_growth_where_there_are_any(self):
+        run = SimpleNamespace(critical_points=lambda: [], acting=dict)
+        for growth, panels in ((0.0, 1), (1e-15, 1), (-0.1, 2)):
+            modes = [{"omega": 2.0, "growth": growth, "track": 1}]
+            steps = [SimpleNamespace(load_factor=at, natural_modes=lambda: modes) for at in (0.0, 1.0)]
+            figure = path_figures.frequencies_figure(SimpleNamespace(run=run, scene_words="rod"), steps)
+            self.assertEqual(len(figure.axes), panels, growth)
+            self.assertEqual(len(named(figure, "frequency")), 1)
+            self.assertEqual(len(named(figure, "growth")), panels - 1)
+            self.assertEqual(figure.axes[-1].get_xlabel(), "load factor")
+
     def test_units_of_quantities(self):
         view, _ = self.view("asked")
         label = lambda name: path_figures.curve_figure(view, name, "load_factor").axes[0].get_ylabel()
