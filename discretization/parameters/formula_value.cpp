@@ -27,17 +27,10 @@ WrittenValue written_value(const Teuchos::ParameterEntry& entry) {
 }
 
 void set_result(Teuchos::ParameterEntry& entry, const ParameterValue& result, const WrittenValue& written) {
-  std::string text;
-  if (const auto* texts = std::get_if<Teuchos::Array<std::string>>(&written.value)) {
-    for (const std::string& one : *texts) text += (text.empty() ? "{" : ", ") + one;
-    text += "}";
-  } else {
-    text = std::get<std::string>(written.value);
-  }
   std::visit(
       [&](const auto& held) {
         if constexpr (!std::is_same_v<std::decay_t<decltype(held)>, std::monostate>)
-          entry.setValue(held, false, written.type + " " + text);
+          entry.setValue(held, false, written.type + " " + attribute_text(written.value));
       },
       result);
 }

@@ -27,21 +27,6 @@ inline constexpr bool is_array_of_values =
 
 // XML
 
-std::string xml_value(const ParameterValue& value) {
-  const auto text = [](const auto& held) {
-    using Held = std::decay_t<decltype(held)>;
-    if constexpr (std::is_same_v<Held, std::string>) return held;
-    if constexpr (std::is_same_v<Held, Teuchos::Array<std::string>>) {
-      std::string all;
-      for (const std::string& entry : held) all += (all.empty() ? "" : ", ") + entry;
-      return "{" + all + "}";
-    } else {
-      return to_text(ParameterValue(held));
-    }
-  };
-  return std::visit(text, value);
-}
-
 void write_xml(std::ostream& out, const Teuchos::ParameterList& list, const std::string& name, int depth) {
   const std::string indent(static_cast<std::size_t>(2 * depth), ' ');
   if (list.numParams() == 0) {
@@ -58,7 +43,7 @@ void write_xml(std::ostream& out, const Teuchos::ParameterList& list, const std:
     const auto& [type, value] = written_value(list.entry(entry));
     out << indent << "  <Parameter name=\"" << xml_escaped(inner) << "\" type=\""
         << (type.empty() ? xml_name(static_cast<ParameterType>(value.index() - 1)) : type) << "\" value=\""
-        << xml_escaped(xml_value(value)) << "\"/>\n";
+        << xml_escaped(attribute_text(value)) << "\"/>\n";
   }
   out << indent << "</ParameterList>\n";
 }

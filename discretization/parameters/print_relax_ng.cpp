@@ -19,31 +19,23 @@ xmlNodePtr add(xmlNodePtr parent, const char* tag) { return xmlNewChild(parent, 
 xmlNodePtr add_text(xmlNodePtr parent, const char* tag, const std::string& text) {
   return xmlNewTextChild(parent, nullptr, BAD_CAST tag, BAD_CAST text.c_str());
 }
-void set(xmlNodePtr node, const char* attribute, const std::string& value) {
+xmlNodePtr with(xmlNodePtr node, const char* attribute, const std::string& value) {
   xmlSetProp(node, BAD_CAST attribute, BAD_CAST value.c_str());
+  return node;
 }
 
-xmlNodePtr add_data(xmlNodePtr parent, const char* type) {
-  xmlNodePtr data = add(parent, "data");
-  set(data, "type", type);
-  return data;
-}
+xmlNodePtr add_data(xmlNodePtr parent, const char* type) { return with(add(parent, "data"), "type", type); }
+xmlNodePtr add_attribute(xmlNodePtr parent, const char* name) { return with(add(parent, "attribute"), "name", name); }
 void add_param(xmlNodePtr data, const char* name, const std::string& value) {
-  set(add_text(data, "param", value), "name", name);
+  with(add_text(data, "param", value), "name", name);
 }
 void add_pattern(xmlNodePtr parent, const std::string& pattern) {
   add_param(add_data(parent, "string"), "pattern", pattern);
 }
-void add_word(xmlNodePtr parent, const std::string& word) { set(add_text(parent, "value", word), "type", "string"); }
+void add_word(xmlNodePtr parent, const std::string& word) { with(add_text(parent, "value", word), "type", "string"); }
 void add_words(xmlNodePtr parent, const std::vector<std::string>& words) {
   xmlNodePtr choice = add(parent, "choice");
   for (const std::string& word : words) add_word(choice, word);
-}
-
-xmlNodePtr add_attribute(xmlNodePtr parent, const char* name) {
-  xmlNodePtr attribute = add(parent, "attribute");
-  set(attribute, "name", name);
-  return attribute;
 }
 
 /// What stands between braces: `one` so many times, 0: any.
@@ -53,16 +45,13 @@ std::string array_pattern(const std::string& one, int length, bool empty_allowed
   return "\\s*\\{\\s*" + (empty_allowed && length == 0 ? "(" + entries + ")?" : entries) + "\\}\\s*";
 }
 
-std::string pattern_of_word(const std::string& word) {
-  std::string pattern;
-  for (const char c : word)
-    pattern += (std::string(R"(\.[]{}()*+?^|-)").find(c) == std::string::npos ? "" : "\\") + std::string(1, c);
-  return pattern;
-}
-
 std::string pattern_of_words(const std::vector<std::string>& words) {
   std::string pattern;
-  for (const std::string& word : words) pattern += (pattern.empty() ? "(" : "|") + pattern_of_word(word);
+  for (const std::string& word : words) {
+    pattern += pattern.empty() ? "(" : "|";
+    for (const char c : word)
+      pattern += (std::string(R"(\.[]{}()*+?^|-)").find(c) == std::string::npos ? "" : "\\") + std::string(1, c);
+  }
   return pattern + ")";
 }
 
@@ -135,25 +124,29 @@ void add_formula(xmlNodePtr choice, const ParameterSpec& spec) {
   if (!spec.other_words.empty()) add_typed_value(choice, ParameterSpec(), ParameterType::text);
 }
 
-/// What Teuchos writes into each tag.
-void add_other_attributes(xmlNodePtr element) { set(add(element, "ref"), "name", "other"); }
-
+/// With what Teuchos writes into each tag.
 xmlNodePtr add_element(xmlNodePtr parent, const char* tag) {
-  xmlNodePtr element = add(parent, "element");
-  set(element, "name", tag);
-  add_other_attributes(element);
+  xmlNodePtr element = with(add(parent, "element"), "name", tag);
+  with(add(element, "ref"), "name", "other");
+  return element;
+}
+
+/// Any name but those of `spec`.
+xmlNodePtr add_free(xmlNodePtr parent, const char* tag, const ListSpec& spec) {
+  xmlNodePtr element = add_element(parent, tag), data = add_data(add_attribute(element, "name"), "string");
+  add_param(data, "pattern", R"([\s\S]*\S[\s\S]*)");
+  if (!spec.fixed_names().empty()) add_words(add(data, "except"), spec.fixed_names());
+  return element;
+}
+
+xmlNodePtr add_named(xmlNodePtr parent, const char* tag, const std::string& name) {
+  xmlNodePtr element = add_element(parent, tag);
+  add_word(add_attribute(element, "name"), name);
   return element;
 }
 
 /// Editors show it.
 void add_documentation(xmlNodePtr element, const std::string& text) { add_text(element, "a:documentation", text); }
-
-/// Any name but those of `spec`.
-void add_free_name(xmlNodePtr element, const ListSpec& spec) {
-  xmlNodePtr data = add_data(add_attribute(element, "name"), "string");
-  add_param(data, "pattern", R"([\s\S]*\S[\s\S]*)");
-  if (!spec.fixed_names().empty()) add_words(add(data, "except"), spec.fixed_names());
-}
 
 /// Of an element that has its name already.
 void add_parameter(xmlNodePtr element, const ParameterSpec& spec) {
@@ -180,50 +173,26 @@ void add_any_parameter(xmlNodePtr element) {
 
 void add_list(xmlNodePtr element, const ListSpec& spec) {
   add_documentation(element, spec.meaning);
-  if (spec.unchecked) return set(add(element, "ref"), "name", "anything");
+  if (spec.unchecked) return static_cast<void>(with(add(element, "ref"), "name", "anything"));
   xmlNodePtr choice = add(add(element, "zeroOrMore"), "choice");
-  for (const ParameterSpec& parameter : spec.parameters) {
-    xmlNodePtr inner = add_element(choice, "Parameter");
-    add_word(add_attribute(inner, "name"), parameter.name);
-    add_parameter(inner, parameter);
-  }
-  for (const std::string& name : spec.removed) {
-    xmlNodePtr inner = add_element(choice, "Parameter");
-    add_word(add_attribute(inner, "name"), name);
-    add_any_parameter(inner);
-  }
-  for (const SublistSpec& sublist : spec.sublists) {
-    xmlNodePtr inner = add_element(choice, "ParameterList");
-    add_word(add_attribute(inner, "name"), sublist.name);
-    add_list(inner, *sublist.list);
-  }
-  if (spec.named_parameter) {
-    xmlNodePtr inner = add_element(choice, "Parameter");
-    add_free_name(inner, spec);
-    add_parameter(inner, *spec.named_parameter);
-  }
-  if (spec.named_list) {
-    xmlNodePtr inner = add_element(choice, "ParameterList");
-    add_free_name(inner, spec);
-    add_list(inner, *spec.named_list);
-  }
+  for (const ParameterSpec& parameter : spec.parameters)
+    add_parameter(add_named(choice, "Parameter", parameter.name), parameter);
+  for (const std::string& name : spec.removed) add_any_parameter(add_named(choice, "Parameter", name));
+  for (const SublistSpec& sublist : spec.sublists)
+    add_list(add_named(choice, "ParameterList", sublist.name), *sublist.list);
+  if (spec.named_parameter) add_parameter(add_free(choice, "Parameter", spec), *spec.named_parameter);
+  if (spec.named_list) add_list(add_free(choice, "ParameterList", spec), *spec.named_list);
   if (choice->children == nullptr) add(choice, "notAllowed");
 }
 
 void add_definitions(xmlNodePtr grammar) {
-  xmlNodePtr others = add(grammar, "define");
-  set(others, "name", "other");
+  xmlNodePtr others = with(add(grammar, "define"), "name", "other");
   for (const char* name : {"id", "docString", "isDefault", "isUsed"})
     add_data(add_attribute(add(others, "optional"), name), "string");
-  xmlNodePtr anything = add(grammar, "define");
-  set(anything, "name", "anything");
+  xmlNodePtr anything = with(add(grammar, "define"), "name", "anything");
   xmlNodePtr choice = add(add(anything, "zeroOrMore"), "choice");
-  xmlNodePtr list = add_element(choice, "ParameterList");
-  add_free_name(list, {});
-  set(add(list, "ref"), "name", "anything");
-  xmlNodePtr parameter = add_element(choice, "Parameter");
-  add_free_name(parameter, {});
-  add_any_parameter(parameter);
+  with(add(add_free(choice, "ParameterList", {}), "ref"), "name", "anything");
+  add_any_parameter(add_free(choice, "Parameter", {}));
 }
 
 }  // namespace
@@ -232,9 +201,9 @@ void print_relax_ng(std::ostream& out, const ListSpec& spec) {
   const std::unique_ptr<xmlDoc, void (*)(xmlDocPtr)> document(xmlNewDoc(BAD_CAST "1.0"), xmlFreeDoc);
   xmlNodePtr grammar = xmlNewNode(nullptr, BAD_CAST "grammar");
   xmlDocSetRootElement(document.get(), grammar);
-  set(grammar, "xmlns", "http://relaxng.org/ns/structure/1.0");
-  set(grammar, "xmlns:a", "http://relaxng.org/ns/compatibility/annotations/1.0");
-  set(grammar, "datatypeLibrary", "http://www.w3.org/2001/XMLSchema-datatypes");
+  with(grammar, "xmlns", "http://relaxng.org/ns/structure/1.0");
+  with(grammar, "xmlns:a", "http://relaxng.org/ns/compatibility/annotations/1.0");
+  with(grammar, "datatypeLibrary", "http://www.w3.org/2001/XMLSchema-datatypes");
   xmlNodePtr root = add_element(add(grammar, "start"), "ParameterList");
   add_data(add_attribute(add(root, "optional"), "name"), "string");
   add_list(root, spec);

@@ -261,9 +261,7 @@ class Validator {
     const std::vector<std::string> of_forms = names_of_forms(spec);
     std::vector<std::string> names;
     for (const std::string& name : spec.fixed_names()) {
-      const auto has_name = [&](const Form& form) {
-        return contains(form.needed, name) || contains(form.optional, name);
-      };
+      const auto has_name = [&](const Form& form) { return is_of(form, name); };
       const std::vector<Form>& forms = spec.forms.at(*word);
       const bool fits =
           contains(of_forms, name) ? std::any_of(forms.begin(), forms.end(), has_name) : !contains(spec.formless, name);

@@ -113,6 +113,15 @@ std::string to_text(const ParameterValue& value) {
   return std::visit([](const auto& held) { return element_text(held); }, value);
 }
 
+std::string attribute_text(const ParameterValue& value) {
+  if (const auto* text = std::get_if<std::string>(&value)) return *text;
+  const auto* texts = std::get_if<Teuchos::Array<std::string>>(&value);
+  if (texts == nullptr) return to_text(value);
+  std::string all;
+  for (const std::string& entry : *texts) all += (all.empty() ? "" : ", ") + entry;
+  return "{" + all + "}";
+}
+
 Problem parse_value(const std::string& text, ParameterType type, ParameterValue& value) {
   if (is_number(type) && text.find('=') != std::string::npos) {
     ParameterValue formula;

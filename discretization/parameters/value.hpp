@@ -33,6 +33,8 @@ inline bool has_type(const ParameterValue& value, ParameterType type) {
 std::string to_text(const ParameterValue& value);
 
 /// What an attribute of XML or a cell of a table says: `text`, `0.5`, `true`, `{1, 2, 3}`.
+std::string attribute_text(const ParameterValue& value);
+/// Reads it: `text`, `0.5`, `true`, `{1, 2, 3}`.
 Problem parse_value(const std::string& text, ParameterType type, ParameterValue& value);
 
 /// The value of an entry; empty for a type that XML cannot express (a list that the program made itself).

@@ -256,23 +256,11 @@ class YamlFiller {
   /// False where an entry does not have the type.
   static bool parse(const std::vector<const YamlNode*>& entries, bool is_array, ParameterType type,
                     ParameterValue& value) {
-    switch (type) {
-      case ParameterType::boolean:
-        return !is_array && parse_one<bool>(*entries[0], value);
-      case ParameterType::integer:
-        return !is_array && parse_one<int>(*entries[0], value);
-      case ParameterType::real:
-        return !is_array && parse_one<double>(*entries[0], value);
-      case ParameterType::text:
-        return !is_array && parse_one<std::string>(*entries[0], value);
-      case ParameterType::integer_array:
-        return is_array && parse_all<int>(entries, value);
-      case ParameterType::real_array:
-        return is_array && parse_all<double>(entries, value);
-      case ParameterType::text_array:
-        return is_array && parse_all<std::string>(entries, value);
-    }
-    return false;
+    using Parse = bool (*)(const std::vector<const YamlNode*>&, ParameterValue&);
+    static constexpr Parse kByType[] = {parse_one<bool>,        parse_one<int>, parse_one<double>,
+                                        parse_one<std::string>, parse_all<int>, parse_all<double>,
+                                        parse_all<std::string>};
+    return is_array == mixbeam::is_array(type) && kByType[static_cast<std::size_t>(type)](entries, value);
   }
 
   template <class T>
@@ -285,8 +273,8 @@ class YamlFiller {
     }
   }
   template <class T>
-  static bool parse_one(const YamlNode& node, ParameterValue& value) {
-    return read_scalar(node, value.emplace<T>());
+  static bool parse_one(const std::vector<const YamlNode*>& entries, ParameterValue& value) {
+    return read_scalar(*entries[0], value.emplace<T>());
   }
   template <class T>
   static bool parse_all(const std::vector<const YamlNode*>& entries, ParameterValue& value) {
