@@ -2,6 +2,7 @@
 
 #include "discretization/results/disk_file.hpp"
 #include "discretization/text/errors.hpp"
+#include "discretization/text/tags.hpp"
 #include "discretization/text/text_file.hpp"
 
 #include <cmath>
@@ -20,27 +21,10 @@ constexpr const char* kPolicy =
 constexpr const char* kScripts[] = {"numbers", "packed", "result",  "camera", "shapes", "shaders", "painter",
                                     "marks",   "curve",  "picking", "panel",  "main",   "input"};
 
-std::string escaped(const std::string& text) {
-  std::string result;
-  for (const char c : text) {
-    if (c == '&')
-      result += "&amp;";
-    else if (c == '<')
-      result += "&lt;";
-    else if (c == '>')
-      result += "&gt;";
-    else if (c == '"')
-      result += "&quot;";
-    else
-      result += c;
-  }
-  return result;
-}
-
 /// Deflated bytes that scripts of the page read: letters and digits, which the browser does not look at until they are
 /// asked for.
 std::string element(const std::string& name, const std::string& bytes) {
-  return "<script type=\"application/octet-stream\" id=\"" + escaped(name) + "\">" + base64(bytes) + "</script>\n";
+  return "<script type=\"application/octet-stream\" id=\"" + xml_escaped(name) + "\">" + base64(bytes) + "</script>\n";
 }
 
 }  // namespace
@@ -67,7 +51,7 @@ std::string view_page(const std::vector<fs::path>& files, const std::optional<Sa
                      kPolicy +
                      "\">"
                      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"><title>" +
-                     escaped(cases.size() == 1 ? cases[0].title : cases[0].scene_name) + "</title><style>" +
+                     xml_escaped(cases.size() == 1 ? cases[0].title : cases[0].scene_name) + "</title><style>" +
                      own("viewer.css") + "</style></head><body>\n" + own("page.html") + "\n";
   constexpr auto kReplace = nlohmann::json::error_handler_t::replace;  // names that are no UTF-8
   page += element("pages", deflated(pages.dump(-1, ' ', false, kReplace)));

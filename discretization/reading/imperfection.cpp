@@ -15,6 +15,7 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <set>
 #include <stdexcept>
 
 namespace mixbeam {
@@ -185,11 +186,7 @@ class Imperfection {
     const std::vector<std::string> known = names_.member_names();
     const std::vector<std::string> meant = names_meant(bow.member, known);
     if (meant.empty()) throw unknown_name(place["Member"], "member", bow.member, known);
-    const std::map<std::string, int> chosen = [&] {
-      std::map<std::string, int> set;
-      for (const std::string& name : meant) set[name] = 1;
-      return set;
-    }();
+    const std::set<std::string> chosen(meant.begin(), meant.end());
     for (Member& member : scene_.members)
       if (chosen.count(member.name) > 0) bend(member, bow, place);
   }

@@ -231,22 +231,19 @@ std::map<std::string, std::string> read_imported_files(const Teuchos::ParameterL
   };
   for (const auto& [list, parameter] : file_parameters())
     if (scene_list.isSublist(list)) read(scene_list.sublist(list), parameter, InputPlace(source, path)[list]);
-  const std::string strains = "Eigenstrains";
-  if (scene_list.isSublist(strains))
-    for (auto entry = scene_list.sublist(strains).begin(); entry != scene_list.sublist(strains).end(); ++entry) {
-      const std::string& name = scene_list.sublist(strains).name(entry);
-      if (!scene_list.sublist(strains).isSublist(name)) continue;
-      for (const char* parameter : {"Strain Table", "Curvature Table"})
-        read(scene_list.sublist(strains).sublist(name), parameter, InputPlace(source, path)[strains][name]);
-    }
-  const std::string members = "Members", stations = "Section Stations";
-  if (!scene_list.isSublist(members)) return texts;
-  const Teuchos::ParameterList& all = scene_list.sublist(members);
-  for (auto entry = all.begin(); entry != all.end(); ++entry) {
-    const std::string& name = all.name(entry);
-    if (!all.isSublist(name) || !all.sublist(name).isSublist(stations)) continue;
-    read(all.sublist(name).sublist(stations), "Table", InputPlace(source, path)[members][name][stations]);
-  }
+  const auto for_each_list = [&](const char* of, const auto& action) {
+    if (!scene_list.isSublist(of)) return;
+    const Teuchos::ParameterList& all = scene_list.sublist(of);
+    for (const std::string& name : names_of(all))
+      if (all.isSublist(name)) action(all.sublist(name), InputPlace(source, path)[of][name]);
+  };
+  for_each_list("Eigenstrains", [&](const Teuchos::ParameterList& strain, const InputPlace& place) {
+    for (const char* parameter : {"Strain Table", "Curvature Table"}) read(strain, parameter, place);
+  });
+  for_each_list("Members", [&](const Teuchos::ParameterList& member, const InputPlace& place) {
+    const std::string stations = "Section Stations";
+    if (member.isSublist(stations)) read(member.sublist(stations), "Table", place[stations]);
+  });
   return texts;
 }
 

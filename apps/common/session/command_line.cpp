@@ -5,6 +5,7 @@
 #include "discretization/text/number_text.hpp"
 
 #include <algorithm>
+#include <map>
 #include <ostream>
 
 namespace mixbeam {
@@ -60,38 +61,31 @@ void read_file_name(const std::string& argument, const std::string& kind, Comman
 }
 
 void read_option(const std::string& name, int& i, int argc, const char* const* argv, CommandLine& line) {
-  if (name == "--help")
-    line.help = true;
-  else if (name == "--print-parameters")
-    line.print_parameters = true;
-  else if (name == "--single")
-    line.single = true;
-  else if (name == "--quiet")
-    line.quiet = true;
-  else if (name == "--force")
-    line.force = true;
-  else if (name == "--markdown")
-    line.markdown = true;
-  else if (name == "--json")
-    line.json = true;
-  else if (name == "--durable")
-    line.durable = true;
-  else if (name == "--watch")
-    line.watch = true;
-  else if (name == "--output")
-    line.output = value_after(i, argc, argv);
+  static const std::map<std::string, bool CommandLine::*> kSwitches = {
+      {"--help", &CommandLine::help},     {"--print-parameters", &CommandLine::print_parameters},
+      {"--single", &CommandLine::single}, {"--quiet", &CommandLine::quiet},
+      {"--force", &CommandLine::force},   {"--markdown", &CommandLine::markdown},
+      {"--json", &CommandLine::json},     {"--durable", &CommandLine::durable},
+      {"--watch", &CommandLine::watch}};
+  if (const auto found = kSwitches.find(name); found != kSwitches.end()) {
+    line.*found->second = true;
+    return;
+  }
+  const std::string value = value_after(i, argc, argv);
+  if (name == "--output")
+    line.output = value;
   else if (name == "--summary")
-    line.summary = value_after(i, argc, argv);
+    line.summary = value;
   else if (name == "--case")
-    line.load_case = value_after(i, argc, argv);
+    line.load_case = value;
   else if (name == "--threads")
-    line.threads = number_from(name, value_after(i, argc, argv), 1, kMostThreads);
+    line.threads = number_from(name, value, 1, kMostThreads);
   else if (name == "--jobs")
-    line.jobs = number_from(name, value_after(i, argc, argv), 1, kMostJobs);
+    line.jobs = number_from(name, value, 1, kMostJobs);
   else if (name == "--rows")
-    line.rows = rows_from(name, value_after(i, argc, argv));
+    line.rows = rows_from(name, value);
   else if (name == "--from")
-    line.last_step = number_from(name, value_after(i, argc, argv), 0, kMostSteps);
+    line.last_step = number_from(name, value, 0, kMostSteps);
 }
 
 }  // namespace
