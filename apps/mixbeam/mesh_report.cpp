@@ -211,8 +211,7 @@ void take_stored_mesh(Application& app, const StoredRun& run) {
   if (!app.mesh_is_free || run.members().empty()) return;
   app.scene = on_mesh_of(run, app.scene);
   app.mesh_is_free = false;
-  const auto note = run.header().properties.find(kMeshProperty);
-  if (note != run.header().properties.end()) app.mesh_note = note->second;
+  app.mesh_note = run.header().property(kMeshProperty);
 }
 
 }  // namespace mixbeam

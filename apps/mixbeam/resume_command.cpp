@@ -33,8 +33,8 @@ void set_up(Application& app, const CommandLine& line, const StoredRun& run) {
   on_first_rank(app.communicator, [&app] { prepare_output_folder(app.output); });
   const std::string obstacle = obstacle_to_resuming(app);
   if (!obstacle.empty()) throw InputError(run.path().string() + ": cannot be resumed: " + obstacle);
-  if (property(run, "program") != "mixbeam")
-    throw InputError(run.path().string() + ": written by \"" + property(run, "program") +
+  if (run.header().property("program") != "mixbeam")
+    throw InputError(run.path().string() + ": written by \"" + run.header().property("program") +
                      "\", whose runs belong to its study; allowed: results of mixbeam run");
 }
 
@@ -42,7 +42,7 @@ void say_where(const Application& app, const StoredRun& run) {
   if (run.header().version != kVersion)
     app.out() << "Written by version " << run.header().version << ", resumed by " << kVersion
               << ": the last digits may differ from those of an uninterrupted run.\n";
-  const std::string written_with = property(run, "instructions");
+  const std::string written_with = run.header().property("instructions");
   if (!written_with.empty() && written_with != instructions())
     app.out() << "Written with the instruction set " << written_with << ", resumed with " << instructions()
               << ": the last digits may differ from those of an uninterrupted run.\n";
@@ -55,7 +55,7 @@ void say_where(const Application& app, const StoredRun& run) {
 
 /// Nothing where the file has another name than the run gave it.
 void renew_envelope_beside(Application& app, const StoredRun& run) {
-  const std::string ending = "-" + property(run, "load_case"), stem = run.path().stem().string();
+  const std::string ending = "-" + run.header().property("load_case"), stem = run.path().stem().string();
   if (stem.size() <= ending.size() || stem.substr(stem.size() - ending.size()) != ending) return;
   renew_envelope(app, result_file_of(run.path().parent_path(), stem.substr(0, stem.size() - ending.size()), ""));
 }
@@ -91,13 +91,13 @@ int resume_command(const Arguments& arguments) {
     const StoredRun run(*line.scene_file, line.last_step);
     set_up(app, line, run);
     take_stored_mesh(app, run);
-    require_reachable(app, {property(run, "load_case")});
+    require_reachable(app, {run.header().property("load_case")});
     say_where(app, run);
     watch_for_interrupts();
     return finish_runs(app, line, [&] {
       choose_mesh(app);  // of a file without steps
-      const RunEnd end = run_case(app, property(run, "load_case"), run.path(), {lock, line.durable}, &run);
-      if (end == RunEnd::arrived) fail_what_was_missed(app, {property(run, "load_case")});
+      const RunEnd end = run_case(app, run.header().property("load_case"), run.path(), {lock, line.durable}, &run);
+      if (end == RunEnd::arrived) fail_what_was_missed(app, {run.header().property("load_case")});
       if (end == RunEnd::arrived) renew_envelope_beside(app, run);
       return end;
     });

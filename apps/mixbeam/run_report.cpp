@@ -390,9 +390,7 @@ void RunReport::print_jumps(std::ostream& out) const {
 }
 
 void RunReport::add_end(Application& app, const std::string& run) const {
-  const RecordedStability& known = last_.stability;
-  EndOfRun end{run,    last_.point.load_factor, known.stable, known.held, known.negative, known.has_potential,
-               jumps_, collapse_text()};
+  const EndOfRun end{last_.stability, run, last_.point.load_factor, jumps_, collapse_text()};
   app.summary.ends.push_back(end);
   // where the displacement is controlled, only a state that is unstable with it prescribed is left by the structure
   if (end.stable == "false" && end.held != "true")

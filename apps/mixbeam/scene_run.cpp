@@ -108,11 +108,6 @@ std::vector<std::string> chosen_cases(const Scene& scene, const std::optional<st
                    (known.empty() ? "nothing, the scene has none" : quoted_list(known)) + did_you_mean(*wanted, known));
 }
 
-std::string property(const StoredRun& run, const std::string& name) {
-  const auto found = run.header().properties.find(name);
-  return found == run.header().properties.end() ? "" : found->second;
-}
-
 std::filesystem::path result_file_of(const std::filesystem::path& folder, const std::string& name,
                                      const std::string& load_case) {
   return folder / (name + (load_case.empty() ? "" : "-" + load_case) + ".h5");

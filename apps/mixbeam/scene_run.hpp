@@ -25,9 +25,6 @@ std::vector<std::string> chosen_cases(const Scene& scene, const std::optional<st
 /// What a result file records of the case of its scene.
 std::map<std::string, std::string> properties_of_case(const std::string& load_case);
 
-/// Of a stored run; empty where it has none of this name.
-std::string property(const StoredRun& run, const std::string& name);
-
 /// Solves the scene of one case (an empty name: what acts in all cases) into `file` (none where that is empty), or goes
 /// on with `resume`, and prints what came out.
 RunEnd run_case(Application& app, const std::string& load_case, const std::filesystem::path& file,

@@ -112,9 +112,7 @@ std::vector<fs::path> files_of(const fs::path& result, const std::optional<std::
   for (const fs::path& file : files) require_whole(file, {});
   if (!runs.empty()) return files;
   if (load_case) {
-    const SampledFile run(result);
-    const auto known = run.header().properties.find("load_case");
-    const std::string own = known == run.header().properties.end() ? "" : known->second;
+    const std::string own = SampledFile(result).header().property("load_case");
     if (own != *load_case)
       throw InputError(result.string() + ": the file is " +
                        (own.empty() ? "of a scene without load cases" : "of load case " + own) + ", and there is no " +

@@ -540,9 +540,7 @@ void ViewWriter::thin() {
 }
 
 void ViewWriter::describe_run() {
-  const auto& properties = run_.header().properties;
-  const auto known = properties.find("load_case");
-  data_.load_case = known == properties.end() ? "" : known->second;
+  data_.load_case = run_.header().property("load_case");
   data_.scene_name = run_.header().scene_name;
   data_.title = data_.scene_name + (data_.load_case.empty() ? "" : ", load case " + data_.load_case);
   data_.description = {{"title", data_.title},
@@ -1087,11 +1085,9 @@ void ViewWriter::add_steps() {
 /// Number of the connected part of each member of the file, from "0*3 1*2"; none where it does not say.
 std::vector<int> connected_parts(const ResultHeader& header) {
   std::vector<int> parts;
-  const auto known = header.properties.find("connected_parts");
-  if (known == header.properties.end()) return parts;
+  const std::string known = header.property("connected_parts");
   int number = 0, count = 0, length = 0;
-  for (const char* text = known->second.c_str(); std::sscanf(text, " %d*%d%n", &number, &count, &length) == 2;
-       text += length)
+  for (const char* text = known.c_str(); std::sscanf(text, " %d*%d%n", &number, &count, &length) == 2; text += length)
     parts.insert(parts.end(), static_cast<std::size_t>(std::max(count, 0)), number);
   return parts;
 }
@@ -1138,8 +1134,7 @@ void ViewWriter::describe_preview(const SaidOfScene& said) {
   add_groups("connected part", parts, false);
   add_groups("section", sections_, true);
   data_.description["fields"] = fields;
-  const auto drawn = run_.header().properties.find("drawn");
-  if (drawn != run_.header().properties.end() && !drawn->second.empty()) note(drawn->second);
+  if (const std::string drawn = run_.header().property("drawn"); !drawn.empty()) note(drawn);
   data_.description["preview"] = {
       {"refusal", said.refusal}, {"warnings", said.warnings}, {"named", named_members(said, names)}};
   for (Json& mode : data_.description["modes"]) mode["kind"] = "motion without strain";

@@ -190,8 +190,8 @@ py::dict gradient_table(const SolvedRun& run, const std::vector<std::string>& of
     py::dict derivatives;
     for (std::size_t i = 0; i < found.numbers.size(); ++i) derivatives[py::str(found.numbers[i])] = one.derivative[i];
     all[py::str(one.quantity)] =
-        py::make_tuple(one.value, derivatives, table(std::move(one.stiffness), 6), table(std::move(one.compliance), 6),
-                       table(std::move(one.natural), 6), one.note);
+        py::make_tuple(one.value, derivatives, numbers(std::move(one.stiffness)), numbers(std::move(one.compliance)),
+                       numbers(std::move(one.natural)), one.note);
   }
   return all;
 }
@@ -200,13 +200,8 @@ py::object error_estimate_of(const SolvedRun& run, int step) {
   const ErrorEstimate estimate = in_turn([&] { return run.at(step).estimate_error(); });
   if (!estimate.exists()) return py::str(estimate.not_estimated);
   py::dict errors;
-  const auto add = [&](const char* name, const RecordedError& error) {
-    errors[name] = py::make_tuple(error.error, error.size);
-  };
-  add("largest_displacement", estimate.largest_displacement);
-  add("displacement", estimate.displacement);
-  add("moment", estimate.moment);
-  add("energy", estimate.energy);
+  for (const auto& [name, member] : kErrorsOfEstimate)
+    errors[name] = py::make_tuple((estimate.*member).error, (estimate.*member).size);
   return std::move(errors);
 }
 

@@ -96,15 +96,15 @@ std::unique_ptr<SolvedRun> SolvedRun::from_file(const std::filesystem::path& fil
   struct stat before {};
   stat(file.c_str(), &before);
   StoredRun stored(file);
-  if (property(stored, "program") != "mixbeam")
-    throw InputError(file.string() + ": written by \"" + property(stored, "program") +
+  if (stored.header().property("program") != "mixbeam")
+    throw InputError(file.string() + ": written by \"" + stored.header().property("program") +
                      "\", whose scenes are those of its study; allowed: results of mixbeam run");
   XmlParameters parameters = parsed_scene(stored.header().scene_xml, file.string() + " (scene)");
   parameters.source.set_root_name(stored.header().scene_name);
   parameters.source.set_files(stored.header().imported);
   auto run = std::make_unique<SolvedRun>(std::move(parameters), threads, true);
   Application& app = run->app_;
-  app.load_case = property(stored, "load_case");
+  app.load_case = stored.header().property("load_case");
   take_stored_mesh(app, stored);
   Scene scene = scene_of_case(app.scene, app.load_case);
   if (scene.accuracy) scene = on_mesh_of(stored, scene);

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <numeric>
 #include <sstream>
 
@@ -122,23 +123,21 @@ ResultHeader read_header(hid_t file) {
 }
 
 void write_members(hid_t file, const SampledMembers& members) {
-  std::vector<std::string> names;
-  std::vector<int> first_sample, samples, points_per_element, order, elements;
-  members.for_each_known([&](const SampledMember& member) {
-    names.push_back(member.name);
-    first_sample.push_back(static_cast<int>(member.first_sample));
-    samples.push_back(static_cast<int>(member.share.rows));
-    points_per_element.push_back(member.points_per_element);
-    order.push_back(member.order);
-    elements.push_back(member.elements);
-  });
   const auto group = hdf5::open_group(file, "members");
+  std::vector<std::string> names;
+  members.for_each_known([&](const SampledMember& member) { names.push_back(member.name); });
   hdf5::write_texts(group, "names", names);
-  hdf5::write_dataset(group, "first_sample", first_sample);
-  hdf5::write_dataset(group, "samples", samples);
-  hdf5::write_dataset(group, "points_per_element", points_per_element);
-  hdf5::write_dataset(group, "order", order);
-  hdf5::write_dataset(group, "elements", elements);
+  const auto write = [&](const char* name, const auto& number) {
+    std::vector<int> numbers;
+    members.for_each_known(
+        [&](const SampledMember& m) { numbers.push_back(static_cast<int>(std::invoke(number, m))); });
+    hdf5::write_dataset(group, name, numbers);
+  };
+  write("first_sample", &SampledMember::first_sample);
+  write("samples", [](const SampledMember& member) { return member.share.rows; });
+  write("points_per_element", &SampledMember::points_per_element);
+  write("order", &SampledMember::order);
+  write("elements", &SampledMember::elements);
   hdf5::create_group(file, "polyline");
 }
 

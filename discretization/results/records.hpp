@@ -5,6 +5,7 @@
 #include "discretization/results/hdf5_writer.hpp"
 #include "discretization/results/stored_run.hpp"
 #include "discretization/state/member_samples.hpp"
+#include "discretization/text/errors.hpp"
 
 #include <cstddef>
 #include <optional>
@@ -23,6 +24,21 @@ void write_lines(hid_t group, const std::string& name, const std::vector<std::st
 void write_header(hid_t file, const ResultHeader& header);
 /// Throws InputError unless there is a file of this name that may hold results.
 void require_result_file(const std::filesystem::path& path);
+/// Runs what reads a result file; whatever goes wrong becomes an InputError that names it, with what is `suspected`
+/// where the library refuses.
+template <class Action>
+auto naming_file(const std::filesystem::path& path, const Action& action, const std::string& suspected = "") {
+  const auto named = [&](const std::string& problem) { return InputError(path.string() + ": " + problem); };
+  try {
+    return action();
+  } catch (const DiskError& error) {
+    throw named(error.what());
+  } catch (const DamageError& error) {
+    throw named(std::string("damaged: ") + error.what());
+  } catch (const hdf5::Error& error) {
+    throw named(suspected + error.what());
+  }
+}
 /// Whether a file holds the results of a run, and not a table.
 bool holds_run(hid_t file);
 /// Throws InputError with `name`, that of the file, unless it is a result file whose format this program knows, and has

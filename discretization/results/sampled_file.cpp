@@ -32,19 +32,7 @@ auto in_group(hid_t parent, const std::string& path, const Use& use) {
   return in_group(group, end == path.size() ? "" : path.substr(end + 1), use);
 }
 
-/// Whatever goes wrong becomes an InputError that names the file.
-template <class Action>
-auto naming_file(const std::filesystem::path& path, const Action& action) {
-  try {
-    return action();
-  } catch (const DiskError& error) {
-    throw InputError(path.string() + ": " + error.what());
-  } catch (const DamageError& error) {
-    throw InputError(path.string() + ": damaged: " + error.what());
-  } catch (const hdf5::Error& error) {
-    throw InputError(path.string() + ": damaged, or no result file of mixbeam: " + error.what());
-  }
-}
+const std::string kSuspected = "damaged, or no result file of mixbeam: ";
 
 std::size_t lines_in(const std::string& text) {
   return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')) +
@@ -99,12 +87,14 @@ struct SampledFile::Held {
 
 template <class Read>
 auto SampledFile::reading(const std::string& group, const Read& read) const {
-  return naming_file(path_, [&] { return in_group(held_->results, group, read); });
+  return naming_file(
+      path_, [&] { return in_group(held_->results, group, read); }, kSuspected);
 }
 
 SampledFile::SampledFile(const std::filesystem::path& path) : path_(path) {
   require_result_file(path);
-  naming_file(path, [&] { held_ = std::make_unique<Held>(path); });
+  naming_file(
+      path, [&] { held_ = std::make_unique<Held>(path); }, kSuspected);
   reading("", [&](hid_t file) {
     require_known_format(file, path.string(), held_->file.is_sealed());
     header_ = read_header(file);
@@ -193,7 +183,7 @@ std::string SampledFile::word(const std::string& group, const std::string& attri
 std::vector<std::filesystem::path> runs_of_envelope(const std::filesystem::path& path) {
   require_result_file(path);
   const hdf5::QuietScope quiet;
-  return naming_file(path, [&] {
+  const auto read = [&] {
     SealedFile file(path);
     const hdf5::File results(file.content(), hdf5::FileUse::read);
     std::vector<std::filesystem::path> files;
@@ -202,7 +192,8 @@ std::vector<std::filesystem::path> runs_of_envelope(const std::filesystem::path&
     for (std::string run; std::getline(runs, run);)
       files.push_back(std::filesystem::path(path).replace_filename(run + ".h5"));
     return files;
-  });
+  };
+  return naming_file(path, read, kSuspected);
 }
 
 }  // namespace mixbeam

@@ -10,6 +10,15 @@ namespace mixbeam {
 
 namespace {
 
+/// Rows of numbers as a dataset.
+template <class Row>
+void write_rows(hid_t group, const std::string& name, const std::vector<Row>& rows) {
+  static_assert(sizeof(Row) % sizeof(double) == 0, "rows are written as they are in memory");
+  constexpr std::size_t kColumns = sizeof(Row) / sizeof(double);
+  const double* const begin = reinterpret_cast<const double*>(rows.data());
+  hdf5::write_dataset(group, name, {begin, begin + kColumns * rows.size()}, kColumns);
+}
+
 /// Attributes of a record: fields at samples are tables (result_tables.cpp).
 struct Writing {
   hid_t object;
@@ -29,35 +38,60 @@ struct Reading {
   }
 };
 
+/// A group with one for each record, of which rest(group, record) writes what is no field.
+template <class Record, class Rest>
+void write_records(hid_t parent, const char* name, const std::vector<Record>& records, const Rest& rest) {
+  if (records.empty()) return;
+  const auto all = hdf5::create_group(parent, name);
+  int number = 0;
+  for (const Record& record : records) {
+    const auto group = hdf5::create_group(all, std::to_string(number++));
+    visit_fields(record, Writing{group});
+    rest(group, record);
+  }
+}
+template <class Record, class Rest>
+std::vector<Record> read_records(hid_t parent, const char* name, const Rest& rest) {
+  std::vector<Record> records;
+  if (!hdf5::has_link(parent, name)) return records;
+  const auto all = hdf5::open_group(parent, name);
+  records.resize(hdf5::count_links(all));
+  int number = 0;
+  for (Record& record : records) {
+    const auto group = hdf5::open_group(all, std::to_string(number++));
+    visit_fields(record, Reading{group});
+    rest(group, record);
+  }
+  return records;
+}
+constexpr auto kNoRest = [](hid_t, const auto&) {};
+
+void write_components(hid_t parent, const char* name, const std::vector<MonitoredQuantity>& quantities) {
+  const auto group = hdf5::create_group(parent, name);
+  for (const auto& quantity : quantities) write_rows(group, quantity.name, quantity.components);
+}
+
 /// Group of the jump with which a step was made, and attribute of a state: jumps of the path so far.
 constexpr const char *kJump = "jump", *kJumps = "jumps";
 
-void append(std::vector<double>& numbers, const Vector3& v) { numbers.insert(numbers.end(), v.begin(), v.end()); }
+using ForceAndMoment = std::array<Vector3, 2>;
 
 void write_reactions(hid_t group, const StepRecord& record) {
-  std::vector<double> numbers;
-  for (const auto& reaction : record.reactions) {
-    append(numbers, reaction.force);
-    append(numbers, reaction.moment);
-  }
-  hdf5::write_dataset(group, "reactions", numbers, 6);
-  numbers.clear();
-  for (const Vector3* v : {&record.balance.applied_force, &record.balance.applied_moment,
-                           &record.balance.reaction_force, &record.balance.reaction_moment})
-    append(numbers, *v);
-  hdf5::write_dataset(group, "balance", numbers, 6);
-  hdf5::write_attribute(group, "force_balance_error", record.balance.force_error);
-  hdf5::write_attribute(group, "moment_balance_error", record.balance.moment_error);
+  std::vector<ForceAndMoment> rows;
+  for (const auto& reaction : record.reactions) rows.push_back({reaction.force, reaction.moment});
+  write_rows(group, "reactions", rows);
+  const RecordedBalance& sums = record.balance;
+  write_rows<ForceAndMoment>(group, "balance",
+                             {{sums.applied_force, sums.applied_moment}, {sums.reaction_force, sums.reaction_moment}});
+  hdf5::write_attribute(group, "force_balance_error", sums.force_error);
+  hdf5::write_attribute(group, "moment_balance_error", sums.moment_error);
 }
 
 void write_history(hid_t group, const std::vector<NewtonIteration>& history) {
-  std::vector<double> rows;
-  for (const auto& entry : history) {
-    rows.push_back(entry.attempt);
-    rows.push_back(entry.iteration);
-    rows.push_back(entry.residual);
-  }
-  hdf5::write_dataset(group, "residual_history", rows, 3);
+  std::vector<Vector3> rows;
+  for (const auto& entry : history)
+    rows.push_back({static_cast<double>(entry.attempt), static_cast<double>(entry.iteration), entry.residual});
+  write_rows(group, "residual_history", rows);
 }
 
 hdf5::Handle write_state(hid_t parent, const StateShare& state) {
@@ -66,29 +100,14 @@ hdf5::Handle write_state(hid_t parent, const StateShare& state) {
   return group;
 }
 
-void write_critical_point(hid_t group, const RecordedCriticalPoint& point) {
-  visit_fields(point, Writing{group});
-  const auto monitor = hdf5::create_group(group, "monitor");
-  for (const auto& quantity : point.monitored) hdf5::write_dataset(monitor, quantity.name, quantity.components, 1);
-  if (!point.state.empty()) write_state(group, point.state);
-}
-
 void write_stability(hid_t step, const StepRecord& record) {
   const RecordedStability& stability = record.stability;
-  hdf5::write_attribute(step, "stable", stability.stable);
-  if (!stability.held.empty()) hdf5::write_attribute(step, "stable_held", stability.held);
-  if (stability.negative >= 0) hdf5::write_attribute(step, "negative_eigenvalues", stability.negative);
+  visit_fields(stability, Writing{step});
   if (stability.negative >= 0 && !stability.has_potential) hdf5::write_attribute(step, "has_potential", 0);
-  if (record.critical_points.empty()) return;
-  const auto points = hdf5::create_group(step, "critical_points");
-  int number = 0;
-  for (const auto& point : record.critical_points)
-    write_critical_point(hdf5::create_group(points, std::to_string(number++)), point);
-}
-
-void write_error(hid_t group, const std::string& name, const RecordedError& error) {
-  hdf5::write_attribute(group, name + "_error", error.error);
-  hdf5::write_attribute(group, name + "_size", error.size);
+  write_records(step, "critical_points", record.critical_points, [](hid_t group, const RecordedCriticalPoint& point) {
+    write_components(group, "monitor", point.monitored);
+    if (!point.state.empty()) write_state(group, point.state);
+  });
 }
 
 /// Writes estimated values, if there are any. A value that is not estimated has the reason, and no number as its error.
@@ -104,20 +123,19 @@ void write_values(hid_t parent, const std::string& name, const std::vector<Estim
     errors.push_back(one.error);
   }
   write_lines(group, "names", names);
-  hdf5::write_dataset(group, "value", sizes, 1);
-  hdf5::write_dataset(group, "error", errors, 1);
+  write_rows(group, "value", sizes);
+  write_rows(group, "error", errors);
   write_lines(group, "not_estimated", reasons);
 }
 
 void write_error_estimate(hid_t step, const RecordedErrorEstimate& estimate) {
   const auto group = hdf5::create_group(step, "error_estimate");
   if (!estimate.not_estimated.empty()) return hdf5::write_attribute(group, "not_estimated", estimate.not_estimated);
-  write_error(group, "largest_displacement", estimate.largest_displacement);
-  write_error(group, "displacement", estimate.displacement);
-  write_error(group, "moment", estimate.moment);
-  write_error(group, "energy", estimate.energy);
-  const auto points = hdf5::create_group(group, "points");
-  for (const auto& point : estimate.points) hdf5::write_dataset(points, point.name, point.components, 1);
+  for (const auto& [name, member] : kErrorsOfEstimate) {
+    hdf5::write_attribute(group, name + std::string("_error"), (estimate.*member).error);
+    hdf5::write_attribute(group, name + std::string("_size"), (estimate.*member).size);
+  }
+  write_components(group, "points", estimate.points);
   write_values(group, "quantities", estimate.quantities);
   write_values(group, "sections", estimate.sections);
 }
@@ -132,20 +150,12 @@ void write_gradients(hid_t step, const RecordedGradients& gradients) {
     hdf5::write_attribute(own, "quantity", one.quantity);
     hdf5::write_attribute(own, "value", one.value);
     if (!one.note.empty()) hdf5::write_attribute(own, "no_derivative", one.note);
-    hdf5::write_dataset(own, "derivative", one.derivative, 1);
+    write_rows(own, "derivative", one.derivative);
     if (one.stiffness.empty()) continue;
-    hdf5::write_dataset(own, "stiffness", one.stiffness, 6);
-    hdf5::write_dataset(own, "compliance", one.compliance, 6);
-    hdf5::write_dataset(own, "natural", one.natural, 6);
+    write_rows(own, "stiffness", one.stiffness);
+    write_rows(own, "compliance", one.compliance);
+    write_rows(own, "natural", one.natural);
   }
-}
-
-template <class Mode>
-void write_modes(hid_t file, const char* name, const std::vector<Mode>& modes) {
-  if (modes.empty()) return;
-  const auto all = hdf5::create_group(file, name);
-  int number = 0;
-  for (const Mode& mode : modes) visit_fields(mode, Writing{hdf5::create_group(all, std::to_string(number++))});
 }
 
 /// The time series that every run has are what a step tells of itself.
@@ -170,13 +180,6 @@ std::vector<double> row_of_tracks(const std::vector<RecordedVibrationMode>& mode
   return row;
 }
 
-RecordedCriticalPoint read_critical_point(hid_t group) {
-  RecordedCriticalPoint point;
-  visit_fields(point, Reading{group});
-  point.state = whole(read_state(group));
-  return point;
-}
-
 }  // namespace
 
 void append_frequencies(hid_t file, int step, double load_factor, const std::vector<RecordedVibrationMode>& modes) {
@@ -193,8 +196,8 @@ void append_frequencies(hid_t file, int step, double load_factor, const std::vec
 void write_step(hid_t file, const StepRecord& record) {
   const auto steps = hdf5::open_group(file, "steps");
   const auto group = hdf5::create_group(steps, step_group_name(record.step));
-  write_modes(record.step == 0 ? file : static_cast<hid_t>(group), "buckling", record.buckling);
-  write_modes(group, "vibration", record.vibration);
+  write_records(record.step == 0 ? file : static_cast<hid_t>(group), "buckling", record.buckling, kNoRest);
+  write_records(group, "vibration", record.vibration, kNoRest);
   append_frequencies(file, record.step, record.load_factor, record.vibration);
   visit_fields<const StepSummary>(record, Writing{group});
   write_reactions(group, record);
@@ -243,21 +246,12 @@ std::optional<RecordedJump> read_jump(hid_t step) {
 }
 
 std::vector<RecordedVibrationMode> read_vibration(hid_t step) {
-  std::vector<RecordedVibrationMode> modes;
-  if (!hdf5::has_link(step, "vibration")) return modes;
-  const auto group = hdf5::open_group(step, "vibration");
-  const std::size_t count = hdf5::count_links(group);
-  for (std::size_t i = 0; i < count; ++i)
-    visit_fields(modes.emplace_back(), Reading{hdf5::open_group(group, std::to_string(i))});
-  return modes;
+  return read_records<RecordedVibrationMode>(step, "vibration", kNoRest);
 }
 
 RecordedStability read_stability(hid_t step) {
   RecordedStability stability;
-  if (hdf5::has_attribute(step, "stable")) hdf5::read_attribute(step, "stable", stability.stable);
-  if (hdf5::has_attribute(step, "stable_held")) hdf5::read_attribute(step, "stable_held", stability.held);
-  if (hdf5::has_attribute(step, "negative_eigenvalues"))
-    hdf5::read_attribute(step, "negative_eigenvalues", stability.negative);
+  visit_fields(stability, Reading{step});
   stability.has_potential = !hdf5::has_attribute(step, "has_potential");
   return stability;
 }
@@ -277,13 +271,9 @@ StateSnapshot read_state(hid_t group) {
 }
 
 std::vector<RecordedCriticalPoint> read_critical_points(hid_t step) {
-  std::vector<RecordedCriticalPoint> points;
-  if (!hdf5::has_link(step, "critical_points")) return points;
-  const auto group = hdf5::open_group(step, "critical_points");
-  const std::size_t count = hdf5::count_links(group);
-  for (std::size_t i = 0; i < count; ++i)
-    points.push_back(read_critical_point(hdf5::open_group(group, std::to_string(i))));
-  return points;
+  return read_records<RecordedCriticalPoint>(step, "critical_points", [](hid_t group, RecordedCriticalPoint& point) {
+    point.state = whole(read_state(group));
+  });
 }
 
 }  // namespace mixbeam

@@ -20,22 +20,16 @@ std::vector<MonitoredQuantity> layout_of(const std::vector<MonitoredSeries>& mon
   return quantities;
 }
 
-/// Reads in a result file with read(file); whatever goes wrong becomes an InputError that names it.
+/// Reads in a result file with read(file).
 template <class Read>
 auto reading(const fs::path& path, const Read& read) {
   const hdf5::QuietScope quiet;
-  try {
+  return naming_file(path, [&] {
     SealedFile file(path);
     const hdf5::File results(file.content(), hdf5::FileUse::read);
     require_known_format(results, path.string(), file.is_sealed());
     return read(static_cast<hid_t>(results));
-  } catch (const DiskError& error) {
-    throw InputError(path.string() + ": " + error.what());
-  } catch (const DamageError& error) {
-    throw InputError(path.string() + ": damaged: " + error.what());
-  } catch (const hdf5::Error& error) {
-    throw InputError(path.string() + ": " + error.what());
-  }
+  });
 }
 
 /// Requires a series of every run that has come as far as to a step.

@@ -20,6 +20,12 @@ struct ResultHeader {
   std::vector<std::string> quantities{};          ///< names of the columns of the series of that name
   std::vector<std::string> quantity_units{};      ///< of these columns, where the scene names units
   std::map<std::string, std::string> imported{};  ///< text of every file that the input names, by that name
+
+  /// Empty where there is none of this name.
+  std::string property(const std::string& name) const {
+    const auto found = properties.find(name);
+    return found == properties.end() ? "" : found->second;
+  }
 };
 
 /// A quantity followed over the completed steps.

@@ -232,9 +232,9 @@ struct EstimatedValue {
 struct RecordedGradient {
   std::string quantity{};
   double value = 0.0;
-  std::vector<double> derivative{};                          ///< (number)
-  std::vector<double> stiffness{}, compliance{}, natural{};  ///< (element, 6); empty unless asked for
-  std::string note{};                                        ///< why derivatives are NaN, where some are
+  std::vector<double> derivative{};                                         ///< (number)
+  std::vector<std::array<double, 6>> stiffness{}, compliance{}, natural{};  ///< (element); empty unless asked for
+  std::string note{};                                                       ///< why derivatives are NaN, where some are
 };
 struct RecordedGradients {
   std::string not_found{};             ///< why there are none; empty where there are

@@ -6,6 +6,7 @@
 
 #include <tuple>
 #include <type_traits>
+#include <utility>
 
 namespace mixbeam {
 
@@ -124,6 +125,19 @@ inline constexpr auto kFields<RecordedVibrationMode> = std::tuple{
     field("residual", &RecordedVibrationMode::residual, "", "of the pair"),
     field("confirmed", &RecordedVibrationMode::confirmed, "", "1: the inertia tells that none below is missing"),
     field("mode", &RecordedVibrationMode::mode, "", "displacement of the mode, spatial")};
+
+template <>
+inline constexpr auto kFields<RecordedStability> =
+    std::tuple{field("stable", &RecordedStability::stable, Kept::if_known),
+               field("stable_held", &RecordedStability::held, Kept::if_known),
+               field("negative_eigenvalues", &RecordedStability::negative, Kept::if_known)};
+
+/// Errors of the whole structure.
+inline constexpr std::pair<const char*, RecordedError ErrorSummary::*> kErrorsOfEstimate[] = {
+    {"largest_displacement", &ErrorSummary::largest_displacement},
+    {"displacement", &ErrorSummary::displacement},
+    {"moment", &ErrorSummary::moment},
+    {"energy", &ErrorSummary::energy}};
 
 template <class Record, class Fields, class Visit>
 void visit_fields(Record& record, const Fields& fields, const Visit& visit) {

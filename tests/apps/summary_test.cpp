@@ -128,9 +128,9 @@ TEST(Summary, WhatNeverGotAValueFails) {
 TEST(Summary, TheLeastCertainEndSpeaksForAll) {
   Summary summary;
   EXPECT_EQ(summary.stable(), "");
-  summary.ends = {{"a", 1.0, "true"}, {"b", 1.0, "neutral"}};
+  summary.ends = {{{"true"}, "a", 1.0}, {{"neutral"}, "b", 1.0}};
   EXPECT_EQ(summary.stable(), "neutral");
-  summary.ends.push_back({"c", 1.0, "unknown"});
+  summary.ends.push_back({{"unknown"}, "c", 1.0});
   EXPECT_EQ(summary.stable(), "unknown");
   summary.stable_cases["false"] = 0;
   EXPECT_EQ(summary.stable(), "unknown");
@@ -156,7 +156,7 @@ TEST(Summary, JsonHoldsEverything) {
   summary.newton_iterations = 6;
   summary.seconds = {{"solve", 0.25}, {"read", std::nan("")}};
   summary.estimated_errors = {{"first", "", {{"strain energy", -2e-6, 1e-6}}}, {"second", "too coarse", {}}};
-  summary.ends = {{"first", 0.5, "false", "true", 2}};
+  summary.ends = {{{"false", "true", 2}, "first", 0.5}};
   summary.check_relative("x", 1.0 / 3.0, 0.3333, 1e-3, kSource);
   summary.check_absolute("broken \xff name", std::nan(""), 1.0, 1e-3, kSource);
   summary.write_json(path);
@@ -196,7 +196,7 @@ TEST(Summary, WhatIsPackedComesBackToTheBit) {
   summary.newton_iterations = 6;
   summary.seconds = {{"solve", 0.1}, {"read", std::nan("")}};
   summary.warnings = {"broken \xff name"};
-  summary.ends = {{"first", 1.0 / 3.0, "false", "true", 2, false, {{0.1, 0.2, 0.3, 0.4, 0.5, "tip", 7}}}};
+  summary.ends = {{{"false", "true", 2, false}, "first", 1.0 / 3.0, {{0.1, 0.2, 0.3, 0.4, 0.5, "tip", 7}}}};
   summary.quantities = {{"first", "sag", -0.0, kInfinity, 0.7, 3, "rod", 0.1, -1}, {"first", "M", std::nan("")}};
   summary.estimated_errors = {{"first", "", {{"strain energy", -2e-6, 1e-6}}}, {"second", "too coarse", {}}};
   summary.chosen_meshes = {{"first", 1e-6, 1e-7, "reached", {{"rod", 1, 3, 8}}, {{8, true, 2, 6, 0.1, 1e-7, "no"}}}};

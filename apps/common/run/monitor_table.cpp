@@ -1,5 +1,6 @@
 #include "apps/common/run/monitor_table.hpp"
 
+#include "discretization/state/record_fields.hpp"
 #include "discretization/text/result_names.hpp"
 
 #include <array>
@@ -24,13 +25,9 @@ void MonitorTable::add(const StoredRun& run) {
 }
 
 void MonitorTable::add(const StepRecord& record) {
-  Row row = {{"step", {static_cast<double>(record.step)}},
-             {"load_factor", {record.load_factor}},
-             {"newton_iterations", {static_cast<double>(record.newton_iterations)}},
-             {"residual", {record.residual}},
-             {"strain_energy", {record.strain_energy}},
-             {"force_energy", {record.force_energy}},
-             {"moment_energy", {record.moment_energy}}};
+  Row row;
+  visit_fields<const StepSummary>(
+      record, [&](const auto& field, auto value) { row[field.name] = {static_cast<double>(value)}; });
   for (const MonitoredQuantity& quantity : record.monitored) row[quantity.name] = quantity.components;
   write(row, record.stability.stable);
 }

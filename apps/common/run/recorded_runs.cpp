@@ -43,11 +43,10 @@ const char* const kCloseness = "closeness";
 
 int closeness_of(const Recording& recording) {
   if (recording.resume == nullptr) return 0;
-  const auto& properties = recording.resume->header().properties;
-  const auto found = properties.find(kCloseness);
+  const std::string text = recording.resume->header().property(kCloseness);
   int closeness = 0;
-  if (found != properties.end() && (!parse_number(found->second, closeness).empty() || closeness < 0))
-    throw InputError(recording.resume->path().string() + ": damaged: its closeness is \"" + found->second + "\"");
+  if (!text.empty() && (!parse_number(text, closeness).empty() || closeness < 0))
+    throw InputError(recording.resume->path().string() + ": damaged: its closeness is \"" + text + "\"");
   return std::min(closeness, kMostCloseness);
 }
 

@@ -296,9 +296,9 @@ void record(const std::vector<QuantityGradient>& gradients, RecordedGradients& r
     one.derivative = gradient.by_number;
     one.note = gradient.note;
     for (const ElementDerivatives& element : gradient.elements) {
-      one.stiffness.insert(one.stiffness.end(), element.stiffness.begin(), element.stiffness.end());
-      one.compliance.insert(one.compliance.end(), element.compliance.begin(), element.compliance.end());
-      one.natural.insert(one.natural.end(), element.natural.begin(), element.natural.end());
+      one.stiffness.push_back(element.stiffness);
+      one.compliance.push_back(element.compliance);
+      one.natural.push_back(element.natural);
     }
   }
 }

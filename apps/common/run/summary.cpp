@@ -79,14 +79,11 @@ inline constexpr auto kFields<QuantityEnvelope> =
                field("largest_in", &QuantityEnvelope::largest_in), field("smallest", &QuantityEnvelope::smallest),
                field("smallest_in", &QuantityEnvelope::smallest_in)};
 template <>
-inline constexpr auto kFields<EndOfRun> = std::tuple{field("run", &EndOfRun::run),
-                                                     field("load_factor", &EndOfRun::load_factor),
-                                                     field("stable", &EndOfRun::stable),
-                                                     field("stable_held", &EndOfRun::held, Kept::if_known),
-                                                     field("negative_eigenvalues", &EndOfRun::negative, Kept::if_known),
-                                                     field("has_potential", &EndOfRun::has_potential, Kept::inside),
-                                                     field("jumps", &EndOfRun::jumps, Kept::if_known),
-                                                     field("collapse", &EndOfRun::collapse, Kept::if_known)};
+inline constexpr auto kFields<EndOfRun> = std::tuple_cat(
+    std::tuple{field("run", &EndOfRun::run), field("load_factor", &EndOfRun::load_factor)}, kFields<RecordedStability>,
+    std::tuple{field("has_potential", &EndOfRun::has_potential, Kept::inside),
+               field("jumps", &EndOfRun::jumps, Kept::if_known),
+               field("collapse", &EndOfRun::collapse, Kept::if_known)});
 /// As it is sent; a summary has more to say of it.
 template <>
 inline constexpr auto kFields<CheckedQuantity> =

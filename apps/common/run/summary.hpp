@@ -114,14 +114,10 @@ struct QuantityEnvelope {
   std::string smallest_in{};
 };
 
-/// Whether the last state of a run is stable: "true", "false", "neutral" or "unknown".
-struct EndOfRun {
-  std::string run;  ///< which of several runs
+/// Whether the last state of a run is stable, and what was before it.
+struct EndOfRun : RecordedStability {
+  std::string run{};  ///< which of several runs
   double load_factor = 0.0;
-  std::string stable;
-  std::string held{};  ///< with the controlled displacement held in place of the load; empty: not known
-  int negative = -1;   ///< eigenvalues below zero; -1: not counted
-  bool has_potential = true;
   std::vector<RecordedJump> jumps{};  ///< of its path
   std::string collapse{};  ///< first loss of stability on it, or the least factor of linear buckling, in words
 };
