@@ -78,38 +78,6 @@ std::string cause_of(const LoadPathResult& result) {
   return text;
 }
 
-}  // namespace
-
-BatchSolver::BatchSolver(Application& app, const CaseQuantities& quantities, std::size_t cases,
-                         std::function<bool()> stop)
-    : app_(app),
-      quantities_(quantities),
-      stop_(std::move(stop)),
-      may_merge_(!has_path_of_its_own(app.solver.analysis) && !app.scene.accuracy && app.scene.rotating_frames.empty()),
-      results_(cases) {}
-
-void BatchSolver::solve(const std::vector<std::size_t>& cases, const std::vector<Scene>& scenes) {
-  cases_ = &cases;
-  scenes_ = &scenes;
-  solve_range({0, cases.size()});
-}
-
-bool BatchSolver::solve_all(GroupedCases& cases, const std::function<void(std::size_t group)>& solved, int rank,
-                            int ranks) {
-  const auto is_left = [this](std::size_t i) { return !results_[i].solved; };
-  for (std::size_t g = static_cast<std::size_t>(rank); g < cases.groups.size(); g += static_cast<std::size_t>(ranks)) {
-    std::vector<Scene> scenes;
-    for (const std::size_t i : cases.groups[g]) scenes.push_back(std::move(cases.scenes[i]));
-    solve(cases.groups[g], scenes);
-    solved(g);
-    const bool is_last = g + static_cast<std::size_t>(ranks) >= cases.groups.size();
-    if (stop_() && (!is_last || std::any_of(cases.groups[g].begin(), cases.groups[g].end(), is_left))) return false;
-  }
-  return true;
-}
-
-namespace {
-
 using Json = nlohmann::json;
 
 Json json_of(const CaseResult& result) {
@@ -153,6 +121,34 @@ std::vector<std::string> texts_of(const Teuchos::Comm<int>& ranks, const std::st
 }
 
 }  // namespace
+
+BatchSolver::BatchSolver(Application& app, const CaseQuantities& quantities, std::size_t cases,
+                         std::function<bool()> stop)
+    : app_(app),
+      quantities_(quantities),
+      stop_(std::move(stop)),
+      may_merge_(!has_path_of_its_own(app.solver.analysis) && !app.scene.accuracy && app.scene.rotating_frames.empty()),
+      results_(cases) {}
+
+void BatchSolver::solve(const std::vector<std::size_t>& cases, const std::vector<Scene>& scenes) {
+  cases_ = &cases;
+  scenes_ = &scenes;
+  solve_range({0, cases.size()});
+}
+
+bool BatchSolver::solve_all(GroupedCases& cases, const std::function<void(std::size_t group)>& solved, int rank,
+                            int ranks) {
+  const auto is_left = [this](std::size_t i) { return !results_[i].solved; };
+  for (std::size_t g = static_cast<std::size_t>(rank); g < cases.groups.size(); g += static_cast<std::size_t>(ranks)) {
+    std::vector<Scene> scenes;
+    for (const std::size_t i : cases.groups[g]) scenes.push_back(std::move(cases.scenes[i]));
+    solve(cases.groups[g], scenes);
+    solved(g);
+    const bool is_last = g + static_cast<std::size_t>(ranks) >= cases.groups.size();
+    if (stop_() && (!is_last || std::any_of(cases.groups[g].begin(), cases.groups[g].end(), is_left))) return false;
+  }
+  return true;
+}
 
 bool gather_results(const Teuchos::Comm<int>& ranks, Summary& summary, std::vector<CaseResult>& results,
                     bool all_solved) {

@@ -55,6 +55,45 @@ void check_critical_points(Application& app, const std::string& run, const Accur
                                   *accurate.simulation.scene().accuracy, "accuracy that the scene asks for");
 }
 
+/// Larger structures keep their start mesh: whoever solves them wants to be asked before that happens twice.
+constexpr long long kMostElementsToSearch = 20'000;
+
+/// Why no mesh is searched; empty where one is.
+std::string obstacle_to_search(const Application& app) {
+  long long elements = 0;
+  for (const Member& member : app.scene.members) elements += member.elements;
+  if (elements > kMostElementsToSearch) return std::to_string(elements) + " elements are too many to solve them twice";
+  if (app.solver.analysis.snap == Snap::jump) return "a path that jumps has no error estimate";
+  return "";
+}
+
+/// Of one case, from its start mesh or from that of the cases before; the scene of the application takes it.
+void search_mesh_of(Application& app, Scene scene, ChosenMesh& report) {
+  const bool is_first = report.rounds.empty();
+  const MeshChoice start = is_first ? start_mesh(scene, report.wanted) : mesh_of(app.scene);
+  // a row of a batch may have another number of members, or name its mesh
+  if (!names_no_mesh(scene) || start.size() != app.scene.members.size()) return;
+  scene.accuracy = report.wanted;
+  AccurateRunObserver observer;
+  observer.stop = [&app] { return app.is_asked_to_stop(); };
+  observer.threads = [&app](const Scene& on_mesh) { return app.threads_for(on_mesh, app.solver); };
+  const AccurateRun run = search_mesh(scene, app.solver, app.communicator, start, observer);
+  add_rounds(run, report);
+  for (const MeshRound& round : run.rounds) app.summary.newton_iterations += round.iterations;
+  MeshChoice mesh = run.rounds.back().mesh;
+  if (run.end == AccuracyEnd::no_equilibrium) mesh = doubled(scene, mesh);
+  app.scene = on_mesh(app.scene, is_first ? mesh : joined(std::move(mesh), mesh_of(app.scene)));
+  if (is_first || run.end != AccuracyEnd::reached) report.outcome = text_of(run.end);
+  if (!(run.rounds.back().error <= report.estimated)) report.estimated = run.rounds.back().error;  // keeps NaN
+}
+
+std::string note_of(const ChosenMesh& report) {
+  const std::string wanted = formatted("for an accuracy of %.1e of displacements", report.wanted);
+  if (report.rounds.empty() || std::isnan(report.estimated))
+    return wanted + " by the sizes of the loads alone: " + report.outcome;
+  return wanted + formatted(", estimated error %.1e: ", report.estimated) + report.outcome;
+}
+
 }  // namespace
 
 std::vector<ChosenMesh::Members> members_by_mesh(const Scene& scene, const MeshChoice& choice) {
@@ -108,49 +147,6 @@ void report_mesh(Application& app, const std::string& run, const AccurateRun& ac
                                   "accuracy that the scene asks for");
   app.summary.chosen_meshes.push_back(std::move(report));
 }
-
-namespace {
-
-/// Larger structures keep their start mesh: whoever solves them wants to be asked before that happens twice.
-constexpr long long kMostElementsToSearch = 20'000;
-
-/// Why no mesh is searched; empty where one is.
-std::string obstacle_to_search(const Application& app) {
-  long long elements = 0;
-  for (const Member& member : app.scene.members) elements += member.elements;
-  if (elements > kMostElementsToSearch) return std::to_string(elements) + " elements are too many to solve them twice";
-  if (app.solver.analysis.snap == Snap::jump) return "a path that jumps has no error estimate";
-  return "";
-}
-
-/// Of one case, from its start mesh or from that of the cases before; the scene of the application takes it.
-void search_mesh_of(Application& app, Scene scene, ChosenMesh& report) {
-  const bool is_first = report.rounds.empty();
-  const MeshChoice start = is_first ? start_mesh(scene, report.wanted) : mesh_of(app.scene);
-  // a row of a batch may have another number of members, or name its mesh
-  if (!names_no_mesh(scene) || start.size() != app.scene.members.size()) return;
-  scene.accuracy = report.wanted;
-  AccurateRunObserver observer;
-  observer.stop = [&app] { return app.is_asked_to_stop(); };
-  observer.threads = [&app](const Scene& on_mesh) { return app.threads_for(on_mesh, app.solver); };
-  const AccurateRun run = search_mesh(scene, app.solver, app.communicator, start, observer);
-  add_rounds(run, report);
-  for (const MeshRound& round : run.rounds) app.summary.newton_iterations += round.iterations;
-  MeshChoice mesh = run.rounds.back().mesh;
-  if (run.end == AccuracyEnd::no_equilibrium) mesh = doubled(scene, mesh);
-  app.scene = on_mesh(app.scene, is_first ? mesh : joined(std::move(mesh), mesh_of(app.scene)));
-  if (is_first || run.end != AccuracyEnd::reached) report.outcome = text_of(run.end);
-  if (!(run.rounds.back().error <= report.estimated)) report.estimated = run.rounds.back().error;  // keeps NaN
-}
-
-std::string note_of(const ChosenMesh& report) {
-  const std::string wanted = formatted("for an accuracy of %.1e of displacements", report.wanted);
-  if (report.rounds.empty() || std::isnan(report.estimated))
-    return wanted + " by the sizes of the loads alone: " + report.outcome;
-  return wanted + formatted(", estimated error %.1e: ", report.estimated) + report.outcome;
-}
-
-}  // namespace
 
 void take_mesh(Application& app, const MeshChoice& mesh, const std::string& note) {
   app.scene = on_mesh(app.scene, mesh);

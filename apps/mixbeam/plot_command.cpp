@@ -45,6 +45,24 @@ std::string suitable_python(const std::string& folder) {
                    "not count");
 }
 
+/// Runs a script of the folder plots beside the program, which verifies each result file before it reads it.
+int run_script(const Arguments& arguments, const std::string& name) {
+  if (arguments.count() < 2)
+    throw InputError(std::string("a result file is missing: mixbeam ") + arguments.values[0] +
+                     " RESULTS.h5, or SCENE.yaml");
+  require_run(arguments.values[0], arguments.values[1]);
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe");
+  const std::filesystem::path script = plots_folder() / name;
+  if (!std::filesystem::exists(script)) throw InputError("the script " + script.string() + " is missing");
+  setenv("MPLBACKEND", "Agg", 1);
+  setenv("MIXBEAM_PROGRAM", program.c_str(), 1);
+  const std::string folder = script.parent_path().string();
+  std::vector<std::string> words = {suitable_python(folder), kIsolated, "-c", kStart, folder, script.string()};
+  words.insert(words.end(), arguments.values.begin() + 1, arguments.values.end());
+  const int code = exit_code_of(words);
+  return code == 0 ? 0 : kInputErrorExitCode;
+}
+
 }  // namespace
 
 int exit_code_of(std::vector<std::string> words, const ProcessPlaces& places) {
@@ -95,28 +113,6 @@ void require_run(const std::string& command, const std::filesystem::path& file) 
     throw InputError("\"" + excerpt(file.string()) + "\" is a scene" + allowed + ": mixbeam run " +
                      excerpt(file.string()) + ", then mixbeam report results/" + name + "/" + name + ".h5");
 }
-
-namespace {
-
-/// Runs a script of the folder plots beside the program, which verifies each result file before it reads it.
-int run_script(const Arguments& arguments, const std::string& name) {
-  if (arguments.count() < 2)
-    throw InputError(std::string("a result file is missing: mixbeam ") + arguments.values[0] +
-                     " RESULTS.h5, or SCENE.yaml");
-  require_run(arguments.values[0], arguments.values[1]);
-  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe");
-  const std::filesystem::path script = plots_folder() / name;
-  if (!std::filesystem::exists(script)) throw InputError("the script " + script.string() + " is missing");
-  setenv("MPLBACKEND", "Agg", 1);
-  setenv("MIXBEAM_PROGRAM", program.c_str(), 1);
-  const std::string folder = script.parent_path().string();
-  std::vector<std::string> words = {suitable_python(folder), kIsolated, "-c", kStart, folder, script.string()};
-  words.insert(words.end(), arguments.values.begin() + 1, arguments.values.end());
-  const int code = exit_code_of(words);
-  return code == 0 ? 0 : kInputErrorExitCode;
-}
-
-}  // namespace
 
 int plot_command(const Arguments& arguments) { return run_script(arguments, "plot_result.py"); }
 

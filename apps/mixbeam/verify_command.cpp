@@ -51,29 +51,6 @@ FileReport report_on(const std::string& file) {
   }
 }
 
-}  // namespace
-
-int verify_command(const Arguments& arguments) {
-  const CommandLine line =
-      read_command_line(arguments.count(), arguments.values.data(), {"--from", "--help"}, "result file");
-  if (!line.scene_file) throw InputError("a result file is missing: mixbeam verify RESULTS.h5");
-  const std::string file = *line.scene_file;
-  const FileReport report = report_on(file);
-  const bool is_enough = line.last_step && report.last_whole_step && *line.last_step <= *report.last_whole_step;
-  if (!report.damage.empty() && !is_enough)
-    throw InputError(file + ": damaged: " + report.damage + advice(report, file));
-  std::cout << file << ": " << report.steps.size() << (report.steps.size() == 1 ? " step" : " steps");
-  if (!report.damage.empty())
-    std::cout << ", intact up to step " << *report.last_whole_step << "; damaged: " << report.damage << "\n";
-  else if (report.is_sealed)
-    std::cout << ", intact: all checksums agree\n";
-  else
-    std::cout << ", readable; it was written by a version without checksums: more cannot be told\n";
-  return 0;
-}
-
-namespace {
-
 /// For a process that reads a file which may be hostile: more than reading it takes, and an end.
 void limit_process(std::uintmax_t file_bytes) {
 #if !defined(__SANITIZE_ADDRESS__)  // its shadow takes terabytes
@@ -115,6 +92,25 @@ std::string all_of(int pipe_end) {
 }
 
 }  // namespace
+
+int verify_command(const Arguments& arguments) {
+  const CommandLine line =
+      read_command_line(arguments.count(), arguments.values.data(), {"--from", "--help"}, "result file");
+  if (!line.scene_file) throw InputError("a result file is missing: mixbeam verify RESULTS.h5");
+  const std::string file = *line.scene_file;
+  const FileReport report = report_on(file);
+  const bool is_enough = line.last_step && report.last_whole_step && *line.last_step <= *report.last_whole_step;
+  if (!report.damage.empty() && !is_enough)
+    throw InputError(file + ": damaged: " + report.damage + advice(report, file));
+  std::cout << file << ": " << report.steps.size() << (report.steps.size() == 1 ? " step" : " steps");
+  if (!report.damage.empty())
+    std::cout << ", intact up to step " << *report.last_whole_step << "; damaged: " << report.damage << "\n";
+  else if (report.is_sealed)
+    std::cout << ", intact: all checksums agree\n";
+  else
+    std::cout << ", readable; it was written by a version without checksums: more cannot be told\n";
+  return 0;
+}
 
 bool is_first_process() {
   const char* const rank = std::getenv("OMPI_COMM_WORLD_RANK");

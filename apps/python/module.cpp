@@ -52,14 +52,6 @@ py::dict entries_of(const Teuchos::ParameterList& list) {
   return entries;
 }
 
-}  // namespace
-
-py::tuple parameters_of(const XmlParameters& parameters) {
-  return py::make_tuple(parameters.list->name(), entries_of(*parameters.list));
-}
-
-namespace {
-
 /// Text, what messages call it, and whether it was made of an object.
 using SceneText = std::tuple<std::string, std::string, bool>;
 
@@ -260,6 +252,10 @@ void translate(const std::exception_ptr& thrown) {
 }
 
 }  // namespace
+
+py::tuple parameters_of(const XmlParameters& parameters) {
+  return py::make_tuple(parameters.list->name(), entries_of(*parameters.list));
+}
 
 }  // namespace mixbeam
 

@@ -61,14 +61,6 @@ void print_list(std::ostream& out, const ListSpec& spec, const std::string& head
   if (spec.unchecked) print_wrapped(out, "(any parameters and lists)", inside);
 }
 
-}  // namespace
-
-void print_parameters(std::ostream& out, const ListSpec& spec, const std::string& name) {
-  print_list(out, spec, name.empty() ? "" : "[" + name + "]", 0);
-}
-
-namespace {
-
 /// Text that Markdown shows as it is: no borders of cells, no tags.
 std::string shown(const std::string& text) {
   std::string result;
@@ -143,6 +135,10 @@ void print_markdown_contents(std::ostream& out, const ListSpec& spec) {
 }
 
 }  // namespace
+
+void print_parameters(std::ostream& out, const ListSpec& spec, const std::string& name) {
+  print_list(out, spec, name.empty() ? "" : "[" + name + "]", 0);
+}
 
 void print_parameters_markdown(std::ostream& out, const ListSpec& spec, const std::string& title,
                                const std::string& introduction) {

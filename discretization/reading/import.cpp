@@ -19,6 +19,9 @@
 #include <utility>
 
 namespace mixbeam {
+
+extern const char* const kProfilesOfProgram;  // profiles.csv
+
 namespace {
 
 const std::string kNameColumn = "name";
@@ -106,6 +109,126 @@ std::string meaning_of_members_file() {
     for (const std::string& column : member_columns(with_default)) text += ", " + column;
   return text + "; empty or absent cells of the last " + counts.at(member_columns(true).size()) +
          " take the values below.";
+}
+
+/// Parameters of an entry and of the lists inside it, by column.
+struct EntryColumn {
+  std::string list{};  ///< inside the entry; empty: the entry itself
+  ParameterSpec spec;
+};
+
+std::map<std::string, EntryColumn> entry_columns(const ListSpec& entry) {
+  std::map<std::string, EntryColumn> columns;
+  for (const ParameterSpec& parameter : entry.parameters)
+    columns.emplace(lower_case(parameter.name), EntryColumn{"", parameter});
+  for (const SublistSpec& inside : entry.sublists)
+    for (const ParameterSpec& parameter : inside.list->parameters)
+      columns.emplace(lower_case(parameter.name), EntryColumn{inside.name, parameter});
+  return columns;
+}
+
+/// Adds an entry to `list` for each record.
+void add_entries(const ImportTable& table, const std::map<std::string, EntryColumn>& columns, const ParameterPath& path,
+                 Teuchos::ParameterList& list, ParameterSource& source) {
+  table.for_each([&](const CsvRecord& record) {
+    const std::string name = imported_name(table, record);
+    if (list.isParameter(name))
+      throw table.error(
+          record, kNameColumn,
+          "value \"" + excerpt(name) + "\" is in the list \"" + path.back() + "\" already; allowed: names that differ");
+    Teuchos::ParameterList& entry = list.sublist(name);
+    const ParameterPath place = child(path, name);
+    source.record(place, table.where(record, kNameColumn));
+    for (const auto& [column, target] : columns) {
+      if (table.cell(record, column).empty()) continue;
+      ParameterPath inside = place;
+      if (!target.list.empty()) inside.push_back(target.list);
+      Teuchos::ParameterList& holder = target.list.empty() ? entry : entry.sublist(target.list);
+      inside.push_back(target.spec.name);
+      source.record(inside, table.where(record, column));
+      InputPlace(source, inside).attempt([&, &column = column, &target = target] {
+        set_value(holder, target.spec.name, written_cell(table, record, target.spec));
+      });
+    }
+  });
+}
+
+/// Sections of a file that another program wrote; false: the file is a table.
+bool import_blade(const Teuchos::ParameterList& import, const InputPlace& place, Teuchos::ParameterList& sections) {
+  const std::string parameter = "Sections File";
+  const auto& name = import.get<std::string>(parameter);
+  const auto kept = place.source().files().find(name);
+  const std::string text =
+      kept == place.source().files().end() ? text_of_file(resolved(import, parameter, place), "a table") : kept->second;
+  if (blade_format(text) == BladeFormat::none) return false;
+  const Teuchos::ParameterList read = sections_of_blade(text, beside_scene(name, place.source()).string());
+  for (const std::string& section : names_of(read)) {
+    if (sections.isParameter(section))
+      throw place[parameter].error("section \"" + section +
+                                   "\" is in the list \"Sections\" already; allowed: names "
+                                   "that differ");
+    sections.sublist(section) = read.sublist(section);
+  }
+  return true;
+}
+
+/// What the words of Units mean in millimetres.
+const std::vector<std::pair<std::string, double>> kMillimetres = {{"mm", 1.0},   {"cm", 10.0}, {"dm", 100.0},
+                                                                  {"m", 1000.0}, {"in", 25.4}, {"ft", 304.8}};
+
+double millimetres_of(const std::string& units, const InputPlace& place) {
+  const std::string length = trimmed(units.substr(0, units.find(',')));
+  std::vector<std::string> words;
+  for (const auto& [word, size] : kMillimetres) {
+    if (word == length) return size;
+    words.push_back(word);
+  }
+  throw place.error("the catalogue is in mm, and \"Units\" of the scene " +
+                    (units.empty() ? "is missing" : "has \"" + excerpt(length) + "\" as unit of length") +
+                    "; allowed: " + quoted_list(words) + ", as in \"m, N\"");
+}
+
+/// "IPE 300" and "ipe300" are one name.
+std::string profile_key(const std::string& name) {
+  std::string key = lower_case(name);
+  key.erase(std::remove(key.begin(), key.end(), ' '), key.end());
+  return key;
+}
+
+/// Profiles as lists of sections in millimetres.
+struct Catalogue {
+  Teuchos::ParameterList profiles{};
+  ParameterSource source{"profiles.csv"};
+  std::map<std::string, std::string> names{};  ///< by key
+
+  void add(CsvFile file) {
+    std::map<std::string, EntryColumn> columns;
+    std::vector<std::string> column_names = {kNameColumn};
+    const ListSpec section = section_spec();
+    for (const std::string& name : profile_parameters()) {
+      columns.emplace(lower_case(name), EntryColumn{"", *section.find_parameter(name)});
+      column_names.push_back(lower_case(name));
+    }
+    const ImportTable table(std::move(file), column_names, 1, source);
+    table.for_each([&](const CsvRecord& record) {
+      const auto [known, is_new] =
+          names.emplace(profile_key(table.cell(record, kNameColumn)), table.cell(record, kNameColumn));
+      if (!is_new)
+        throw table.error(
+            record, kNameColumn,
+            "profile \"" + excerpt(known->second) + "\" is in the catalogue already; allowed: names that differ");
+    });
+    source.collect([&] { add_entries(table, columns, {"Profiles"}, profiles, source); });
+  }
+};
+
+const Catalogue& catalogue_of_program() {
+  static const Catalogue catalogue = [] {
+    Catalogue filled;
+    filled.add(CsvFile("profiles.csv", kProfilesOfProgram));
+    return filled;
+  }();
+  return catalogue;
 }
 
 }  // namespace
@@ -247,71 +370,6 @@ std::map<std::string, std::string> read_imported_files(const Teuchos::ParameterL
   return texts;
 }
 
-namespace {
-
-/// Parameters of an entry and of the lists inside it, by column.
-struct EntryColumn {
-  std::string list{};  ///< inside the entry; empty: the entry itself
-  ParameterSpec spec;
-};
-
-std::map<std::string, EntryColumn> entry_columns(const ListSpec& entry) {
-  std::map<std::string, EntryColumn> columns;
-  for (const ParameterSpec& parameter : entry.parameters)
-    columns.emplace(lower_case(parameter.name), EntryColumn{"", parameter});
-  for (const SublistSpec& inside : entry.sublists)
-    for (const ParameterSpec& parameter : inside.list->parameters)
-      columns.emplace(lower_case(parameter.name), EntryColumn{inside.name, parameter});
-  return columns;
-}
-
-/// Adds an entry to `list` for each record.
-void add_entries(const ImportTable& table, const std::map<std::string, EntryColumn>& columns, const ParameterPath& path,
-                 Teuchos::ParameterList& list, ParameterSource& source) {
-  table.for_each([&](const CsvRecord& record) {
-    const std::string name = imported_name(table, record);
-    if (list.isParameter(name))
-      throw table.error(
-          record, kNameColumn,
-          "value \"" + excerpt(name) + "\" is in the list \"" + path.back() + "\" already; allowed: names that differ");
-    Teuchos::ParameterList& entry = list.sublist(name);
-    const ParameterPath place = child(path, name);
-    source.record(place, table.where(record, kNameColumn));
-    for (const auto& [column, target] : columns) {
-      if (table.cell(record, column).empty()) continue;
-      ParameterPath inside = place;
-      if (!target.list.empty()) inside.push_back(target.list);
-      Teuchos::ParameterList& holder = target.list.empty() ? entry : entry.sublist(target.list);
-      inside.push_back(target.spec.name);
-      source.record(inside, table.where(record, column));
-      InputPlace(source, inside).attempt([&, &column = column, &target = target] {
-        set_value(holder, target.spec.name, written_cell(table, record, target.spec));
-      });
-    }
-  });
-}
-
-/// Sections of a file that another program wrote; false: the file is a table.
-bool import_blade(const Teuchos::ParameterList& import, const InputPlace& place, Teuchos::ParameterList& sections) {
-  const std::string parameter = "Sections File";
-  const auto& name = import.get<std::string>(parameter);
-  const auto kept = place.source().files().find(name);
-  const std::string text =
-      kept == place.source().files().end() ? text_of_file(resolved(import, parameter, place), "a table") : kept->second;
-  if (blade_format(text) == BladeFormat::none) return false;
-  const Teuchos::ParameterList read = sections_of_blade(text, beside_scene(name, place.source()).string());
-  for (const std::string& section : names_of(read)) {
-    if (sections.isParameter(section))
-      throw place[parameter].error("section \"" + section +
-                                   "\" is in the list \"Sections\" already; allowed: names "
-                                   "that differ");
-    sections.sublist(section) = read.sublist(section);
-  }
-  return true;
-}
-
-}  // namespace
-
 void import_entries(Teuchos::ParameterList& scene_list, ParameterSource& source, const ParameterPath& path) {
   if (!scene_list.isSublist("Import")) return;
   const Teuchos::ParameterList& import = scene_list.sublist("Import");
@@ -332,75 +390,6 @@ void import_entries(Teuchos::ParameterList& scene_list, ParameterSource& source,
       if (!source.attempt([&] { import_list(name); })) source.cannot_mend();
   });
 }
-
-namespace {
-
-/// What the words of Units mean in millimetres.
-const std::vector<std::pair<std::string, double>> kMillimetres = {{"mm", 1.0},   {"cm", 10.0}, {"dm", 100.0},
-                                                                  {"m", 1000.0}, {"in", 25.4}, {"ft", 304.8}};
-
-double millimetres_of(const std::string& units, const InputPlace& place) {
-  const std::string length = trimmed(units.substr(0, units.find(',')));
-  std::vector<std::string> words;
-  for (const auto& [word, size] : kMillimetres) {
-    if (word == length) return size;
-    words.push_back(word);
-  }
-  throw place.error("the catalogue is in mm, and \"Units\" of the scene " +
-                    (units.empty() ? "is missing" : "has \"" + excerpt(length) + "\" as unit of length") +
-                    "; allowed: " + quoted_list(words) + ", as in \"m, N\"");
-}
-
-/// "IPE 300" and "ipe300" are one name.
-std::string profile_key(const std::string& name) {
-  std::string key = lower_case(name);
-  key.erase(std::remove(key.begin(), key.end(), ' '), key.end());
-  return key;
-}
-
-/// Profiles as lists of sections in millimetres.
-struct Catalogue {
-  Teuchos::ParameterList profiles{};
-  ParameterSource source{"profiles.csv"};
-  std::map<std::string, std::string> names{};  ///< by key
-
-  void add(CsvFile file) {
-    std::map<std::string, EntryColumn> columns;
-    std::vector<std::string> column_names = {kNameColumn};
-    const ListSpec section = section_spec();
-    for (const std::string& name : profile_parameters()) {
-      columns.emplace(lower_case(name), EntryColumn{"", *section.find_parameter(name)});
-      column_names.push_back(lower_case(name));
-    }
-    const ImportTable table(std::move(file), column_names, 1, source);
-    table.for_each([&](const CsvRecord& record) {
-      const auto [known, is_new] =
-          names.emplace(profile_key(table.cell(record, kNameColumn)), table.cell(record, kNameColumn));
-      if (!is_new)
-        throw table.error(
-            record, kNameColumn,
-            "profile \"" + excerpt(known->second) + "\" is in the catalogue already; allowed: names that differ");
-    });
-    source.collect([&] { add_entries(table, columns, {"Profiles"}, profiles, source); });
-  }
-};
-
-}  // namespace
-
-extern const char* const kProfilesOfProgram;  // profiles.csv
-
-namespace {
-
-const Catalogue& catalogue_of_program() {
-  static const Catalogue catalogue = [] {
-    Catalogue filled;
-    filled.add(CsvFile("profiles.csv", kProfilesOfProgram));
-    return filled;
-  }();
-  return catalogue;
-}
-
-}  // namespace
 
 ProfileFinder profile_finder(const Teuchos::ParameterList& scene_list, const InputPlace& scene,
                              const std::string& units) {

@@ -156,6 +156,41 @@ BoundList<Member> declared_member_parameters() {
 /// `frame[2]`
 std::string numbered(const std::string& name, std::size_t number) { return name + "[" + std::to_string(number) + "]"; }
 
+/// The table in place of the arrays.
+SectionStations read_section_stations(const Teuchos::ParameterList& list, const InputPlace& place,
+                                      Variables& variables) {
+  SectionStations stations = section_stations_parameters().read(list);
+  if (!stations.table.empty()) {
+    for (const std::string name : {"Position", "Section", "Twist", "Offset 2", "Offset 3"})
+      if (list.isParameter(name)) throw place[name].error("given beside \"Table\"; allowed: one of the two");
+    const ImportTable table = stations_table(list, place);
+    table.for_each([&](const CsvRecord& record) {
+      stations.position.push_back(imported_number(table, record, "position", &variables));
+      stations.section.push_back(table.cell(record, "section"));
+      stations.twist.push_back(imported_number(table, record, "twist", &variables));
+      for (std::size_t i = 0; i < 2; ++i)
+        stations.offset[i].push_back(imported_number(table, record, "offset " + std::to_string(i + 2), &variables));
+    });
+  }
+  const std::size_t count = stations.position.size();
+  if (count < 2) throw place["Position"].error(std::to_string(count) + " places; allowed: at least two");
+  const auto check_count = [&](const std::string& name, auto& column, bool required) {
+    if (column.empty() && !required) column.resize(count);
+    if (column.size() == count) return;
+    throw place[name].error(std::to_string(column.size()) + " entries beside " + std::to_string(count) +
+                            " of \"Position\"; allowed: as many");
+  };
+  check_count("Section", stations.section, true);
+  check_count("Twist", stations.twist, false);
+  check_count("Offset 2", stations.offset[0], false);
+  check_count("Offset 3", stations.offset[1], false);
+  return stations;
+}
+
+bool any_nonzero(const std::vector<double>& numbers) {
+  return std::any_of(numbers.begin(), numbers.end(), [](double number) { return number != 0.0; });
+}
+
 }  // namespace
 
 const BoundList<Member>& member_parameters() {
@@ -305,45 +340,6 @@ std::string SceneReader::rigid_section() {
   scene_.sections.push_back(section);
   return kRigidArm;
 }
-
-namespace {
-
-/// The table in place of the arrays.
-SectionStations read_section_stations(const Teuchos::ParameterList& list, const InputPlace& place,
-                                      Variables& variables) {
-  SectionStations stations = section_stations_parameters().read(list);
-  if (!stations.table.empty()) {
-    for (const std::string name : {"Position", "Section", "Twist", "Offset 2", "Offset 3"})
-      if (list.isParameter(name)) throw place[name].error("given beside \"Table\"; allowed: one of the two");
-    const ImportTable table = stations_table(list, place);
-    table.for_each([&](const CsvRecord& record) {
-      stations.position.push_back(imported_number(table, record, "position", &variables));
-      stations.section.push_back(table.cell(record, "section"));
-      stations.twist.push_back(imported_number(table, record, "twist", &variables));
-      for (std::size_t i = 0; i < 2; ++i)
-        stations.offset[i].push_back(imported_number(table, record, "offset " + std::to_string(i + 2), &variables));
-    });
-  }
-  const std::size_t count = stations.position.size();
-  if (count < 2) throw place["Position"].error(std::to_string(count) + " places; allowed: at least two");
-  const auto check_count = [&](const std::string& name, auto& column, bool required) {
-    if (column.empty() && !required) column.resize(count);
-    if (column.size() == count) return;
-    throw place[name].error(std::to_string(column.size()) + " entries beside " + std::to_string(count) +
-                            " of \"Position\"; allowed: as many");
-  };
-  check_count("Section", stations.section, true);
-  check_count("Twist", stations.twist, false);
-  check_count("Offset 2", stations.offset[0], false);
-  check_count("Offset 3", stations.offset[1], false);
-  return stations;
-}
-
-bool any_nonzero(const std::vector<double>& numbers) {
-  return std::any_of(numbers.begin(), numbers.end(), [](double number) { return number != 0.0; });
-}
-
-}  // namespace
 
 void SceneReader::add_stations(Member whole, const List& list, const InputPlace& place, std::size_t list_name) {
   for (const std::string name : {"Section", "End Section", "Taper", "Twist", "Stations", "Inner Points", "Curve",

@@ -54,6 +54,16 @@ std::filesystem::path folder_of(const std::filesystem::path& path) {
 /// Some file systems cannot sync folders, or need not.
 bool is_unknown_to_the_system(int error) { return error == EINVAL || error == ENOTSUP || error == ENOSYS; }
 
+/// Turns any error of an action into a FileError that names the file.
+template <class Action>
+auto naming(const std::filesystem::path& path, const Action& action) {
+  try {
+    return action();
+  } catch (const DiskError& error) {
+    throw FileError("file " + path.string() + ": " + error.what());
+  }
+}
+
 }  // namespace
 
 std::filesystem::path hidden(const std::filesystem::path& path, const std::string& ending) {
@@ -164,20 +174,6 @@ void Replacement::publish(bool durable) {
   published_ = true;
   if (durable) sync_folder_of(path_);
 }
-
-namespace {
-
-/// Turns any error of an action into a FileError that names the file.
-template <class Action>
-auto naming(const std::filesystem::path& path, const Action& action) {
-  try {
-    return action();
-  } catch (const DiskError& error) {
-    throw FileError("file " + path.string() + ": " + error.what());
-  }
-}
-
-}  // namespace
 
 void replace_file(const std::filesystem::path& path, const std::string& text, bool durable) {
   replace_file(

@@ -172,6 +172,18 @@ void measure(StoredValues& values, Stored declared, const std::string& action) {
   for (const hsize_t size : values.shape) values.bytes *= size;
 }
 
+std::string bytes_of(const StoredValues& stored, const std::string& action) {
+  std::string bytes(stored.bytes, '\0');
+  check(H5Dread(stored.id, stored.type, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()), action);
+  return bytes;
+}
+
+std::vector<double> numbers_of(const StoredValues& stored, const std::string& name) {
+  std::vector<double> values(stored.bytes / H5Tget_size(stored.type));
+  check(H5Dread(stored.id, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), "read dataset " + name);
+  return values;
+}
+
 }  // namespace
 
 // Every use of the library begins here. Files are closed one by one, with checks; where one cannot be closed, for it is
@@ -431,16 +443,6 @@ bool has_attribute(hid_t object, const std::string& name) {
   return exists > 0;
 }
 
-namespace {
-
-std::string bytes_of(const StoredValues& stored, const std::string& action) {
-  std::string bytes(stored.bytes, '\0');
-  check(H5Dread(stored.id, stored.type, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()), action);
-  return bytes;
-}
-
-}  // namespace
-
 std::string read_text(hid_t group, const std::string& name) {
   const std::string action = "read text " + name;
   const StoredValues stored = open_dataset(group, name, Stored::texts);
@@ -485,16 +487,6 @@ std::pair<std::uint64_t, std::uint64_t> data_place(const StoredValues& dataset) 
   if (offset == HADDR_UNDEF) return {0, 0};
   return {offset, dataset.bytes};
 }
-
-namespace {
-
-std::vector<double> numbers_of(const StoredValues& stored, const std::string& name) {
-  std::vector<double> values(stored.bytes / H5Tget_size(stored.type));
-  check(H5Dread(stored.id, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), "read dataset " + name);
-  return values;
-}
-
-}  // namespace
 
 std::vector<double> read_dataset(hid_t group, const std::string& name, std::size_t columns, Stored declared) {
   const StoredValues stored = open_dataset(group, name, declared);

@@ -33,6 +33,24 @@ std::vector<std::string> read_lines(hid_t file, const std::string& name) {
   return lines;
 }
 
+/// Reads files that have a group for each member.
+std::vector<SampledMember> read_member_groups(hid_t group) {
+  const std::vector<std::string> names = hdf5::link_names(group);
+  std::vector<SampledMember> members(names.size());
+  for (const std::string& name : names) {
+    const auto member = hdf5::open_group(group, name);
+    int index = 0, samples = 0;
+    hdf5::read_attribute(member, "index", index);
+    hdf5::read_attribute(member, "samples", samples);
+    if (index < 0 || static_cast<std::size_t>(index) >= members.size() || samples < 0)
+      throw hdf5::Error("cannot read member " + name + ": its numbers are inconsistent");
+    members[static_cast<std::size_t>(index)].name = name;
+    members[static_cast<std::size_t>(index)].number = index;
+    members[static_cast<std::size_t>(index)].share.rows = static_cast<std::size_t>(samples);
+  }
+  return members;
+}
+
 }  // namespace
 
 void write_lines(hid_t group, const std::string& name, const std::vector<std::string>& lines) {
@@ -140,28 +158,6 @@ void write_members(hid_t file, const SampledMembers& members) {
   write("elements", &SampledMember::elements);
   hdf5::create_group(file, "polyline");
 }
-
-namespace {
-
-/// Reads files that have a group for each member.
-std::vector<SampledMember> read_member_groups(hid_t group) {
-  const std::vector<std::string> names = hdf5::link_names(group);
-  std::vector<SampledMember> members(names.size());
-  for (const std::string& name : names) {
-    const auto member = hdf5::open_group(group, name);
-    int index = 0, samples = 0;
-    hdf5::read_attribute(member, "index", index);
-    hdf5::read_attribute(member, "samples", samples);
-    if (index < 0 || static_cast<std::size_t>(index) >= members.size() || samples < 0)
-      throw hdf5::Error("cannot read member " + name + ": its numbers are inconsistent");
-    members[static_cast<std::size_t>(index)].name = name;
-    members[static_cast<std::size_t>(index)].number = index;
-    members[static_cast<std::size_t>(index)].share.rows = static_cast<std::size_t>(samples);
-  }
-  return members;
-}
-
-}  // namespace
 
 std::vector<SampledMember> read_members(hid_t file) {
   const auto group = hdf5::open_group(file, "members");

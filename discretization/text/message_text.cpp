@@ -120,6 +120,31 @@ bool one_begins_with_the_other(const std::string& a, const std::string& b) {
   return common >= kShortestBeginning && a.compare(0, common, b, 0, common) == 0;
 }
 
+/// Behind the bracket that closes the one at `i`, 0 if they hold nothing.
+std::size_t end_of_choice(const std::string& pattern, std::size_t i) {
+  const std::size_t close = pattern.find(']', i + 1);
+  return close == std::string::npos || close == i + 1 ? 0 : close + 1;
+}
+
+/// Bytes of the pattern at `p` and of the name at `n` that stand for each other, without a `*`; zeros if none do.
+std::pair<std::size_t, std::size_t> fitting(const std::string& pattern, std::size_t p, const std::string& name,
+                                            std::size_t n) {
+  if (p >= pattern.size()) return {0, 0};
+  std::size_t bytes = 1;  // of one character in UTF-8
+  while (n + bytes < name.size() && (static_cast<unsigned char>(name[n + bytes]) & 0xC0U) == 0x80U) ++bytes;
+  if (pattern[p] == '?') return {1, bytes};
+  const std::size_t end = pattern[p] == '[' ? end_of_choice(pattern, p) : 0;
+  if (end == 0)
+    return pattern[p] == name[n] ? std::make_pair<std::size_t, std::size_t>(1, 1) : std::make_pair(0UL, 0UL);
+  const bool is_other = pattern[p + 1] == '!' && end - p > 3;
+  const std::size_t begin = p + (is_other ? 2 : 1);
+  const std::string choice = pattern.substr(begin, end - begin - 1);
+  bool is_one = choice.find(name.substr(n, bytes)) != std::string::npos;
+  for (std::size_t i = 1; i + 1 < choice.size(); ++i)
+    is_one = is_one || (choice[i] == '-' && choice[i - 1] <= name[n] && name[n] <= choice[i + 1]);
+  return is_one != is_other ? std::make_pair(end - p, bytes) : std::make_pair(0UL, 0UL);
+}
+
 }  // namespace
 
 std::string quoted_list(const std::vector<std::string>& names, std::size_t most) {
@@ -166,35 +191,6 @@ std::string nearest_name(const std::string& name, const std::vector<std::string>
   }
   return "";
 }
-
-namespace {
-
-/// Behind the bracket that closes the one at `i`, 0 if they hold nothing.
-std::size_t end_of_choice(const std::string& pattern, std::size_t i) {
-  const std::size_t close = pattern.find(']', i + 1);
-  return close == std::string::npos || close == i + 1 ? 0 : close + 1;
-}
-
-/// Bytes of the pattern at `p` and of the name at `n` that stand for each other, without a `*`; zeros if none do.
-std::pair<std::size_t, std::size_t> fitting(const std::string& pattern, std::size_t p, const std::string& name,
-                                            std::size_t n) {
-  if (p >= pattern.size()) return {0, 0};
-  std::size_t bytes = 1;  // of one character in UTF-8
-  while (n + bytes < name.size() && (static_cast<unsigned char>(name[n + bytes]) & 0xC0U) == 0x80U) ++bytes;
-  if (pattern[p] == '?') return {1, bytes};
-  const std::size_t end = pattern[p] == '[' ? end_of_choice(pattern, p) : 0;
-  if (end == 0)
-    return pattern[p] == name[n] ? std::make_pair<std::size_t, std::size_t>(1, 1) : std::make_pair(0UL, 0UL);
-  const bool is_other = pattern[p + 1] == '!' && end - p > 3;
-  const std::size_t begin = p + (is_other ? 2 : 1);
-  const std::string choice = pattern.substr(begin, end - begin - 1);
-  bool is_one = choice.find(name.substr(n, bytes)) != std::string::npos;
-  for (std::size_t i = 1; i + 1 < choice.size(); ++i)
-    is_one = is_one || (choice[i] == '-' && choice[i - 1] <= name[n] && name[n] <= choice[i + 1]);
-  return is_one != is_other ? std::make_pair(end - p, bytes) : std::make_pair(0UL, 0UL);
-}
-
-}  // namespace
 
 std::string did_you_mean(const std::string& name, const std::vector<std::string>& candidates) {
   const std::string nearest = nearest_name(name, candidates);

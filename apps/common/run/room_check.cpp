@@ -51,6 +51,21 @@ std::string counts_of(const Needs& needs) {
   throw InputError(text);
 }
 
+void require_disk(const Application& app, const Needs& needs, const std::filesystem::path& file) {
+  constexpr double kCopies = 2.0;
+  const double wanted = kCopies * (needs.file + needs.steps * needs.file_per_step);
+  on_first_rank(app.communicator, [&] {
+    std::error_code none;
+    const auto present = std::filesystem::file_size(file, none);  // replaced by the first copy
+    const double room = disk_left(file.parent_path()) + (none ? 0.0 : static_cast<double>(present));
+    if (wanted <= room) return;
+    refuse(app,
+           "needs about " + bytes_text(wanted) + " of disk for the result file " + file.string() + ", " +
+               std::to_string(needs.steps) + " or more steps in two copies, " + bytes_text(room) + " available",
+           "fewer elements, lower orders, fewer steps, or another folder (--output)");
+  });
+}
+
 }  // namespace
 
 Needs needs_of_run(const Application& app, const Scene& scene, const SolverParameters& parameters) {
@@ -80,25 +95,6 @@ void require_memory(const Application& app, const Scene& scene, const Needs& nee
   const int ranks = app.communicator->getSize();
   if (!is_small(app, scene)) require_memory(app, ranks * needs.memory_of_rank(ranks), counts_of(needs));
 }
-
-namespace {
-
-void require_disk(const Application& app, const Needs& needs, const std::filesystem::path& file) {
-  constexpr double kCopies = 2.0;
-  const double wanted = kCopies * (needs.file + needs.steps * needs.file_per_step);
-  on_first_rank(app.communicator, [&] {
-    std::error_code none;
-    const auto present = std::filesystem::file_size(file, none);  // replaced by the first copy
-    const double room = disk_left(file.parent_path()) + (none ? 0.0 : static_cast<double>(present));
-    if (wanted <= room) return;
-    refuse(app,
-           "needs about " + bytes_text(wanted) + " of disk for the result file " + file.string() + ", " +
-               std::to_string(needs.steps) + " or more steps in two copies, " + bytes_text(room) + " available",
-           "fewer elements, lower orders, fewer steps, or another folder (--output)");
-  });
-}
-
-}  // namespace
 
 void require_room(const Application& app, const Scene& scene, const SolverParameters& parameters,
                   const std::filesystem::path& file) {

@@ -45,32 +45,6 @@ ListSpec report_spec() {
   return spec;
 }
 
-}  // namespace
-
-ListSpec root_spec(const ApplicationDefinition& definition) {
-  ListSpec root("Scene file of " + definition.name +
-                ". [Name] is a ParameterList, Name: a Parameter; <name> stands for names of your own.");
-  root.add_list("Scene", scene_spec(), Presence::required);
-  if (definition.answers_quantities) {
-    root.add_list("Quantities", quantities_spec(), Presence::optional);
-    root.add_list("Gradient", gradient_spec(), Presence::optional);
-  }
-  if (definition.finds_rest_shapes) {
-    root.add_list("Inverse", rest_shape_spec(), Presence::optional);
-    root.add_list("Identification", identification_spec(), Presence::optional);
-    root.add_list("Design", design_spec(), Presence::optional);
-  }
-  root.add_list("Expected", expected_values_spec(definition.own_quantities), Presence::defaulted);
-  root.add_list("Analysis", analysis_spec(), Presence::defaulted);
-  root.add_list("Solver", solver_spec(), Presence::defaulted);
-  if (definition.batch) root.add_list("Batch", *definition.batch, Presence::optional);
-  root.add_list("Report", report_spec(), Presence::optional);
-  root.add_list("Study", definition.study, Presence::defaulted);
-  return root;
-}
-
-namespace {
-
 /// Values at critical points need a path on which these are looked for.
 void check_critical_points_are_found(const Application& app) {
   std::vector<ParameterPath> places;
@@ -85,10 +59,6 @@ void check_critical_points_are_found(const Application& app) {
           path, R"(given, but critical points are located only with "Method" = "automatic" in "Solver / Load Path")");
   }
 }
-
-}  // namespace
-
-namespace {
 
 /// Unknowns that carry mass, or more: displacements, and spins where sections or bodies resist them.
 long long most_modes(const Scene& scene) {
@@ -288,7 +258,73 @@ void read_lists(Application& app, const ApplicationDefinition& definition) {
   app.search = read_search(app);
 }
 
+/// More threads than that on each processor take the time of starting them.
+constexpr int kMostThreadsPerProcessor = 8;
+
+void limit_threads(Application& app) {
+  const int processors = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  if (app.solver.threads <= kMostThreadsPerProcessor * processors) return;
+  app.warn(std::to_string(app.solver.threads) + " threads on " + std::to_string(processors) + " processor(s); " +
+           std::to_string(processors) + " are used, results are the same");
+  app.solver.threads = processors;
+}
+
+SharedResultLock locked_summary(const std::filesystem::path& file) {
+  try {
+    return std::make_shared<const ResultLock>(file);
+  } catch (const ResultFileError& error) {
+    throw InputError(std::string("the summary: ") + error.what());
+  }
+}
+
+bool is_of(const ExpectedValue& value, const std::vector<std::string>& cases) {
+  return std::find(cases.begin(), cases.end(), value.load_case) != cases.end();
+}
+
+/// Length of the load steps as long as none fails; 1: nothing is known but the ends of stages.
+double regular_step(const SolverParameters& parameters) {
+  const LoadPathParameters& path = parameters.load_path;
+  if (path.method == LoadPathMethod::fixed) return 1.0 / path.steps;
+  const bool grows = path.initial_step < path.maximum_step;
+  return grows || parameters.analysis.trace ? 1.0 : path.maximum_step;
+}
+
+/// Load factors to which a path with these parameters takes a step, unless one before it fails.
+bool is_end_of_some_step(const SolverParameters& parameters, double load_factor) {
+  constexpr double kRounding = 1e-9;  // steps are sums of rounded numbers
+  if (parameters.analysis.control) return load_factor == 0.0;
+  const auto is_whole = [](double number) {
+    return std::abs(number - std::round(number)) <= kRounding * (1.0 + number);
+  };
+  const std::vector<double>& asked = parameters.analysis.modes.load_factors;
+  const auto is_here = [&](double one) { return std::abs(one - load_factor) <= kRounding; };
+  if (std::any_of(asked.begin(), asked.end(), is_here)) return true;
+  return is_whole(load_factor) || is_whole((load_factor - std::floor(load_factor)) / regular_step(parameters));
+}
+
 }  // namespace
+
+ListSpec root_spec(const ApplicationDefinition& definition) {
+  ListSpec root("Scene file of " + definition.name +
+                ". [Name] is a ParameterList, Name: a Parameter; <name> stands for names of your own.");
+  root.add_list("Scene", scene_spec(), Presence::required);
+  if (definition.answers_quantities) {
+    root.add_list("Quantities", quantities_spec(), Presence::optional);
+    root.add_list("Gradient", gradient_spec(), Presence::optional);
+  }
+  if (definition.finds_rest_shapes) {
+    root.add_list("Inverse", rest_shape_spec(), Presence::optional);
+    root.add_list("Identification", identification_spec(), Presence::optional);
+    root.add_list("Design", design_spec(), Presence::optional);
+  }
+  root.add_list("Expected", expected_values_spec(definition.own_quantities), Presence::defaulted);
+  root.add_list("Analysis", analysis_spec(), Presence::defaulted);
+  root.add_list("Solver", solver_spec(), Presence::defaulted);
+  if (definition.batch) root.add_list("Batch", *definition.batch, Presence::optional);
+  root.add_list("Report", report_spec(), Presence::optional);
+  root.add_list("Study", definition.study, Presence::defaulted);
+  return root;
+}
 
 void read_scene_file(Application& app, XmlParameters xml, const ApplicationDefinition& definition,
                      const ListSpec& root) {
@@ -317,21 +353,6 @@ InputError placed(const Application& app, const MemberError& error) {
   return app.xml.source.error({"Scene", "Members", error.member()}, error.what());
 }
 
-namespace {
-
-/// More threads than that on each processor take the time of starting them.
-constexpr int kMostThreadsPerProcessor = 8;
-
-void limit_threads(Application& app) {
-  const int processors = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  if (app.solver.threads <= kMostThreadsPerProcessor * processors) return;
-  app.warn(std::to_string(app.solver.threads) + " threads on " + std::to_string(processors) + " processor(s); " +
-           std::to_string(processors) + " are used, results are the same");
-  app.solver.threads = processors;
-}
-
-}  // namespace
-
 void describe_run(Application& app, const std::string& name, const std::optional<int>& threads) {
   app.name = app.summary.program = name;
   app.summary.version = kVersion;
@@ -353,18 +374,6 @@ void prepare_output_folder(const std::filesystem::path& folder) {
   if (access(folder.c_str(), W_OK | X_OK) != 0)
     throw InputError("the folder \"" + folder.string() + "\" for results cannot be written to");
 }
-
-namespace {
-
-SharedResultLock locked_summary(const std::filesystem::path& file) {
-  try {
-    return std::make_shared<const ResultLock>(file);
-  } catch (const ResultFileError& error) {
-    throw InputError(std::string("the summary: ") + error.what());
-  }
-}
-
-}  // namespace
 
 void prepare_summary(Application& app, const std::filesystem::path& file) {
   on_first_rank(app.communicator, [&] {
@@ -406,35 +415,6 @@ std::string compute_with_summary(Application& app, const CommandLine& line, cons
   app.summary.print_checks(app.out(), false);
   return formatted("%.3f s", app.summary.seconds["total"]);
 }
-
-namespace {
-
-bool is_of(const ExpectedValue& value, const std::vector<std::string>& cases) {
-  return std::find(cases.begin(), cases.end(), value.load_case) != cases.end();
-}
-
-/// Length of the load steps as long as none fails; 1: nothing is known but the ends of stages.
-double regular_step(const SolverParameters& parameters) {
-  const LoadPathParameters& path = parameters.load_path;
-  if (path.method == LoadPathMethod::fixed) return 1.0 / path.steps;
-  const bool grows = path.initial_step < path.maximum_step;
-  return grows || parameters.analysis.trace ? 1.0 : path.maximum_step;
-}
-
-/// Load factors to which a path with these parameters takes a step, unless one before it fails.
-bool is_end_of_some_step(const SolverParameters& parameters, double load_factor) {
-  constexpr double kRounding = 1e-9;  // steps are sums of rounded numbers
-  if (parameters.analysis.control) return load_factor == 0.0;
-  const auto is_whole = [](double number) {
-    return std::abs(number - std::round(number)) <= kRounding * (1.0 + number);
-  };
-  const std::vector<double>& asked = parameters.analysis.modes.load_factors;
-  const auto is_here = [&](double one) { return std::abs(one - load_factor) <= kRounding; };
-  if (std::any_of(asked.begin(), asked.end(), is_here)) return true;
-  return is_whole(load_factor) || is_whole((load_factor - std::floor(load_factor)) / regular_step(parameters));
-}
-
-}  // namespace
 
 void require_reachable(const Application& app, const std::vector<std::string>& cases) {
   for (const ExpectedValue& value : app.expected) {

@@ -50,37 +50,6 @@ BoundList<GradientParameters> gradient_parameters() {
 
 const BoundList<GradientParameters> kGradientParameters = gradient_parameters();
 
-}  // namespace
-
-std::vector<double> numbers_in(const Teuchos::ParameterEntry& entry) {
-  if (entry.isType<double>()) return {Teuchos::getValue<double>(entry)};
-  if (!entry.isType<Teuchos::Array<double>>()) return {};
-  const auto& values = Teuchos::getValue<Teuchos::Array<double>>(entry);
-  return {values.begin(), values.end()};
-}
-
-const Teuchos::ParameterEntry& entry_of(const Teuchos::ParameterList& scene, const NumberPath& path) {
-  const Teuchos::ParameterList* here = &scene;
-  for (std::size_t i = 0; i + 1 < path.names.size(); ++i) here = &here->sublist(path.names[i]);
-  return *here->getEntryPtr(path.names.back());
-}
-
-std::vector<std::string> names_of_values(const QuantitySet& quantities) {
-  std::vector<std::string> names;
-  for (const QuantitySet::Column& column : quantities.columns())
-    if (column.is_value) names.push_back(column.name);
-  return names;
-}
-
-QuantitySet quantities_of(const Teuchos::ParameterList& scene_list, const XmlParameters& xml, const Scene& scene) {
-  static const ListSpec spec = quantities_spec();
-  Teuchos::ParameterList list(xml.list->sublist(kQuantities));
-  Variables(scene_list, xml.source).resolve(list, spec, {kQuantities});
-  return QuantitySet(read_quantities(list, xml.source), scene, {xml.source, {kQuantities}});
-}
-
-namespace {
-
 /// Adds the numbers of a parameter that a path means; defaults only where they are named.
 void add_numbers(const Teuchos::ParameterEntry& entry, const NumberPath& wanted, const NumberPath& found,
                  std::vector<NumberPath>& paths) {
@@ -109,27 +78,6 @@ void find_numbers(const Teuchos::ParameterList& list, const NumberPath& wanted, 
       find_numbers(list.sublist(name), wanted, here, paths);
   }
 }
-
-}  // namespace
-
-std::vector<NumberPath> numbers_meant(const Teuchos::ParameterList& scene, const std::string& text) {
-  std::vector<NumberPath> paths;
-  find_numbers(scene, number_path(text), {}, paths);
-  return paths;
-}
-
-std::string unknown_number(const Teuchos::ParameterList& scene, const std::string& text) {
-  std::string any = kAnyName;
-  for (std::size_t i = 1; i < number_path(text).names.size(); ++i) any += "/" + kAnyName;
-  std::vector<std::string> known;
-  for (const NumberPath& path : numbers_meant(scene, any)) known.push_back(path.text());
-  return "value \"" + excerpt(text) +
-         "\" is no path of a finite real number of the list \"Scene\"; allowed: paths as \"Sections/NAME/EI2\" or "
-         "\"Points/NAME[0]\", patterns of them" +
-         did_you_mean(text, known);
-}
-
-namespace {
 
 /// Each once, in the order in which they are asked for.
 std::vector<NumberPath> all_numbers(const Teuchos::ParameterList& scene, const GradientParameters& asked) {
@@ -232,7 +180,82 @@ std::function<QuantitySet(double)> quantities_with(const XmlParameters& xml, con
   return [&xml, &solved, path](double more) { return quantities_of(list_with(xml, path, more), xml, solved); };
 }
 
+std::vector<SceneNumber> scene_numbers(const Simulation& at, const GradientParameters& asked, const XmlParameters& xml,
+                                       const std::string& load_case) {
+  const Teuchos::ParameterList& list = xml.list->sublist("Scene");
+  std::vector<SceneNumber> numbers;
+  for (const NumberPath& path : all_numbers(list, asked)) {
+    SceneNumber& number = numbers.emplace_back();
+    number.name = path.text();
+    number.step = step_of(path, entry_of(list, path), at);
+    number.scene_with = [&xml, &at, path, load_case](double more) {
+      return scene_with(xml, path, more, at.scene(), load_case);
+    };
+    number.quantities_with = quantities_with(xml, path, at.scene());
+  }
+  return numbers;
+}
+
+void record(const std::vector<QuantityGradient>& gradients, RecordedGradients& recorded) {
+  for (const QuantityGradient& gradient : gradients) {
+    RecordedGradient& one = recorded.quantities.emplace_back();
+    one.quantity = gradient.quantity;
+    one.value = gradient.value;
+    one.derivative = gradient.by_number;
+    one.note = gradient.note;
+    for (const ElementDerivatives& element : gradient.elements) {
+      one.stiffness.push_back(element.stiffness);
+      one.compliance.push_back(element.compliance);
+      one.natural.push_back(element.natural);
+    }
+  }
+}
+
 }  // namespace
+
+std::vector<double> numbers_in(const Teuchos::ParameterEntry& entry) {
+  if (entry.isType<double>()) return {Teuchos::getValue<double>(entry)};
+  if (!entry.isType<Teuchos::Array<double>>()) return {};
+  const auto& values = Teuchos::getValue<Teuchos::Array<double>>(entry);
+  return {values.begin(), values.end()};
+}
+
+const Teuchos::ParameterEntry& entry_of(const Teuchos::ParameterList& scene, const NumberPath& path) {
+  const Teuchos::ParameterList* here = &scene;
+  for (std::size_t i = 0; i + 1 < path.names.size(); ++i) here = &here->sublist(path.names[i]);
+  return *here->getEntryPtr(path.names.back());
+}
+
+std::vector<std::string> names_of_values(const QuantitySet& quantities) {
+  std::vector<std::string> names;
+  for (const QuantitySet::Column& column : quantities.columns())
+    if (column.is_value) names.push_back(column.name);
+  return names;
+}
+
+QuantitySet quantities_of(const Teuchos::ParameterList& scene_list, const XmlParameters& xml, const Scene& scene) {
+  static const ListSpec spec = quantities_spec();
+  Teuchos::ParameterList list(xml.list->sublist(kQuantities));
+  Variables(scene_list, xml.source).resolve(list, spec, {kQuantities});
+  return QuantitySet(read_quantities(list, xml.source), scene, {xml.source, {kQuantities}});
+}
+
+std::vector<NumberPath> numbers_meant(const Teuchos::ParameterList& scene, const std::string& text) {
+  std::vector<NumberPath> paths;
+  find_numbers(scene, number_path(text), {}, paths);
+  return paths;
+}
+
+std::string unknown_number(const Teuchos::ParameterList& scene, const std::string& text) {
+  std::string any = kAnyName;
+  for (std::size_t i = 1; i < number_path(text).names.size(); ++i) any += "/" + kAnyName;
+  std::vector<std::string> known;
+  for (const NumberPath& path : numbers_meant(scene, any)) known.push_back(path.text());
+  return "value \"" + excerpt(text) +
+         "\" is no path of a finite real number of the list \"Scene\"; allowed: paths as \"Sections/NAME/EI2\" or "
+         "\"Points/NAME[0]\", patterns of them" +
+         did_you_mean(text, known);
+}
 
 ListSpec gradient_spec() { return kGradientParameters.spec; }
 
@@ -269,41 +292,6 @@ void require_known(const GradientParameters& asked, const XmlParameters& xml, co
 bool asks_for_critical_points(const GradientParameters& asked) {
   return std::any_of(asked.of.begin(), asked.of.end(), means_critical_points);
 }
-
-namespace {
-
-std::vector<SceneNumber> scene_numbers(const Simulation& at, const GradientParameters& asked, const XmlParameters& xml,
-                                       const std::string& load_case) {
-  const Teuchos::ParameterList& list = xml.list->sublist("Scene");
-  std::vector<SceneNumber> numbers;
-  for (const NumberPath& path : all_numbers(list, asked)) {
-    SceneNumber& number = numbers.emplace_back();
-    number.name = path.text();
-    number.step = step_of(path, entry_of(list, path), at);
-    number.scene_with = [&xml, &at, path, load_case](double more) {
-      return scene_with(xml, path, more, at.scene(), load_case);
-    };
-    number.quantities_with = quantities_with(xml, path, at.scene());
-  }
-  return numbers;
-}
-
-void record(const std::vector<QuantityGradient>& gradients, RecordedGradients& recorded) {
-  for (const QuantityGradient& gradient : gradients) {
-    RecordedGradient& one = recorded.quantities.emplace_back();
-    one.quantity = gradient.quantity;
-    one.value = gradient.value;
-    one.derivative = gradient.by_number;
-    one.note = gradient.note;
-    for (const ElementDerivatives& element : gradient.elements) {
-      one.stiffness.push_back(element.stiffness);
-      one.compliance.push_back(element.compliance);
-      one.natural.push_back(element.natural);
-    }
-  }
-}
-
-}  // namespace
 
 RecordedGradients gradients_at(const Simulation& simulation, const GradientParameters& asked, const Differentiable& of,
                                const XmlParameters& xml, const std::string& load_case) {

@@ -379,43 +379,12 @@ std::vector<std::string> untold_text(const Information& information, const Searc
   return texts;
 }
 
-}  // namespace
-
-namespace {
-
 ListSpec search_spec(const std::string& meaning) {
   ListSpec spec(meaning + " The scene with them is written beside the results, and solved.");
   spec.add_list(kParameters, ListSpec("What is looked for.").with_named_lists("parameter", kSearchedNumbers.spec, 1),
                 Presence::required);
   return spec;
 }
-
-}  // namespace
-
-ListSpec design_spec() {
-  ListSpec spec = search_spec(
-      "Find numbers of the scene with which a quantity is as small, or as large, as bounds of others allow.");
-  spec.add_list(kObjective, kDesigned.spec, Presence::required);
-  spec.add_list(kConstraints, ListSpec("What must hold.").with_named_lists("constraint", kConstraint.spec),
-                Presence::optional);
-  return spec;
-}
-
-ListSpec identification_spec() {
-  ListSpec spec = search_spec(
-      "Find numbers of the scene from measured quantities, by least squares, with their standard deviations.");
-  spec.add_list(kMeasurements, ListSpec("What is known.").with_named_lists("measurement", kMeasured.spec, 1),
-                Presence::required);
-  return spec;
-}
-
-std::optional<SearchParameters> read_search(const Application& app) {
-  for (const std::string& list : {kDesign, kIdentification})
-    if (app.xml.list->isSublist(list)) return SearchReader(app, list).read();
-  return {};
-}
-
-namespace {
 
 /// The unknowns of a search are numbers of the scene over their scales.
 class SceneSearch {
@@ -592,6 +561,29 @@ class SceneSearch {
 };
 
 }  // namespace
+
+ListSpec design_spec() {
+  ListSpec spec = search_spec(
+      "Find numbers of the scene with which a quantity is as small, or as large, as bounds of others allow.");
+  spec.add_list(kObjective, kDesigned.spec, Presence::required);
+  spec.add_list(kConstraints, ListSpec("What must hold.").with_named_lists("constraint", kConstraint.spec),
+                Presence::optional);
+  return spec;
+}
+
+ListSpec identification_spec() {
+  ListSpec spec = search_spec(
+      "Find numbers of the scene from measured quantities, by least squares, with their standard deviations.");
+  spec.add_list(kMeasurements, ListSpec("What is known.").with_named_lists("measurement", kMeasured.spec, 1),
+                Presence::required);
+  return spec;
+}
+
+std::optional<SearchParameters> read_search(const Application& app) {
+  for (const std::string& list : {kDesign, kIdentification})
+    if (app.xml.list->isSublist(list)) return SearchReader(app, list).read();
+  return {};
+}
 
 FoundScene search_scene(Application& app, const ListSpec& root, const std::function<void(const SearchStep&)>& report) {
   return SceneSearch(app, report).run(root);

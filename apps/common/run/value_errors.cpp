@@ -89,68 +89,6 @@ std::string text_of(const std::vector<EndLayer>& layers, const Scene& scene) {
          "; more \"Elements\", or \"Accuracy\" with \"Accuracy Of\" = \"stress\"";
 }
 
-}  // namespace
-
-RicherStates::RicherStates(const Simulation& simulation, const ErrorEstimate& estimate)
-    : layers(1), not_estimated(estimate.not_estimated) {
-  if (!estimate.exists()) return;
-  states.push_back(simulation.richer(estimate, layers.front()));
-  if (layers.front().empty()) return;
-  states.push_back(states.front().at(estimate.richer_state, simulation.load_factor(), simulation.stability()));
-  layers.emplace_back();
-}
-
-std::vector<EstimatedValue> with_errors(const QuantitySet& set, const std::vector<double>& values,
-                                        const std::vector<QuantityState>& richer, const std::string& not_estimated) {
-  std::vector<std::vector<double>> better;
-  for (const QuantityState& state : richer) better.push_back(set.values(state));
-  std::vector<unsigned char> hidden(values.size(), 0);
-  if (!richer.empty()) hidden = set.hidden_in_layers(richer.front());
-  std::vector<EstimatedValue> all;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (!set.columns()[i].is_value) continue;
-    EstimatedValue& one = all.emplace_back(EstimatedValue{set.names()[i], values[i]});
-    double change = 0.0, before = values[i];  // by the richer space, then by layers: they may cancel each other here
-    for (auto there = better.rbegin(); there != better.rend(); ++there) {
-      const double next = (*there)[i];
-      if (!(next == before) && !(std::isnan(next) && std::isnan(before))) change += std::abs(next - before);
-      before = next;
-    }
-    if (!richer.empty() && hidden[i] == 0)
-      one.error = change == 0.0 ? 0.0 : kSafety * change + kRounding * std::abs(values[i]);
-    if (!one.is_estimated()) one.not_estimated = richer.empty() ? not_estimated : hidden[i] != 0 ? kHidden : kNoNumber;
-  }
-  return all;
-}
-
-std::vector<EstimatedValue> with_errors(const QuantitySet& set, const std::vector<double>& values,
-                                        const Simulation& simulation, const RicherStates& richer) {
-  std::vector<std::vector<Reaction>> reactions;
-  for (const Simulation& state : richer.states) reactions.push_back(state.reactions());
-  std::vector<QuantityState> there;
-  for (std::size_t i = 0; i < reactions.size(); ++i) {
-    const Simulation& state = richer.states[i];
-    there.push_back({state.model(), state.state(), state.load_factor(), reactions[i], state.strain_energy(),
-                     simulation.stability().negative, simulation.jumps()});
-    there.back().layers = &richer.layers[i];
-  }
-  return with_errors(set, values, there, richer.not_estimated);
-}
-
-void add_value_errors(const QuantitySet* quantities, const Simulation& simulation, const ErrorEstimate& estimate,
-                      StepRecord& record) {
-  if (quantities == nullptr && (!record.stresses || record.stresses->members.empty())) return;
-  const RicherStates richer(simulation, estimate);
-  ErrorSummary& summary = *record.error_estimate;
-  for (const MonitoredQuantity& series : record.monitored)
-    if (quantities != nullptr && series.name == kQuantitySeries)
-      summary.quantities = with_errors(*quantities, series.components, simulation, richer);
-  if (record.stresses) summary.sections = section_errors(simulation, richer, record);
-  summary.layers = text_of(richer.layers.front(), simulation.scene());
-}
-
-namespace {
-
 /// The worst of several numbers, over the largest of them.
 struct WantedError {
   double value = 0.0, error = 0.0;
@@ -221,6 +159,64 @@ std::vector<ErrorOfMember> shares_of_wanted(const QuantitySet& set, const std::s
 }
 
 }  // namespace
+
+RicherStates::RicherStates(const Simulation& simulation, const ErrorEstimate& estimate)
+    : layers(1), not_estimated(estimate.not_estimated) {
+  if (!estimate.exists()) return;
+  states.push_back(simulation.richer(estimate, layers.front()));
+  if (layers.front().empty()) return;
+  states.push_back(states.front().at(estimate.richer_state, simulation.load_factor(), simulation.stability()));
+  layers.emplace_back();
+}
+
+std::vector<EstimatedValue> with_errors(const QuantitySet& set, const std::vector<double>& values,
+                                        const std::vector<QuantityState>& richer, const std::string& not_estimated) {
+  std::vector<std::vector<double>> better;
+  for (const QuantityState& state : richer) better.push_back(set.values(state));
+  std::vector<unsigned char> hidden(values.size(), 0);
+  if (!richer.empty()) hidden = set.hidden_in_layers(richer.front());
+  std::vector<EstimatedValue> all;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (!set.columns()[i].is_value) continue;
+    EstimatedValue& one = all.emplace_back(EstimatedValue{set.names()[i], values[i]});
+    double change = 0.0, before = values[i];  // by the richer space, then by layers: they may cancel each other here
+    for (auto there = better.rbegin(); there != better.rend(); ++there) {
+      const double next = (*there)[i];
+      if (!(next == before) && !(std::isnan(next) && std::isnan(before))) change += std::abs(next - before);
+      before = next;
+    }
+    if (!richer.empty() && hidden[i] == 0)
+      one.error = change == 0.0 ? 0.0 : kSafety * change + kRounding * std::abs(values[i]);
+    if (!one.is_estimated()) one.not_estimated = richer.empty() ? not_estimated : hidden[i] != 0 ? kHidden : kNoNumber;
+  }
+  return all;
+}
+
+std::vector<EstimatedValue> with_errors(const QuantitySet& set, const std::vector<double>& values,
+                                        const Simulation& simulation, const RicherStates& richer) {
+  std::vector<std::vector<Reaction>> reactions;
+  for (const Simulation& state : richer.states) reactions.push_back(state.reactions());
+  std::vector<QuantityState> there;
+  for (std::size_t i = 0; i < reactions.size(); ++i) {
+    const Simulation& state = richer.states[i];
+    there.push_back({state.model(), state.state(), state.load_factor(), reactions[i], state.strain_energy(),
+                     simulation.stability().negative, simulation.jumps()});
+    there.back().layers = &richer.layers[i];
+  }
+  return with_errors(set, values, there, richer.not_estimated);
+}
+
+void add_value_errors(const QuantitySet* quantities, const Simulation& simulation, const ErrorEstimate& estimate,
+                      StepRecord& record) {
+  if (quantities == nullptr && (!record.stresses || record.stresses->members.empty())) return;
+  const RicherStates richer(simulation, estimate);
+  ErrorSummary& summary = *record.error_estimate;
+  for (const MonitoredQuantity& series : record.monitored)
+    if (quantities != nullptr && series.name == kQuantitySeries)
+      summary.quantities = with_errors(*quantities, series.components, simulation, richer);
+  if (record.stresses) summary.sections = section_errors(simulation, richer, record);
+  summary.layers = text_of(richer.layers.front(), simulation.scene());
+}
 
 bool wants_vertices(const Scene& scene, const QuantitySet& quantities) {
   static const char* const kinds[] = {"displacement", "rotation", "position", "distance", "angle", "reaction force"};
