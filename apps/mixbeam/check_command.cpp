@@ -9,8 +9,8 @@
 #include "apps/common/tables/formatted.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "apps/mixbeam/mesh_report.hpp"
+#include "apps/mixbeam/scene_run.hpp"
 #include "discretization/checks/mechanism.hpp"
-#include "discretization/checks/scene_warnings.hpp"
 #include "discretization/parameters/access.hpp"
 #include "discretization/parameters/formula_value.hpp"
 #include "discretization/parameters/parameter_file.hpp"
@@ -273,9 +273,7 @@ void print_check(Application& app, const std::string& load_case, bool first) {
 }  // namespace
 
 void check_scene(Application& app, const std::optional<std::string>& load_case) {
-  std::vector<std::string> cases = alternatives(app.scene);
-  if (load_case) cases = {*load_case};
-  if (cases.empty()) cases = {""};
+  const std::vector<std::string> cases = load_case ? std::vector{*load_case} : chosen_cases(app.scene, {});
   require_reachable(app, cases);
   try {
     for (const std::string& one : cases) print_check(app, one, &one == &cases.front());

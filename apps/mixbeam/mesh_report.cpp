@@ -1,6 +1,7 @@
 #include "apps/mixbeam/mesh_report.hpp"
 
 #include "apps/common/tables/formatted.hpp"
+#include "apps/mixbeam/scene_run.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/text/errors.hpp"
 #include "kernels/element/layout.hpp"
@@ -179,8 +180,7 @@ void choose_mesh(Application& app, std::size_t count, const std::function<Scene(
 }
 
 void choose_mesh(Application& app) {
-  std::vector<std::string> cases = alternatives(app.scene);
-  if (cases.empty()) cases = {""};
+  const std::vector<std::string> cases = chosen_cases(app.scene, {});
   choose_mesh(app, cases.size(), [&](std::size_t i) { return scene_of_case(app.scene, cases[i]); });
 }
 

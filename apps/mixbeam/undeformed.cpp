@@ -129,10 +129,9 @@ void write_undeformed(const std::function<XmlParameters()>& read, const Communic
       app.solver.analysis.buckling_modes = 0;
       app.solver.analysis.modes = {};
       prepare_output_folder(folder);
-      std::vector<std::string> cases = alternatives(app.scene);
-      if (load_case && !cases.empty()) cases = chosen_cases(app.scene, load_case);
-      if (cases.empty()) cases = {""};
-      for (const std::string& one : cases) write_case(app, result_file_of(folder, name, one), one, left_out);
+      const bool has_cases = !alternatives(app.scene).empty();
+      for (const std::string& one : chosen_cases(app.scene, has_cases ? load_case : std::nullopt))
+        write_case(app, result_file_of(folder, name, one), one, left_out);
       return;
     } catch (const InputError& error) {
       if (first_problem.empty()) first_problem = error.what();

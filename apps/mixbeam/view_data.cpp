@@ -2,7 +2,9 @@
 
 #include "apps/common/tables/formatted.hpp"
 #include "discretization/text/errors.hpp"
+#include "discretization/text/number_text.hpp"
 #include "discretization/text/result_names.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +12,6 @@
 #include <functional>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <set>
 
 namespace mixbeam {
@@ -18,7 +19,7 @@ namespace mixbeam {
 namespace {
 
 using Json = nlohmann::json;
-using Point = std::array<double, 3>;
+using Point = Vector3;
 
 constexpr std::size_t kMostSeries = 1200;  // numbers followed along the path that can be chosen
 constexpr double kMostNumbers = 12e6;      // of steps that are read: 100 MB
@@ -89,8 +90,8 @@ struct Units {
   explicit Units(const std::string& text) {
     const std::size_t comma = text.find(',');
     if (comma == std::string::npos || text.find(',', comma + 1) != std::string::npos) return;
-    length = stripped(text.substr(0, comma));
-    force = stripped(text.substr(comma + 1));
+    length = trimmed(text.substr(0, comma));
+    force = trimmed(text.substr(comma + 1));
   }
   /// Of a stress in these units: what makes it megapascals, and 1 where that is not known.
   double megapascals() const {
@@ -106,10 +107,6 @@ struct Units {
     const bool is_known = length == "m" && (force == "N" || force == "kN" || force == "MN");
     if (is_stress(source)) return is_known ? "MPa" : force + "/" + length + "²";
     return "";
-  }
-  static std::string stripped(const std::string& text) {
-    const std::size_t first = text.find_first_not_of(" \t");
-    return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t") - first + 1);
   }
 };
 
@@ -246,7 +243,7 @@ std::vector<Point> corners(const std::vector<Point>& points) {
     std::size_t best = 0;
     double most = -HUGE_VAL;
     for (std::size_t i = 0; i < points.size(); ++i)
-      if (const double reach = points[i][0] * d[0] + points[i][1] * d[1] + points[i][2] * d[2]; reach > most) {
+      if (const double reach = vector_algebra::dot(points[i], d); reach > most) {
         most = reach;
         best = i;
       }
@@ -339,16 +336,6 @@ std::string with_centroid(const std::string& shape, const double* d) {
                    (turned ? -third : third) / area / height);
 }
 
-std::vector<std::string> lines_of(const std::string& text) {
-  std::vector<std::string> lines;
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find('\n', begin), text.size());
-    lines.push_back(text.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  return lines;
-}
-
 /// A table of what acts; without rows where it is not there.
 struct Table {
   const ActingTable* held = nullptr;
@@ -414,15 +401,10 @@ class ViewWriter {
     reference_.resize(position.size());
     for (std::size_t i = 0; i < position.size(); ++i) reference_[i] = position[i] - displacement[i];
     thin();
-    Point low, high;
-    low.fill(HUGE_VAL);
-    high.fill(-HUGE_VAL);
-    for (std::size_t i = 0; i < reference_.size(); ++i) {
-      low[i % 3] = std::min(low[i % 3], reference_[i]);
-      high[i % 3] = std::max(high[i % 3], reference_[i]);
-    }
-    for (std::size_t a = 0; a < 3; ++a) center_[a] = 0.5 * (low[a] + high[a]);
-    const Point diagonal = {high[0] - low[0], high[1] - low[1], high[2] - low[2]};
+    vector_algebra::Box box;
+    for (const Point& point : points_of(reference_, {})) box.enclose(point);
+    center_ = vector_algebra::scaled(0.5, vector_algebra::sum(box.low, box.high));
+    const Point diagonal = vector_algebra::difference(box.high, box.low);
     if (const double size = norm_of(diagonal.data()); size > 0.0) size_ = size;
     describe_run();
     describe_members();
@@ -843,12 +825,9 @@ void ViewWriter::read_steps() {
 
 /// Elevation and azimuth [degrees]: upon the plane in which all lies, else where most is seen.
 Json ViewWriter::camera(const std::vector<Point>& points) const {
-  std::array<double, 3> spread{};
-  for (std::size_t a = 0; a < 3; ++a) {
-    const auto [low, high] =
-        std::minmax_element(points.begin(), points.end(), [a](const Point& p, const Point& q) { return p[a] < q[a]; });
-    spread[a] = (*high)[a] - (*low)[a];
-  }
+  vector_algebra::Box box;
+  for (const Point& point : points) box.enclose(point);
+  const Point spread = vector_algebra::difference(box.high, box.low);
   const auto is_flat = [&](std::size_t axis) { return spread[axis] <= kFlat * size_; };
   if (is_flat(2)) return {90.0, -90.0};
   if (is_flat(1)) return {0.0, -90.0};

@@ -5,6 +5,7 @@
 #include "discretization/text/number_text.hpp"
 #include "discretization/text/text_file.hpp"
 #include "kernels/math/constants.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <yaml-cpp/yaml.h>
 #include <Teuchos_Array.hpp>
@@ -17,6 +18,8 @@
 namespace mixbeam {
 
 namespace {
+
+using vector_algebra::cross, vector_algebra::difference, vector_algebra::dot;
 
 /// Entries across the diagonal that differ by more, over the roots of their diagonal entries, are no rounding: files
 /// have five digits and more.
@@ -323,21 +326,19 @@ Vector3 unit(const Vector3& v) {
   const double length = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
   return {v[0] / length, v[1] / length, v[2] / length};
 }
-double dot(const Vector3& a, const Vector3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 /// Places along the line from the first station to the last, and away from it.
 void set_stations(const std::vector<NamedStation>& all, Teuchos::ParameterList& list) {
   Teuchos::Array<double> position, twist, offset2, offset3;
   Teuchos::Array<std::string> names;
   const Vector3 &root = all.front().station.place, &tip = all.back().station.place;
-  const Vector3 line = {tip[0] - root[0], tip[1] - root[1], tip[2] - root[2]};
+  const Vector3 line = difference(tip, root);
   const bool has_axis = dot(line, line) > 0.0;
   const Vector3 along = has_axis ? unit(line) : Vector3{0.0, 0.0, 1.0};
   const Vector3 axis2 = unit({1.0 - along[0] * along[0], -along[0] * along[1], -along[0] * along[2]});
-  const Vector3 axis3 = {along[1] * axis2[2] - along[2] * axis2[1], along[2] * axis2[0] - along[0] * axis2[2],
-                         along[0] * axis2[1] - along[1] * axis2[0]};
+  const Vector3 axis3 = cross(along, axis2);
   for (const NamedStation& at : all) {
-    const Vector3 from = {at.station.place[0] - root[0], at.station.place[1] - root[1], at.station.place[2] - root[2]};
+    const Vector3 from = difference(at.station.place, root);
     position.push_back(&at == &all.back() ? 1.0
                        : has_axis         ? dot(from, along) / std::sqrt(dot(line, line))
                                           : at.station.position);

@@ -241,16 +241,13 @@ void Variables::resolve(Teuchos::ParameterList& list, const ListSpec& spec, cons
     const Teuchos::ParameterEntry& held = list.entry(entry);
     const std::string& name = list.name(entry);
     if (held.isList()) {
-      const SublistSpec* fixed = spec.find_list(name);
-      const ListSpec* inner = fixed != nullptr ? fixed->list.get() : spec.named_list.get();
-      if (inner != nullptr) resolve(list.sublist(name), *inner, child(path, name));
+      if (const ListSpec* inner = spec.list(name)) resolve(list.sublist(name), *inner, child(path, name));
       continue;
     }
     if (held.docString().empty() && !held.isType<std::string>() && !held.isType<Teuchos::Array<std::string>>())
       continue;
-    const ParameterSpec* fixed = spec.find_parameter(name);
-    const ParameterSpec* declared = fixed != nullptr ? fixed : spec.named_parameter.get();
-    if (declared != nullptr) resolve(list.getEntry(name), *declared, child(path, name));
+    if (const ParameterSpec* declared = spec.parameter(name))
+      resolve(list.getEntry(name), *declared, child(path, name));
   }
 }
 

@@ -8,7 +8,6 @@
 #include <array>
 #include <functional>
 #include <numeric>
-#include <sstream>
 
 namespace mixbeam {
 
@@ -19,18 +18,13 @@ const std::string kFormat = "mixbeam results";
 /// Names the files of an envelope: "2 runs; allowed: out/frame-snow.h5, out/frame-wind.h5".
 std::string files_of_runs(hid_t file, const std::string& name) {
   std::vector<std::string> files;
-  std::istringstream runs(hdf5::read_text(file, kEnvelopeRuns));
-  for (std::string run; std::getline(runs, run);)
+  for (const std::string& run : lines_of(hdf5::read_text(file, kEnvelopeRuns)))
     files.push_back(std::filesystem::path(name).replace_filename(run + ".h5").string());
   return std::to_string(files.size()) + " runs; allowed: one of theirs, " + quoted_list(files);
 }
 
 std::vector<std::string> read_lines(hid_t file, const std::string& name) {
-  std::vector<std::string> lines;
-  if (!hdf5::has_link(file, name)) return lines;
-  std::istringstream text(hdf5::read_text(file, name));
-  for (std::string line; std::getline(text, line);) lines.push_back(line);
-  return lines;
+  return hdf5::has_link(file, name) ? lines_of(hdf5::read_text(file, name)) : std::vector<std::string>{};
 }
 
 /// Reads files that have a group for each member.

@@ -6,7 +6,6 @@
 #include "discretization/text/result_names.hpp"
 
 #include <algorithm>
-#include <sstream>
 
 namespace mixbeam {
 
@@ -188,8 +187,7 @@ std::vector<std::filesystem::path> runs_of_envelope(const std::filesystem::path&
     const hdf5::File results(file.content(), hdf5::FileUse::read);
     std::vector<std::filesystem::path> files;
     if (holds_run(results) || !hdf5::has_link(results, kEnvelope)) return files;
-    std::istringstream runs(hdf5::read_text(results, kEnvelopeRuns));
-    for (std::string run; std::getline(runs, run);)
+    for (const std::string& run : lines_of(hdf5::read_text(results, kEnvelopeRuns)))
       files.push_back(std::filesystem::path(path).replace_filename(run + ".h5"));
     return files;
   };

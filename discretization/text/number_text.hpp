@@ -3,6 +3,7 @@
 
 #include <array>
 #include <string>
+#include <vector>
 
 namespace mixbeam {
 
@@ -29,5 +30,7 @@ std::string to_text(const std::array<double, 3>& vector);
 
 /// Without blanks at both ends.
 std::string trimmed(const std::string& text);
+/// Without their ends; none of an empty text.
+std::vector<std::string> lines_of(const std::string& text);
 
 }  // namespace mixbeam
