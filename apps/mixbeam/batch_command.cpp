@@ -10,12 +10,8 @@
 #include "apps/mixbeam/found_scene.hpp"
 #include "apps/mixbeam/mesh_report.hpp"
 #include "apps/mixbeam/scene_run.hpp"
-#include "discretization/scene/load_cases.hpp"
-#include "discretization/text/message_text.hpp"
-#include "discretization/text/text_file.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <ostream>
 

@@ -11,7 +11,6 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
-#include <stdexcept>
 
 namespace mixbeam {
 

@@ -9,6 +9,7 @@
 #include "apps/mixbeam/scene_run.hpp"
 #include "discretization/results/table_file.hpp"
 #include "discretization/text/errors.hpp"
+#include "discretization/text/text_file.hpp"
 #include "mixbeam/version.hpp"
 
 #include <algorithm>

@@ -1,6 +1,5 @@
 #include "apps/mixbeam/case_groups.hpp"
 
-#include "discretization/scene/load_cases.hpp"
 #include "kernels/math/vector_algebra.hpp"
 
 #include <algorithm>

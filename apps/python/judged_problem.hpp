@@ -4,8 +4,6 @@
 #include "apps/common/studies/study.hpp"
 #include "nonlinear/run/accurate_run.hpp"
 
-#include <cmath>
-
 namespace mixbeam {
 
 /// All relative. Fields over the whole structure in the L2 norm.

@@ -11,7 +11,6 @@
 #include "discretization/text/number_text.hpp"
 #include "kernels/element/layout.hpp"
 
-#include <ostream>
 #include <sstream>
 
 namespace py = pybind11;

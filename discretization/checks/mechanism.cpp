@@ -9,7 +9,6 @@
 #include "kernels/math/vector_algebra.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 #include <tuple>

@@ -10,7 +10,6 @@
 #include "kernels/math/vector_algebra.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <stdexcept>
 

@@ -4,7 +4,6 @@
 #include "kernels/math/legendre.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 #include <vector>
 

@@ -10,7 +10,6 @@
 #include <yaml-cpp/parser.h>
 
 #include <algorithm>
-#include <limits>
 #include <map>
 #include <sstream>
 #include <utility>

@@ -3,8 +3,6 @@
 #include "discretization/state/element_polynomials.hpp"
 #include "kernels/element/section.hpp"
 
-#include <cmath>
-
 namespace mixbeam {
 
 namespace {

@@ -2,7 +2,6 @@
 
 #include "discretization/quantities/member_extreme.hpp"
 #include "discretization/quantities/quantity_place.hpp"
-#include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 #include "kernels/math/vector_algebra.hpp"
 

@@ -6,7 +6,6 @@
 #include <Teuchos_CommHelpers.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 #include <stdexcept>

@@ -1,7 +1,6 @@
 /// The path of a number of a scene, as tables of a batch and lists of gradients name it.
 #pragma once
 
-#include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 
 #include <algorithm>
