@@ -285,9 +285,9 @@ void evaluate_elements(const Model& model, const State& state, const KernelView<
   if (model.rotating() != nullptr && dot(spin, spin) > 0.0)
     model.rotating()->add_rows(structure, state, spin, 1.0, equations);
   if (state.in_plane)
-    gather_planar_rows(model, equations.planar_loads, out.vertex());
+    gather_planar_rows(model, equations.planar_loads, out.writable_vertex(false));
   else
-    gather_rows(model, out.vertex());
+    gather_rows(model, out.writable_vertex(false));
 }
 
 Vec spin_of(const Model& model, double load_factor) {

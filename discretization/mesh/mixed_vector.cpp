@@ -186,7 +186,10 @@ void MixedVector::scale(double factor) {
   }
 }
 
-void MixedVector::update(double a, const MixedVector& x, double gamma) { update(a, x, 0.0, x, gamma); }
+void MixedVector::update(double a, const MixedVector& x, double gamma) {
+  if (a == 1.0 && gamma == 0.0) return assign(x);
+  update(a, x, 0.0, x, gamma);
+}
 
 void MixedVector::update(double a, const MixedVector& x, double b, const MixedVector& y, double gamma) {
   // the sources first: writing may part this vector from one of them

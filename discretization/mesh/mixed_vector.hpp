@@ -37,19 +37,20 @@ class MixedVector {
   /// solvers copy vectors far more often than they change them. A view for writing serves until the next copy.
   MixedVector clone(bool copy_values) const;
 
-  KernelView<const double*> vertex() const {
-    return view_of(std::as_const(*vertex_dofs_));
-  }                                                               ///< (6 * owned vertex + i)
-  KernelView<double*> vertex() { return writable_vertex(true); }  ///< no longer shared with any other vector
+  /// (6 * owned vertex + component)
+  KernelView<const double*> vertex() const { return view_of(std::as_const(*vertex_dofs_)); }
+  KernelView<double*> vertex() { return writable_vertex(true); }
+  /// For writing, no longer shared with any other vector; present values are kept only when asked.
+  KernelView<double*> writable_vertex(bool keep_values);
   /// The local entries of a Tpetra vector, not owned.
   static KernelView<double*> view_of(DofVector& v);
   static KernelView<const double*> view_of(const DofVector& v);
   KernelView<const double*> interior() const { return interior_; }
-  /// The interior for writing, no longer shared with any other vector; present values are kept only when asked.
   KernelView<double*> writable_interior(bool keep_values);
   const DofVector& vertex_dofs() const { return *vertex_dofs_; }
-  DofVector& vertex_dofs() {
-    vertex();
+  DofVector& vertex_dofs() { return writable_dofs(true); }
+  DofVector& writable_dofs(bool keep_values) {
+    writable_vertex(keep_values);
     return *vertex_dofs_;
   }
 
@@ -77,7 +78,6 @@ class MixedVector {
   double largest_vertex_spin() const;
 
  private:
-  KernelView<double*> writable_vertex(bool keep_values);
   template <class Action>
   void combine_with(const MixedVector& other, const Action& action);
   template <class Term>

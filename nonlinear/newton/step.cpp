@@ -70,7 +70,7 @@ void Linearization::solve_condensed(MixedVector& increment, double enough) {
   if (!failure_.empty()) throw LinearSolverError(failure_);
   DofVector& rhs = tangent_.condensed_rows();
   rhs.scale(-1.0);
-  solver_->solve(rhs, increment.vertex_dofs(), enough);
+  solver_->solve(rhs, increment.writable_dofs(false), enough);
   tangent_.recover(increment);
 }
 
