@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cstddef>
+#include <iterator>
 #include <map>
 #include <sstream>
 
@@ -113,6 +114,11 @@ std::string translated(const std::string& name, const std::vector<std::string>& 
   return "";
 }
 
+/// `frequency` in `natural frequency`.
+bool has_words(const std::string& candidate, const std::string& words) {
+  return (" " + lower_case(candidate) + " ").find(" " + words + " ") != std::string::npos;
+}
+
 /// `boolean` for `bool`, `disp` for `displacement`.
 bool one_begins_with_the_other(const std::string& a, const std::string& b) {
   constexpr std::size_t kShortestBeginning = 3;
@@ -186,6 +192,10 @@ std::string nearest_name(const std::string& name, const std::vector<std::string>
   }
   if (!nearest.empty()) return nearest;
   if (const std::string meant = translated(name, candidates); !meant.empty()) return meant;
+  std::vector<std::string> longer;
+  std::copy_if(candidates.begin(), candidates.end(), std::back_inserter(longer),
+               [&](const std::string& candidate) { return has_words(candidate, wanted); });
+  if (!longer.empty()) return longer.size() == 1 ? longer.front() : "";  // a guess among several misleads
   for (const std::string& candidate : candidates) {
     if (one_begins_with_the_other(wanted, lower_case(candidate))) return candidate;
   }

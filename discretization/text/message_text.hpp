@@ -18,7 +18,8 @@ std::string excerpt(const std::string& text);
 
 /// The candidate that differs from `name` in the fewest typing slips (a letter inserted, dropped, replaced, or two
 /// neighbours exchanged; upper and lower case count as equal), else the one that other programs call so (`Nodes` for
-/// Points), else one that begins like it. Empty when nothing resembles `name`.
+/// Points), else the only one of more words that holds it (`frequency` for natural frequency), else one that begins
+/// like it. Empty when nothing resembles `name`, and when it is in several.
 std::string nearest_name(const std::string& name, const std::vector<std::string>& candidates);
 
 /// `; did you mean "Elements"?`, or nothing when no candidate resembles `name`.
@@ -34,7 +35,8 @@ std::string marked_line(const std::string& text, std::size_t offset);
 std::string lower_case(std::string text);
 
 /// What a pattern may hold, for messages and pages.
-inline const std::string kWildcards = "* stands for any characters, ? for one, [abc] or [a-c] for one of these, [!abc] for another";
+inline const std::string kWildcards =
+    "* stands for any characters, ? for one, [abc] or [a-c] for one of these, [!abc] for another";
 
 /// Whether `text` is a pattern: it contains a `*`, which stands for any characters, also none, a `?`, which stands for
 /// one, or characters in brackets, which stand for one of them.

@@ -179,6 +179,11 @@ TEST(NearestName, FindsSlipsAndNothingFarther) {
   EXPECT_EQ(nearest_name("Sec", names), "Section");
   EXPECT_EQ(nearest_name("Temperature", names), "");
   EXPECT_EQ(nearest_name("", names), "");
+  const std::vector<std::string> kinds = {"force energy", "reaction force", "natural frequency", "normal stress"};
+  EXPECT_EQ(nearest_name("frequency", kinds), "natural frequency");
+  EXPECT_EQ(nearest_name("Stress", kinds), "normal stress");
+  EXPECT_EQ(nearest_name("force", kinds), "");  // the twin: in two of them
+  EXPECT_EQ(nearest_name("press", kinds), "");  // no whole word
   EXPECT_EQ(nearest_name("x", {"y", "z"}), "");
 }
 
