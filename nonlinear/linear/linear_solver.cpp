@@ -87,6 +87,7 @@ class DirectSolver : public LinearSolver {
   }
 
   void factorize() override {
+    has_failed_ = true;
     if (root_ != nullptr) {
       reset_factors();  // ranks that wait for a solution must not be left alone with an error
       PhaseTimer timer(times_, "gather matrix");
@@ -98,9 +99,11 @@ class DirectSolver : public LinearSolver {
     if (matrix_->getRowMap()->getComm()->getSize() > 1)
       MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPI_INT, MPI_MAX, communicator_of(*matrix_));
     if (failed != 0) throw LinearSolverError("factorisation failed: " + (problem.empty() ? "see rank 0" : problem));
+    has_failed_ = false;
   }
 
   double solve(const DofVector& b, DofVector& x, double /*energy_reduction*/) override {
+    if (has_failed_) throw LinearSolverError("the matrix has no factors");  // Amesos2 would factorise it again
     solve_once(b, x);
     double error = backward_error(*matrix_, x, b);
     if (!(error <= tolerance_)) {
@@ -184,6 +187,7 @@ class DirectSolver : public LinearSolver {
   Teuchos::RCP<DofMatrix> matrix_;
   std::string method_;
   double tolerance_;
+  bool has_failed_ = false;  ///< the last factorisation
   PhaseTimes& times_;
   std::unique_ptr<RootCopy> root_;  ///< several ranks only
   std::unique_ptr<LinearSolver> factors_, signs_;

@@ -82,6 +82,24 @@ TEST_F(Modes, AreAtTheLoadFactorsAskedFor) {
         std::string name = "steps/000000";
         name.replace(name.size() - std::to_string(step).size(), std::string::npos, std::to_string(step));
         if (contents.count(name + "/vibration/0@frequency") > 0) with_modes.push_back(attribute(name + "@load_factor"));
+/// A frame in space without supports, whose tangent has pivots that are exactly zero. Its first elastic frequency is
+/// that of a spectral program with 6x6 masses, written for this.
+TEST_F(Modes, FreeFramesInSpaceHaveTheirOwnFrequencies) {
+  const std::string section =
+      "GA2: 50, GA3: 40, GIt: 1, EI2: 1.2, EI3: 0.8, Mass: 1.3, "
+      "Rotary Inertia: [0.009, 0.004, 0.006], Mass Offset: [0.1, 0]";
+  const std::string mesh = "Order: 6, Elements: 3";
+  const Ended ended = run("Scene:\n  Sections: {rod: {EA: 1000, " + section + R"yaml(}}
+  Points: {a: [0, 0, 0], corner: [1, 0, 0], b: [1, 1, 0.5]}
+  Members:
+    one: {Start: a, End: corner, Second Axis: [0, 1, 0], )yaml" +
+                          mesh + "}\n" + "    two: {Start: b, End: corner, Second Axis: [0, 0, 1], " + mesh + "}\n" +
+                          "Analysis: {Modes: {Number: 7}}\n");
+  EXPECT_EQ(ended.exit_code, 0) << ended.out << ended.err;
+  expect_in(ended.out, {"7         3.01573025"});
+  EXPECT_EQ(ended.out.find("not confirmed"), std::string::npos);
+}
+
       }
       ASSERT_EQ(with_modes.size(), 4U) << amplitude << solver;
       for (size_t i = 0; i < 4; ++i) EXPECT_DOUBLE_EQ(with_modes[i], (std::array<double, 4>{0.0, 0.3, 0.6, 1.0})[i]);

@@ -131,6 +131,7 @@ TEST(LinearSolver, RecoversAfterASingularMatrix) {
     equations.for_each_entry([&](int, int, double& value) { values.push_back(value); });
     equations.scale_rows(7, 8, 0.0);
     EXPECT_THROW(equations.solve(), LinearSolverError);
+    EXPECT_THROW(equations.solver->solve(*equations.right_hand_side, *equations.solution), LinearSolverError);
     size_t k = 0;
     equations.for_each_entry([&](int, int, double& value) { value = values[k++]; });
     equations.solve();
