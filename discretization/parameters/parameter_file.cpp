@@ -219,9 +219,10 @@ class YamlWriter {
 
 FileFormat format_of(const std::string& file, const std::string& text) {
   const std::string ending = lower_case(std::filesystem::path(file).extension().string());
+  const std::size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");       // the last three: a byte order mark
+  if (first != std::string::npos && text[first] == '<') return FileFormat::xml;  // of Python, of a file in YAML
   if (ending == ".yaml" || ending == ".yml") return FileFormat::yaml;
-  const std::size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");  // the last three: a byte order mark
-  return ending == ".xml" || first == std::string::npos || text[first] == '<' ? FileFormat::xml : FileFormat::yaml;
+  return ending == ".xml" || first == std::string::npos ? FileFormat::xml : FileFormat::yaml;
 }
 
 XmlParameters parse_parameters(const std::string& text, const std::string& file, const ListSpec& spec,

@@ -12,8 +12,8 @@ namespace mixbeam {
 
 enum class FileFormat { xml, yaml };
 
-/// By the ending of the name (.xml, .yaml, .yml), whatever its case; another name: by the first character, which is
-/// `<` in XML.
+/// XML where the first character is `<`, with which no scene in YAML begins; else by the ending of the name (.xml,
+/// .yaml, .yml), whatever its case; another name: YAML.
 FileFormat format_of(const std::string& file, const std::string& text = "");
 
 /// Reads a file in either format. Throws InputError with file and line. `spec` says which types are meant in YAML.

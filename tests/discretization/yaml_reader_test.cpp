@@ -157,6 +157,8 @@ TEST(YamlReader, HostileFilesAreRefused) {
 TEST(YamlReader, TheFormatFollowsFromTheNameOrElseFromTheText) {
   EXPECT_EQ(format_of("a.xml"), FileFormat::xml);
   EXPECT_EQ(format_of("a.YML"), FileFormat::yaml);
+  EXPECT_EQ(format_of("a.yaml", "Scene:"), FileFormat::yaml);
+  EXPECT_EQ(format_of("a.yaml", "<?xml"), FileFormat::xml);  // what Python makes of the scene in that file
   EXPECT_EQ(format_of("run.h5 (scene)", "\n<ParameterList"), FileFormat::xml);
   EXPECT_EQ(format_of("run.h5 (scene)", "# a\nScene:"), FileFormat::yaml);
   expect_in(message_of([] { parse_parameters("Scene: {}", "a.xml", root_of_scenes()); }), {"a.xml:1: ", "XML"});
