@@ -490,6 +490,24 @@ class Runs(InFolder):
             np.testing.assert_allclose((error, value), errors[name], rtol=1e-4)
         self.assertEqual(run.results.steps[0].errors("quantities"), {})  # the end of the path alone, and files without
 
+    def test_a_scene_of_a_file_in_yaml_is_looked_for(self):
+        scene = cantilever()
+        scene.quantities["drop"] = dict(quantity="displacement", point="tip", component="z")
+        drop = mixbeam.run(scene).quantities()["drop"]
+        scene.point_loads["weight"].force = 0, 0, -7
+        scene.identification = dict(parameters=dict(force=dict(number="Point Loads/weight/Force[2]")),
+                                    measurements=dict(drop=dict(quantity="drop", value=drop, standard_deviation=1.0)))
+        scene.write("scene.yaml")
+        self.assertAlmostEqual(mixbeam.run(mixbeam.read("scene.yaml")).found["force"].value, -10.0, places=8)
+
+    def test_flutter_is_judged_by_modes(self):
+        scene = cantilever()
+        scene.sections["steel"].material.density = 7.85e-9
+        scene.point_loads["weight"] = dict(point="tip", force=(-80, 0, 0), frame="follower", member="rod")  # 31 EI / L^2
+        self.assertEqual(list(mixbeam.run(scene).stable), ["true", "unknown"])
+        scene.analysis.modes = dict(number=4)
+        self.assertEqual(list(mixbeam.run(scene).stable), ["true", "false"])
+
 
 class Guest(InFolder):
     def test_tables_and_notebooks(self):

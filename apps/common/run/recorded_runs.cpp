@@ -135,7 +135,9 @@ class Application::Recorder {
     if (results_) results_->append_step(step);
     for_monitor([&] { monitor_->add(step); });
     if (recording_.record_observer) recording_.record_observer(step);
-    if (recording_.observer) recording_.observer(running, report);
+    if (!recording_.observer) return;
+    if (step.stability.stable == running.stability().stable) return recording_.observer(running, report);
+    recording_.observer(running.at(running.state(), running.load_factor(), step.stability), report);
   }
   /// Where eigenvalues of the tangent do not tell whether a state is stable, frequencies do.
   static void judge_by_modes(StepRecord& step) {
