@@ -178,6 +178,10 @@ TEST(SceneParameters, ReadsFollowerLoads) {
   const Scene scene = scene_from(with_load("Frame: follower, Member: arch"));
   EXPECT_EQ(scene.point_loads[0].frame, LoadFrame::follower);
   EXPECT_EQ(scene.point_loads[0].member, "arch");
+  const std::string inside = changed(kBowScene, "Second Axis: [0, 1, 0]", "Inner Points: {middle: 0.5}");
+  const std::string follows = "Point: middle, Frame: follower, Member: ";
+  EXPECT_EQ(scene_from(changed(inside, kLoadPoint, follows + "shaft")).point_loads[0].member, "shaft");
+  expect_scene_refused(changed(inside, kLoadPoint, follows + "arch"), {"value \"arch\"", "or through it", "\"shaft\""});
 }
 
 TEST(SceneParameters, RefusesWrongLoads) {

@@ -25,6 +25,10 @@ const std::vector<std::string> kAlongMember = {"s", "x", "X", "Y", "Z"};
 constexpr int kSamplesPerMember = 4;     // intervals: ends, middle, quarters
 constexpr std::size_t kMostOfPiece = 9;  // lines of an element in a table: the points of order 8
 
+bool has_both_ends_at(const Member& member, const std::string& point) {
+  return member.start_point == point && member.end_point == point;
+}
+
 /// Values of these names at the ends of the intervals.
 std::vector<std::vector<double>> samples_along(const ReferenceCurve& curve) {
   std::vector<std::vector<double>> samples;
@@ -232,8 +236,8 @@ void ConditionReader::read_point_masses() {
   });
 }
 
-/// The one member with one end at the point that `text` means. The load acts on the point: members in a joint there
-/// turn without it.
+/// The one member with one end at the point, or through it, that `text` means. The load acts on the point: members in a
+/// joint there turn without it.
 std::string ConditionReader::follower_member(const std::string& text, const std::string& point,
                                              const InputPlace& place) const {
   const auto joined = joined_at_.find(point);
@@ -244,18 +248,19 @@ std::string ConditionReader::follower_member(const std::string& text, const std:
   if (members == nullptr) return text;  // a member with a mistake may be meant to touch it
   std::vector<std::string> touching;
   for (const Member* candidate : *members)
-    if (has_one_end_at(*candidate, point) && !is_joined(candidate->name)) touching.push_back(candidate->name);
+    if (!has_both_ends_at(*candidate, point) && !is_joined(candidate->name)) touching.push_back(candidate->name);
   const std::vector<std::string> meant = names_meant(text, touching);
   if (meant.size() == 1) return meant.front();
   const Member* const member = names_.member(text);
-  const bool closed = member != nullptr && member->start_point == point && member->end_point == point;
+  const bool closed = member != nullptr && has_both_ends_at(*member, point);
   const std::string seen = text.empty() ? "missing for a follower load" : "value \"" + excerpt(text) + "\"";
   const std::string problem = closed            ? " has both ends at the point"
                               : is_joined(text) ? " is in a joint at the point, and turns without it"
                               : meant.empty()   ? ""
                                                 : " means several of them";
   throw place["Member"].error(seen + problem + "; allowed: a member with one end at \"" + excerpt(point) +
-                              "\", not in a joint there: " + quoted_list(touching) + did_you_mean(text, touching));
+                              "\", or through it, not in a joint there: " + quoted_list(touching) +
+                              did_you_mean(text, touching));
 }
 
 void ConditionReader::read_distributed_loads() {
