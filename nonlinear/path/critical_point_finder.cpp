@@ -449,19 +449,30 @@ double CriticalPointFinder::find_modes(CriticalPoint& point) {
   return error;
 }
 
+/// An end of the step; a little beyond it where an eigenvalue is zero there, which belongs to no side.
+CriticalPointFinder::Sample CriticalPointFinder::end_of_step(double at, const Station& station) {
+  if (station.stability->null == 0) return {at, station};
+  try {
+    Sample beyond = sample(at == 0.0 ? -path_limit.beyond_step : at + path_limit.beyond_step, Asked::count);
+    if (beyond.station.stability->null == 0) return beyond;
+  } catch (const NotLocated&) {  // the path has a corner there, as between stages
+  }
+  return {at, station};
+}
+
 /// Whether all that passes zero in the step does so at one place.
-bool CriticalPointFinder::is_one_point() {
-  Bracket whole{{0.0, piece_.start}, {1.0, piece_.end}};
+bool CriticalPointFinder::is_one_point(Bracket whole) {
   if (turns(whole) || whole.changes() > path_limit.most_multiple) return false;
   choose_space(whole);
   return whole.space && between(whole).empty();
 }
 
 std::vector<CriticalPoint> CriticalPointFinder::find() {
-  if (!separates_ && chord_ > path_limit.short_step && !is_one_point())
+  const Bracket whole{end_of_step(0.0, piece_.start), end_of_step(1.0, piece_.end)};
+  if (!separates_ && chord_ > path_limit.short_step && !is_one_point(whole))
     throw NotLocated("more than " + std::to_string(kMostSeparated) + " critical points in one step");
   std::vector<Bracket> brackets;
-  isolate({{0.0, piece_.start}, {1.0, piece_.end}}, brackets);
+  isolate(whole, brackets);
   std::vector<CriticalPoint> points;
   for (size_t i = 0; i < brackets.size(); ++i) {
     Bracket& bracket = brackets[i];

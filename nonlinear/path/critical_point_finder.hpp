@@ -75,7 +75,8 @@ class CriticalPointFinder {
     Sample sample;
   };
 
-  bool is_one_point();
+  Sample end_of_step(double at, const Station& station);
+  bool is_one_point(Bracket whole);
   Sample sample(double at, Asked asked);
   PathDirection predicted(double at) const;
   void require_smoothness(const Station& a, const Station& b) const;

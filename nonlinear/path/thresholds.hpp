@@ -48,6 +48,8 @@ struct PathThresholds {
   /// More of them are told by their number only in steps as short as this (the structure moves by so much of its size);
   /// longer ones are halved.
   double short_step = 1e-3;
+  /// Beyond an end of a step at which an eigenvalue is zero: far enough for it to have a sign, of relative size 1e-9.
+  double beyond_step = 1e-2;
   /// Points closer together than this share of the step are one multiple point.
   double together = 1e-6;
   /// Eigenvalues vanish together when their secants cross zero within this share of a bracket, and again of one that

@@ -876,6 +876,12 @@ void add_counts(std::vector<KnownPath>& table) {
                      {},
                      primary({{1.0 / 1.2, bifurcation, 1}, {(1.0 + apart) / 1.2, bifurcation, 1}}, kDigits)});
   }
+  SolverParameters halves;  // the first ends where an eigenvalue is zero
+  halves.load_path.method = LoadPathMethod::fixed;
+  halves.load_path.steps = 2;
+  for (const bool planar : {false, true})
+    table.push_back({planar ? "StepToEulersLoad" : "StepToEulersLoadInSpace", thrust_column(2.0 * kEuler, 0.0, planar),
+                     halves, primary({{0.5, bifurcation, planar ? 1 : 2}}, kDigits)});
   table.push_back({"BucklesInsideItsElement",
                    sliding_clamps(60.0, 8, 1),
                    {},
