@@ -24,7 +24,7 @@ QuantityState state_of(const SolvedCases& solved, int part) {
   at.first_support = solved.first_support[i];
   if (solved.merged) at.prefix_of_points = MergedScene::name_in_part(part, "");
   at.layers = solved.layers;
-  if (!solved.merged) at.natural_frequency = [&simulation](int mode) { return simulation.natural_frequency(mode); };
+  if (!solved.merged) at.natural_frequency = simulation.natural_frequency();
   return at;
 }
 

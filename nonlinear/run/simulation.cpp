@@ -265,12 +265,17 @@ std::vector<RecordedVibrationMode> Simulation::vibration_modes(int count, bool i
   return recorded;
 }
 
-double Simulation::natural_frequency(int mode) const {
-  const ModesParameters& asked = parameters_.analysis.modes;
-  const std::vector<VibrationMode> modes =
-      mixbeam::vibration_modes(*problem_, state_, load_factor_, asked.number, asked.in_plane);
-  if (mode > static_cast<int>(modes.size())) return std::numeric_limits<double>::quiet_NaN();
-  return modes[mode - 1].rate.imag() / (2.0 * kPi);
+std::function<double(int mode)> Simulation::natural_frequency() const {
+  return [this, known = std::optional<std::vector<double>>()](int mode) mutable {
+    if (!known) {
+      const ModesParameters& asked = parameters_.analysis.modes;
+      known.emplace();
+      for (const VibrationMode& one :
+           mixbeam::vibration_modes(*problem_, state_, load_factor_, asked.number, asked.in_plane))
+        known->push_back(one.rate.imag() / (2.0 * kPi));
+    }
+    return mode <= static_cast<int>(known->size()) ? (*known)[mode - 1] : std::numeric_limits<double>::quiet_NaN();
+  };
 }
 
 std::vector<MonitoredQuantity> Simulation::motions(const std::vector<std::string>& points) const {

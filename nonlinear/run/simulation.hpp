@@ -118,7 +118,8 @@ class Simulation {
   /// none when that is not stable. Of this rank's samples.
   std::vector<RecordedBucklingMode> buckling_modes(int count, int points_per_element) const;
   /// omega / (2 pi) of a natural mode about state(), one of those that the parameters ask for; NaN where it has fewer.
-  double natural_frequency(int mode) const;
+  /// All are found when the first is asked for. Only as long as this exists.
+  std::function<double(int mode)> natural_frequency() const;
   /// The first `count` of vibration_modes() about state(). Of this rank's samples. `tracks`: gives each its track;
   /// null: they have none. `known`: see ModeTracks::follow().
   std::vector<RecordedVibrationMode> vibration_modes(int count, bool in_plane, int points_per_element,

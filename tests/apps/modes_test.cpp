@@ -1,4 +1,5 @@
 /// Natural modes as `mixbeam run` answers them: files, terminal, quantities, and what it refuses.
+#include "discretization/text/number_text.hpp"
 #include "mixbeam_files.hpp"
 
 #include <cmath>
@@ -59,6 +60,20 @@ TEST_F(Modes, AreInFileTerminalAndQuantities) {
   EXPECT_EQ(ended.exit_code, 1);
 }
 
+/// So meshes are chosen for them, and limits count.
+TEST_F(Modes, FrequenciesHaveEstimatedErrors) {
+  const std::string limit = "Limit: 0.5596";
+  const std::string quantity = "Quantities: {f: {Quantity: natural frequency, Mode: 1, " + limit +
+                               "}}\nExpected: {f: {" +
+                               "Quantity: f, Relative Tolerance: 1e-8, Source: closed form, Value: ";
+  std::string text = scene(kMass, kClamp, "Number: 2, In Plane: true", quantity + shortest(kFrequency) + "}}\n");
+  text =
+      changed(changed(text, ", Order: 4, Elements: 8", ""), "Scene:\n", "Scene:\n  Accuracy: 1e-8\n  Accuracy Of: f\n");
+  const Ended ended = run(text);
+  EXPECT_EQ(ended.exit_code, 0) << ended.out << ended.err;
+  EXPECT_EQ(run(changed(text, limit, "Limit: 0.5595")).exit_code, 1);  // the value is 0.55959
+}
+
 TEST_F(Modes, SupportsMayBeMissingWhereNothingActs) {
   const Ended ended = run(scene(kMass, "", "Number: 5, In Plane: true"));
   EXPECT_EQ(ended.exit_code, 0) << ended.out << ended.err;
@@ -67,21 +82,6 @@ TEST_F(Modes, SupportsMayBeMissingWhereNothingActs) {
                  {"Supports", "no support"});
 }
 
-/// Of a column under a dead load and one whose load grows by a formula, without and with fixed steps: the path stops at
-/// load factors that are listed, and nowhere else are there modes but at its end.
-TEST_F(Modes, AreAtTheLoadFactorsAskedFor) {
-  const std::string asked = "Number: 1, In Plane: true, Load Factors: [0.6, 0, 0.3]";
-  for (const std::string amplitude : {"", ", Amplitude: t^2"})
-    for (const std::string solver : {"", "Solver: {Load Path: {Method: fixed, Steps: 2}}\n"}) {
-      const Ended ended = run(scene(
-          kMass, kClamp + "  Point Loads: {push: {Point: tip, Force: [-2, 0, 0]" + amplitude + "}}\n", asked, solver));
-      EXPECT_EQ(ended.exit_code, 0) << ended.out << ended.err;
-      std::vector<double> with_modes;
-      const FileContents contents = contents_of(folder_ / "results" / "scene.h5").value_or(FileContents{});
-      for (int step = 0; step < 100; ++step) {
-        std::string name = "steps/000000";
-        name.replace(name.size() - std::to_string(step).size(), std::string::npos, std::to_string(step));
-        if (contents.count(name + "/vibration/0@frequency") > 0) with_modes.push_back(attribute(name + "@load_factor"));
 /// A frame in space without supports, whose tangent has pivots that are exactly zero. Its first elastic frequency is
 /// that of a spectral program with 6x6 masses, written for this.
 TEST_F(Modes, FreeFramesInSpaceHaveTheirOwnFrequencies) {
@@ -100,6 +100,21 @@ TEST_F(Modes, FreeFramesInSpaceHaveTheirOwnFrequencies) {
   EXPECT_EQ(ended.out.find("not confirmed"), std::string::npos);
 }
 
+/// Of a column under a dead load and one whose load grows by a formula, without and with fixed steps: the path stops at
+/// load factors that are listed, and nowhere else are there modes but at its end.
+TEST_F(Modes, AreAtTheLoadFactorsAskedFor) {
+  const std::string asked = "Number: 1, In Plane: true, Load Factors: [0.6, 0, 0.3]";
+  for (const std::string amplitude : {"", ", Amplitude: t^2"})
+    for (const std::string solver : {"", "Solver: {Load Path: {Method: fixed, Steps: 2}}\n"}) {
+      const Ended ended = run(scene(
+          kMass, kClamp + "  Point Loads: {push: {Point: tip, Force: [-2, 0, 0]" + amplitude + "}}\n", asked, solver));
+      EXPECT_EQ(ended.exit_code, 0) << ended.out << ended.err;
+      std::vector<double> with_modes;
+      const FileContents contents = contents_of(folder_ / "results" / "scene.h5").value_or(FileContents{});
+      for (int step = 0; step < 100; ++step) {
+        std::string name = "steps/000000";
+        name.replace(name.size() - std::to_string(step).size(), std::string::npos, std::to_string(step));
+        if (contents.count(name + "/vibration/0@frequency") > 0) with_modes.push_back(attribute(name + "@load_factor"));
       }
       ASSERT_EQ(with_modes.size(), 4U) << amplitude << solver;
       for (size_t i = 0; i < 4; ++i) EXPECT_DOUBLE_EQ(with_modes[i], (std::array<double, 4>{0.0, 0.3, 0.6, 1.0})[i]);

@@ -35,7 +35,7 @@ std::vector<double> values_in(const QuantitySet& set, const Simulation& simulati
   const std::vector<Reaction> reactions = simulation.reactions();
   QuantityState at{simulation.model(), simulation.state(), simulation.load_factor(), reactions,
                    simulation.strain_energy()};
-  at.natural_frequency = [&](int mode) { return simulation.natural_frequency(mode); };
+  at.natural_frequency = simulation.natural_frequency();
   return set.values(at);
 }
 

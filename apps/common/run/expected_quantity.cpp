@@ -11,7 +11,7 @@ std::vector<double> values_of(const QuantitySet& quantities, const Simulation& s
   QuantityState at{simulation.model(), simulation.state(),         simulation.load_factor(),
                    reactions,          simulation.strain_energy(), simulation.stability().negative,
                    simulation.jumps()};
-  at.natural_frequency = [&](int mode) { return simulation.natural_frequency(mode); };
+  at.natural_frequency = simulation.natural_frequency();
   return quantities.values(at);
 }
 

@@ -202,6 +202,7 @@ std::vector<EstimatedValue> with_errors(const QuantitySet& set, const std::vecto
     there.push_back({state.model(), state.state(), state.load_factor(), reactions[i], state.strain_energy(),
                      simulation.stability().negative, simulation.jumps()});
     there.back().layers = &richer.layers[i];
+    there.back().natural_frequency = state.natural_frequency();
   }
   return with_errors(set, values, there, richer.not_estimated);
 }
