@@ -1,4 +1,5 @@
-#include "apps/mixbeam/case_groups.hpp"
+// Which cases of a batch are solved side by side.
+#include "apps/mixbeam/batch_solver.hpp"
 
 #include "kernels/math/vector_algebra.hpp"
 

@@ -322,7 +322,7 @@ struct NamedStation {
   BladeStation station;
 };
 
-Vector3 unit(const Vector3& v) {
+Vector3 direction_of(const Vector3& v) {
   const double length = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
   return {v[0] / length, v[1] / length, v[2] / length};
 }
@@ -334,8 +334,8 @@ void set_stations(const std::vector<NamedStation>& all, Teuchos::ParameterList& 
   const Vector3 &root = all.front().station.place, &tip = all.back().station.place;
   const Vector3 line = difference(tip, root);
   const bool has_axis = dot(line, line) > 0.0;
-  const Vector3 along = has_axis ? unit(line) : Vector3{0.0, 0.0, 1.0};
-  const Vector3 axis2 = unit({1.0 - along[0] * along[0], -along[0] * along[1], -along[0] * along[2]});
+  const Vector3 along = has_axis ? direction_of(line) : Vector3{0.0, 0.0, 1.0};
+  const Vector3 axis2 = direction_of({1.0 - along[0] * along[0], -along[0] * along[1], -along[0] * along[2]});
   const Vector3 axis3 = cross(along, axis2);
   for (const NamedStation& at : all) {
     const Vector3 from = difference(at.station.place, root);

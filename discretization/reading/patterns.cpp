@@ -1,9 +1,10 @@
 #include "discretization/reading/scene_parts.hpp"
 
+#include "discretization/geometry/isometry.hpp"
 #include "discretization/geometry/point_grid.hpp"
 #include "discretization/geometry/reference_curve.hpp"
 #include "discretization/parameters/access.hpp"
-#include "discretization/reading/pattern.hpp"
+#include "discretization/parameters/binding.hpp"
 #include "discretization/reading/read_scene.hpp"
 #include "discretization/scene/division.hpp"
 #include "discretization/scene/limits.hpp"
@@ -11,6 +12,7 @@
 #include "discretization/scene/section_shape.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
+#include "kernels/math/constants.hpp"
 #include "kernels/math/vector_algebra.hpp"
 
 #include <algorithm>
@@ -30,6 +32,85 @@ constexpr double kPointTolerance = 1e-9;  // of the size of the structure: point
 constexpr double kMostCopiedBytes = 4e9;  // keeps copies of large members from eating memory
 constexpr double kSameAngle = 1e-6;       // of axes 2, whose directions are written with six digits. [radian]
 constexpr std::size_t kNoPoint = ~std::size_t{0};
+
+enum class PatternKind { repeat, rotate, mirror };
+enum class CopyScope { members, joints, all };
+
+/// One pattern as it was written: what its copies are called, and where they go.
+struct Pattern {
+  std::vector<std::string> members{"*"};
+  PatternKind kind = PatternKind::repeat;
+  int count = 2;  // mirror: the original and its image
+  Vector3 vector{}, center{}, axis{}, point{}, normal{};
+  std::optional<double> angle{};
+  CopyScope scope = CopyScope::members;  ///< what goes with the members: joints, supports, loads and eigenstrains
+};
+
+/// Where a copy comes from: its name is that of the original and the numbers of the copies on the way.
+struct CopyLabel {
+  std::string base;
+  std::vector<int> numbers{};
+
+  std::string name() const {
+    std::size_t count = numbers.size();
+    while (count > 0 && numbers[count - 1] == 0) --count;  // the original of this and all later patterns
+    if (count == 0) return base;
+    std::string text = base + " (";
+    for (std::size_t i = 0; i < count; ++i) text += (i == 0 ? "" : ", ") + std::to_string(numbers[i]);
+    return text + ")";
+  }
+  CopyLabel copy(int number) const {
+    CopyLabel label = *this;
+    label.numbers.back() = number;
+    return label;
+  }
+};
+
+BoundList<Pattern> declared_pattern_parameters() {
+  BoundList<Pattern> pattern("Copies of members with their points; acts on the copies of the patterns before it too.");
+  pattern.bind(&Pattern::members, array("Members", ParameterType::text_array).by_default(),
+               "Names of the members; " + kWildcards + ".");
+  pattern.bind(
+      &Pattern::kind, text("Kind").required(),
+      "repeat: translated by Vector, repeatedly; rotate: about an axis; mirror: reflected in a plane. Points and "
+      "members of copies that coincide with existing ones become one with them.",
+      {{"repeat", PatternKind::repeat}, {"rotate", PatternKind::rotate}, {"mirror", PatternKind::mirror}});
+  pattern.bind(&Pattern::count, integer("Count").at_least(2).at_most(kMostElements),
+               "repeat, rotate: number of instances of the members, the original included.");
+  pattern.bind(&Pattern::vector, direction("Vector"), "repeat: from each copy to the next [length].");
+  pattern.bind(&Pattern::center, bounded_vector("Center"), "rotate: a point of the axis [length].");
+  pattern.bind(&Pattern::axis, direction("Axis"), "rotate: direction of the axis; right-handed (any length).");
+  pattern.bind(&Pattern::angle, real("Angle").at_least(-kLargestAngle).at_most(kLargestAngle),
+               "rotate: from each copy to the next [radian]; a whole turn over Count if absent.");
+  pattern.bind(&Pattern::point, bounded_vector("Point"), "mirror: a point of the plane [length].");
+  pattern.bind(&Pattern::normal, direction("Normal"), "mirror: normal of the plane (any length).");
+  pattern.bind(
+      &Pattern::scope, text("Copy").by_default(),
+      "members: these with their points; joints: these as well; all: supports, loads and eigenstrains too, their "
+      "directions turned with the copy, unless they act there by their names already.",
+      {{"members", CopyScope::members}, {"joints", CopyScope::joints}, {"all", CopyScope::all}});
+  pattern.spec.with_forms("Kind", {{"repeat", {{{"Vector", "Count"}}}},
+                                   {"rotate", {{{"Center", "Axis", "Count"}, {"Angle"}}}},
+                                   {"mirror", {{{"Point", "Normal"}}}}});
+  return pattern;
+}
+
+const BoundList<Pattern>& pattern_parameters() {
+  static const BoundList<Pattern> parameters = declared_pattern_parameters();
+  return parameters;
+}
+
+/// Of all copies, the original not counted. Throws std::invalid_argument where there is no such motion.
+std::vector<Isometry> motions_of(const Pattern& pattern) {
+  if (pattern.kind == PatternKind::mirror) return {Isometry::reflection(pattern.point, pattern.normal)};
+  std::vector<Isometry> motions;
+  for (int i = 1; i < pattern.count; ++i) {
+    const double angle = pattern.angle ? i * *pattern.angle : 2.0 * kPi * i / pattern.count;
+    motions.push_back(pattern.kind == PatternKind::repeat ? Isometry::shift(vector_algebra::scaled(i, pattern.vector))
+                                                          : Isometry::rotation(pattern.center, pattern.axis, angle));
+  }
+  return motions;
+}
 
 /// A point of a line and its direction.
 std::array<double, 6> image(const Isometry& motion, const std::array<double, 6>& line) {
@@ -419,6 +500,10 @@ class PatternScene {
 };
 
 }  // namespace
+
+ListSpec patterns_spec() {
+  return ListSpec("Copies of members, made in this order.").with_named_lists("pattern", pattern_parameters().spec);
+}
 
 std::vector<CopiedPattern> apply_patterns(const ParameterList& patterns, const InputPlace& place, Scene& scene) {
   const std::vector<std::string> names = names_of(patterns);

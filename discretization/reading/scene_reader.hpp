@@ -41,7 +41,7 @@ class SceneReader {
     int elements;  ///< of all of them
   };
 
-  // scene_reader.cpp
+  // The scene, sections, points.
   void read_lists();
   void read_units();
   void read_sections();
@@ -54,7 +54,7 @@ class SceneReader {
   bool add_point(const std::string& name, const Vector3& position);
   const Vector3& position_of(const std::string& point) const;
 
-  // reading/members.cpp
+  // Members, apart from where they are.
   void read_members();
   /// What its parameters say together.
   void complete(Member& member, const List& list, const InputPlace& place) const;
@@ -73,7 +73,7 @@ class SceneReader {
   void import_members();
   void add_member(Member member, Origin origin);
 
-  // scene_reader_geometry.cpp
+  // Where members are.
   void place_members();
   void place_member(std::size_t member);
   std::vector<std::string> points_needed(const Member& member) const;

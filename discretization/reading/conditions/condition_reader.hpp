@@ -42,9 +42,6 @@ struct EigenstrainDraft : Eigenstrain {
   Vector3 start_turn{}, end_turn{};
 };
 
-extern const BoundList<Support> kSupportParameters;
-extern const BoundList<Joint> kJointParameters;
-
 /// The list "Gravity".
 ListSpec gravity_spec();
 /// The list "Rotating Frame".
