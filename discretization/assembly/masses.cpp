@@ -1,6 +1,7 @@
 #include "discretization/assembly/masses.hpp"
 
 #include "discretization/mesh/element_view.hpp"
+#include "discretization/text/errors.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
 
@@ -15,6 +16,16 @@ namespace {
 constexpr int kOfBody = 6;
 /// Directions within this of the normal of the plane are along it: as Model::plane() has them.
 constexpr double kAlongNormal = 0.5;
+/// Share of a momentum that rounding of axes takes out of the plane.
+constexpr double kSymmetric = 1e-10;
+
+/// Throws InputError where motions in the plane share a momentum with those that leave it.
+void require_symmetry(double shared, double whole, const char* what) {
+  if (std::abs(shared) > kSymmetric * whole)
+    throw InputError(
+        std::string("\"In Plane\" of the list \"Modes\": the inertia of ") + what +
+        " is not symmetric about the plane of the scene, so that its motions leave it; allowed: without it");
+}
 
 bool has_rotary_inertia(const VibratingBlock& block) {
   for (int e = 0; e < block.block.count; ++e)
@@ -145,20 +156,34 @@ void Masses::add_coriolis(const double* momenta, std::vector<double>& forces) co
 
 /// Velocities along the normal of the plane and spins about other axes get no mass.
 void Masses::keep_in_plane() {
-  const Vec normal = model_->plane()->n;
+  const PlaneAxes& plane = *model_->plane();
   for (VibratingBlock& block : blocks_)
     for (int e = 0; e < block.block.count; ++e) {
       const double* end = &block.block.reference(e, block.block.reference_layout.end_triad(0));
-      const Vec along = transpose_times(rotation_matrix(load_quaternion(end)), normal);
+      const Vec along = transpose_times(rotation_matrix(load_quaternion(end)), plane.n);
+      const auto leaves = [&](int i) { return (std::abs(along[i % 3]) > kAlongNormal) == (i < 3); };
       for (int q = 0; q <= block.block.order; ++q)
-        for (int i = 0; i < 6; ++i) {
-          const bool is_along = std::abs(along[i % 3]) > kAlongNormal;
-          for (int j = i; is_along == (i < 3) && j < 6; ++j) block.mass(e, kMassNumbers * q + triangle(j, i)) = 0.0;
+        for (int row = 0; row < 6; ++row) {
+          double shared = 0.0, whole = 0.0;
+          for (int i = 0; i <= row; ++i) {
+            double& number = block.mass(e, kMassNumbers * q + triangle(row, i));
+            whole = std::hypot(whole, number);
+            if (leaves(i) != leaves(row)) shared = std::max(shared, std::abs(number));
+            if (leaves(i)) number = 0.0;
+          }
+          require_symmetry(shared, whole, "a section");
         }
     }
   for (VertexBody& body : bodies_) {
-    const Vec along = body.axes * normal;
-    for (int i = 0; i < 3; ++i) (std::abs(along[i]) > kAlongNormal ? body.mass : body.inertia)[i] = 0.0;
+    const Vec along = body.axes * plane.n;
+    Vec spun = along;
+    for (int i = 0; i < 3; ++i) spun[i] *= body.inertia[i];
+    const double about = dot(along, spun);
+    require_symmetry(norm(spun - about * along), norm(body.inertia), "a body");
+    for (int i = 0; i < 3; ++i)
+      body.axes(0, i) = plane.p[i], body.axes(1, i) = plane.q[i], body.axes(2, i) = plane.n[i];
+    body.mass[2] = 0.0;
+    body.inertia = {{0.0, 0.0, about}};
   }
 }
 

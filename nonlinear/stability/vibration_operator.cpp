@@ -1,5 +1,6 @@
 #include "nonlinear/stability/vibration_operator.hpp"
 
+#include "discretization/text/errors.hpp"
 #include "discretization/text/number_text.hpp"
 #include "nonlinear/linear/krylov.hpp"
 #include "nonlinear/linear/linear_solver.hpp"
@@ -27,12 +28,21 @@ constexpr double kFastCorrection = 1e-3;
 /// Rounding of a solve beyond which it is refined, and refused: share of the sum of the terms of a row.
 constexpr double kRefined = 1e-14, kRefused = 1e-9;
 
+bool takes_plane(const Model& model, bool in_plane) {
+  if (in_plane && !model.plane())
+    throw InputError(
+        "\"In Plane\" of the list \"Modes\": the scene is not solved in a plane; allowed: scenes that lie in one with "
+        "their loads and supports, whose sections have an axis along its normal, without tapers, coupled sections, "
+        "couples and followers along members");
+  return in_plane;
+}
+
 }  // namespace
 
 VibrationOperator::VibrationOperator(const Model& model, const State& state, double load_factor, bool in_plane)
     : model_(model),
       state_(state),
-      in_plane_(in_plane && model.plane().has_value()),
+      in_plane_(takes_plane(model, in_plane)),
       residual_(model_.create_vector()),
       point_(mixed_residual(model_, state, load_factor, residual_)),
       masses_(model_, in_plane_),

@@ -175,6 +175,30 @@ TEST_F(Modes, RefusesWhatHasNoMeaning) {
                  {"\"Scene / Sections / rod / Damping / Beta\"", "-1"});
   expect_refused(scene(kMass, kClamp, "Number: 1", "Quantities: {f: {Quantity: natural frequency, Mode: 2}}\n"),
                  {"\"Quantities / f / Mode\"", "allowed: up to"});
+  const std::string twist = "  Point Loads: {twist: {Point: tip, Moment: [1, 0, 0]}}\n";
+  expect_refused(scene(kMass, kClamp + twist, "Number: 1, In Plane: true"), {"In Plane", "not solved in a plane"});
+  expect_refused(scene(kMass + ", Mass Offset: [0.1, 0.1]", kClamp, "Number: 1, In Plane: true"),
+                 {"In Plane", "inertia of a section is not symmetric"});
+}
+
+/// In a plane that is turned about x by 45 degrees as in that of x and y; values of a spectral program.
+TEST_F(Modes, BodiesInAnInclinedPlane) {
+  const auto frame = [](const std::string& tip, const std::string& normal, const std::string& inertia) {
+    const std::string mesh = ", Second Axis: " + normal + ", Order: 4, Elements: 4}\n";
+    return "Scene:\n  Sections: {rod: {EA: 1e4, GA2: 1e4, GA3: 1e4, GIt: 10, EI2: 10, EI3: 10, Mass: 1}}\n"
+           "  Points: {wall: [0, 0, 0], corner: [1, 0, 0], tip: " +
+           tip + R"yaml(}
+  Members:
+    one: {Start: wall, End: corner)yaml" +
+           mesh + "    two: {Start: corner, End: tip" + mesh + R"yaml(  Supports: {wall: {Point: wall}}
+  Point Masses: {body: {Point: tip, Mass: 1, Inertia: )yaml" +
+           inertia + "}}\nAnalysis: {Modes: {Number: 2, In Plane: true}}\n";
+  };
+  const std::string tip = "[1, 0.7071067811865476, 0.7071067811865476]", normal = "[0, -1, 1]",
+                    ball = "[0.1, 0.1, 0.1]";
+  for (const std::string& text : {frame("[1, 1, 0]", "[0, 0, 1]", ball), frame(tip, normal, ball)})
+    expect_in(run(text).out, {"2.044734", "6.016521"});
+  expect_refused(frame(tip, normal, "[0.1, 0.1, 0.15]"), {"In Plane", "inertia of a body is not symmetric"});
 }
 
 const std::string kThrust = "  Point Loads: {p: {Point: tip, Member: beam, Frame: follower, Force: [-30, 0, 0]}}\n";
