@@ -140,6 +140,16 @@ TEST_F(BadInput, ExpectationsThatAreNeverCompared) {
                        {"did you mean \"displacement\"?"});
 }
 
+TEST_F(BadInput, PathsThatStepsOfTheLoadFactorDoNotFollow) {
+  for (const std::string method : {"fixed", "adaptive"})
+    for (const std::string asked :
+         {"Trace: true", "Branch: positive", "Control: {Point: tip, Component: z, Target: 1}"}) {
+      const std::string scene =
+          with(scene_with_solver("Load Path: {Method: " + method + "}"), "Analysis: {" + asked + "}");
+      expect_scene_refused(scene, {"\"Analysis / " + asked.substr(0, asked.find(':')) + "\"", "\"automatic\""});
+    }
+}
+
 TEST_F(BadInput, WhatNoxRefuses) {
   expect_scene_refused(scene_with_solver("Status Tests: {Test Type: NormG}"), {"\"Solver / Status Tests\"", "NormG"});
   expect_scene_refused(scene_with_solver("NOX: {Line Search: {Method: Bactrack}}"),

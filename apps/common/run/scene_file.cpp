@@ -60,6 +60,19 @@ void check_critical_points_are_found(const Application& app) {
   }
 }
 
+/// Steps of the load factor alone lead to its end, along the primary path.
+void check_method(const Application& app) {
+  const AnalysisParameters& analysis = app.solver.analysis;
+  if (analysis.snap == Snap::jump || app.solver.load_path.method == LoadPathMethod::automatic) return;
+  for (const auto& [name, is_given] : {std::pair{"Control", analysis.control.has_value()},
+                                       {"Trace", analysis.trace},
+                                       {"Branch", analysis.branch != Branch::primary}})
+    if (is_given)
+      throw app.xml.source.error(
+          {"Analysis", name},
+          R"(given, but steps are those of the load factor; allowed: with "Method" = "automatic" in "Solver / Load Path", without "LOCA")");
+}
+
 /// Unknowns that carry mass, or more: displacements, and spins where sections or bodies resist them.
 long long most_modes(const Scene& scene) {
   long long count = 6LL * static_cast<long long>(scene.point_masses.size());
@@ -254,6 +267,7 @@ void read_lists(Application& app, const ApplicationDefinition& definition) {
   check_accuracy_of(app);
   check_gradient(app);
   check_critical_points_are_found(app);
+  check_method(app);
   check_jumps(app);
   app.search = read_search(app);
 }
