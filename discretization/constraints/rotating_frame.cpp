@@ -56,6 +56,13 @@ class BodiesInFrame : public ExternalEnergy {
   void slopes(const State& state, double load_factor, const Act& act) const override {
     act_times(spin_.square_slope(load_factor), spin_.full(), state, act);
   }
+  void sizes(const State& state, double load_factor, const Act& act) const override {
+    forces(state, load_factor, act);
+    for (size_t i = 0; i < bodies_.size(); ++i) {
+      const double force = bodies_[i].mass[0] * spin_.square(load_factor) * spin_.size_of_force(places_[i]);
+      act(bodies_[i].vertex, {{{force, 0.0, 0.0}}, {}});
+    }
+  }
   void add_tangent(const State& state, double load_factor, const MatrixRows& rows) const override {
     for (size_t i = 0; i < bodies_.size(); ++i)
       with_mass(i, spin_.at(load_factor), state, [&](const CarriedMass& mass, const Mat& axes) {
@@ -147,8 +154,7 @@ RotatingElements::RotatingElements(const Scene& scene, const Mesh& mesh, const S
         const Vec place = curve.position(mesh.arc_length(element, rule.xi[q])) - spin_.point();
         store_vector(place, &views.place(e, 3 * q));
         const double root = views.mass(e, kMassNumbers * q);  // of the mass per length
-        const double force = root * root * norm(cross(spin_.full(), cross(spin_.full(), place)));
-        largest_force_ = std::max(largest_force_, force * curve.length);
+        largest_force_ = std::max(largest_force_, root * root * spin_.size_of_force(place) * curve.length);
       }
     }
     blocks_.push_back(views);

@@ -215,6 +215,22 @@ TEST_F(Modes, ColumnsFlutterUnderLoadsThatFollow) {
   expect_in(ended.out, {"stable: true"});
 }
 
+/// Seen from a frame that turns about the shaft its frequency is pi^2 less and more the angular velocity; the forces on
+/// it are those of rounding.
+TEST_F(Modes, ShaftsOnAnInclinedAxis) {
+  const std::string axes = "Axes: [1, 2, 2, -2, -1, 2], Fixed Rotation: [x]";
+  const Ended ended =
+      run(R"yaml(Scene:
+  Rotating Frame: {Axis: [1, 2, 2], Angular Velocity: 3}
+  Sections: {rod: {Inextensible: true, Shear Rigid: true, GIt: 1, EI2: 1, EI3: 1, Mass: 1}}
+  Points: {a: [0, 0, 0], b: [0.3333333333333333, 0.6666666666666666, 0.6666666666666666]}
+  Members: {shaft: {Start: a, End: b, Order: 5, Elements: 4}}
+  Supports: {a: {Point: a, )yaml" +
+          axes + "}, b: {Point: b, Fixed Displacement: [y, z], " + axes + "}}\nAnalysis: {Modes: {Number: 2}}\n");
+  EXPECT_EQ(ended.exit_code, 0) << ended.out << ended.err;
+  expect_in(ended.out, {"6.869604", "12.8696"});
+}
+
 /// A point mass is heavy where Gravity acts, and bodies may carry all of the mass.
 TEST_F(Modes, BodiesAtPoints) {
   const std::string body = "  Point Masses: {body: {Point: tip, Mass: 2}}\n  Gravity: {Acceleration: [0, 0, -0.001]}\n";
