@@ -8,6 +8,24 @@
 
 namespace mixbeam {
 
+namespace {
+
+/// Distance from the axis over that from a point of it below which forces are measured as if they acted there: on an
+/// inclined axis a shaft has forces of rounding, 1e-16, which the tolerance of 1e-11 would not allow.
+constexpr double kOnAxis = 1e-4;
+
+/// Size, at amplitude 1, against which the centrifugal force on a mass one at `place`, from a point of the axis, is
+/// measured.
+double size_of_force(const FrameSpin& spin, const Vec& place) {
+  const Vec& full = spin.full();
+  const double speed = norm(cross(full, place));
+  const bool is_along_coordinate = std::count(&full[0], &full[0] + 3, 0.0) == 2;  // nothing is rounded
+  const double least = is_along_coordinate && speed == 0.0 ? 0.0 : kOnAxis * norm(full) * norm(place);
+  return norm(full) * std::max(speed, least);
+}
+
+}  // namespace
+
 FrameSpin::FrameSpin(const Scene& scene, const std::shared_ptr<const LoadClock>& clock) {
   if (scene.rotating_frames.empty()) return;
   const RotatingFrame& frame = scene.rotating_frames.front();
@@ -59,7 +77,7 @@ class BodiesInFrame : public ExternalEnergy {
   void sizes(const State& state, double load_factor, const Act& act) const override {
     forces(state, load_factor, act);
     for (size_t i = 0; i < bodies_.size(); ++i) {
-      const double force = bodies_[i].mass[0] * spin_.square(load_factor) * spin_.size_of_force(places_[i]);
+      const double force = bodies_[i].mass[0] * spin_.square(load_factor) * size_of_force(spin_, places_[i]);
       act(bodies_[i].vertex, {{{force, 0.0, 0.0}}, {}});
     }
   }
@@ -154,7 +172,7 @@ RotatingElements::RotatingElements(const Scene& scene, const Mesh& mesh, const S
         const Vec place = curve.position(mesh.arc_length(element, rule.xi[q])) - spin_.point();
         store_vector(place, &views.place(e, 3 * q));
         const double root = views.mass(e, kMassNumbers * q);  // of the mass per length
-        largest_force_ = std::max(largest_force_, root * root * spin_.size_of_force(place) * curve.length);
+        largest_force_ = std::max(largest_force_, root * root * size_of_force(spin_, place) * curve.length);
       }
     }
     blocks_.push_back(views);

@@ -21,11 +21,6 @@ class FrameSpin {
   const Vec& point() const { return point_; }
   /// Angular velocity at amplitude 1.
   const Vec& full() const { return full_; }
-  /// Size, at amplitude 1, against which the centrifugal force on a mass one at `place`, from point(), is measured.
-  double size_of_force(const Vec& place) const {
-    const double speed = norm(cross(full_, place)), floor = kOnAxis * norm(full_) * norm(place);
-    return norm(full_) * (speed > 0.0 ? std::max(speed, floor) : 0.0);
-  }
   Vec at(double load_factor) const {
     return std::copysign(std::sqrt(square(load_factor)), amplitude_(load_factor)) * full_;
   }
@@ -34,10 +29,6 @@ class FrameSpin {
   double square_slope(double load_factor) const { return square_.slope(load_factor); }
 
  private:
-  /// Distances from the axis over those along it: below it, forces are measured as if they acted there, since a shaft
-  /// on an inclined axis has forces of rounding, 1e-16, which the tolerance of 1e-11 would not allow.
-  static constexpr double kOnAxis = 1e-4;
-
   Vec point_{}, full_{};
   Amplitude amplitude_{}, square_{};
 };

@@ -249,7 +249,7 @@ std::vector<CriticalPoint> FlutterFinder::passed(const State& state, double load
     }
     if (held) here = {state, load_factor};
     before_ = std::move(here);
-  } catch (const LinearSolverError&) {  // no masses, or no equations that can be solved: the modes of a state tell
+  } catch (const LinearSolverError&) {  // no equations that can be solved: the modes of a state tell
     before_.reset();
   }
   return found;

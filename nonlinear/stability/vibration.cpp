@@ -1,5 +1,6 @@
 #include "nonlinear/stability/vibration.hpp"
 
+#include "discretization/text/errors.hpp"
 #include "nonlinear/linear/linear_solver.hpp"
 #include "nonlinear/stability/block_krylov.hpp"
 #include "nonlinear/stability/thresholds.hpp"
@@ -111,7 +112,7 @@ class Vibration {
     observer_({std::min(static_cast<int>(found), wanted), wanted, load_factor_});
   }
 
-  /// EI/(m L^4) of the largest stiffness and the mean mass.
+  /// EI/(m L^3) of the largest stiffness and all mass, or inertia over L^2 of a body that has more.
   double first_shift() {
     operator_.linearize(0.0, kCapOfVibration, false);
     double mass = 0.0;
@@ -121,9 +122,12 @@ class Vibration {
     }
     outside_ = operator_.outside();
     find_moving();
-    if (!(mass > 0.0)) throw LinearSolverError("modes need a mass: no section and no point has any");
     const Structure& structure = operator_.model().structure();
-    return structure.bending_reference / (mass * structure.length * structure.length * structure.length);
+    const double length = structure.length;
+    for (const PointMass& body : operator_.model().scene().point_masses)
+      for (const double inertia : body.inertia) mass = std::max(mass, inertia / (length * length));
+    if (!(mass > 0.0)) throw InputError("modes need a mass: no section and no point has any");
+    return structure.bending_reference / (mass * length * length * length);
   }
 
   /// Momenta that some motion has: those of one without any regularity.

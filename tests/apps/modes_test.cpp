@@ -229,6 +229,17 @@ TEST_F(Modes, ShaftsOnAnInclinedAxis) {
           axes + "}, b: {Point: b, Fixed Displacement: [y, z], " + axes + "}}\nAnalysis: {Modes: {Number: 2}}\n");
   EXPECT_EQ(ended.exit_code, 0) << ended.out << ended.err;
   expect_in(ended.out, {"6.869604", "12.8696"});
+  // a disc, m = 1, J = 0.02, on a shaft without mass: |w - 1.5| of z = y + iz with 2 x 2 matrices
+  const Ended rotor = run(R"yaml(Scene:
+  Rotating Frame: {Axis: [1, 2, 2], Angular Velocity: 1.5}
+  Sections: {rod: {Inextensible: true, Shear Rigid: true, GIt: 1000, EI2: 1, EI3: 1}}
+  Points: {a: [0, 0, 0], b: [0.3333333333333333, 0.6666666666666666, 0.6666666666666666]}
+  Members: {shaft: {Start: a, End: b, Order: 4, Elements: 2}}
+  Supports: {a: {Point: a}}
+  Point Masses: {disc: {Point: b, Mass: 1, Inertia: [0.02, 0.02, 0.02]}}
+Analysis: {Modes: {Number: 4}}
+)yaml");
+  expect_in(rotor.out, {"0.2269421401", "3.160560689", "13.69925689", "15.26563834"});
 }
 
 /// A point mass is heavy where Gravity acts, and bodies may carry all of the mass.
@@ -238,6 +249,9 @@ TEST_F(Modes, BodiesAtPoints) {
   EXPECT_EQ(ended.exit_code, 0) << ended.out << ended.err;
   expect_in(ended.out, {"1.22474"});  // sqrt(3 EI / m L^3)
   expect_in(ended.out, {"0.002"});    // the reaction
+  // sqrt(GIt / J1 L), sqrt(EI / J2 L) of a body without mass
+  const std::string disc = "  Point Masses: {disc: {Point: tip, Inertia: [1, 0.5, 0.5]}}\n";
+  expect_in(run(scene("", kClamp + disc, "Number: 3")).out, {"0.1591549431", "0.22507907"});
 }
 
 }  // namespace
