@@ -1,14 +1,13 @@
 #include "apps/thread_scaling/separate_process.hpp"
 
+#include "apps/common/session/machine_room.hpp"
+
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
 #include <cstring>
-#include <fstream>
 #include <iostream>
-#include <limits>
-#include <sstream>
 #include <stdexcept>
 
 namespace mixbeam {
@@ -45,18 +44,6 @@ std::string read_all(int file) {
   _exit(0);  // MPI belongs to the first process, which ends it
 }
 
-/// A line "<name>:   <number> kB" of Linux' account of this process.
-double status_line(const std::string& name) {
-  std::ifstream file("/proc/self/status");
-  for (std::string line; std::getline(file, line);) {
-    if (line.rfind(name + ":", 0) != 0) continue;
-    double kilobytes = 0.0;
-    std::istringstream(line.substr(name.size() + 1)) >> kilobytes;
-    return 1024.0 * kilobytes;
-  }
-  return std::numeric_limits<double>::quiet_NaN();
-}
-
 }  // namespace
 
 std::string in_separate_process(const std::function<std::string()>& work) {
@@ -82,7 +69,7 @@ std::string in_separate_process(const std::function<std::string()>& work) {
   return text.substr(1);
 }
 
-double resident_memory() { return status_line("VmRSS"); }
-double peak_resident_memory() { return status_line("VmHWM"); }
+double resident_memory() { return memory_of_process("VmRSS:"); }
+double peak_resident_memory() { return memory_of_process("VmHWM:"); }
 
 }  // namespace mixbeam

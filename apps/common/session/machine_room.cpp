@@ -105,6 +105,10 @@ Room memory_left() {
   return room;
 }
 
+double memory_of_process(const std::string& word) {
+  return 1024.0 * number_behind("/proc/self/status", word).value_or(std::numeric_limits<double>::quiet_NaN());
+}
+
 double disk_left(const fs::path& folder) {
   struct statvfs disk {};
   if (statvfs(folder.empty() ? "." : folder.c_str(), &disk) != 0) return kUnlimited;

@@ -15,12 +15,15 @@ struct Room {
 /// space and data.
 Room memory_left();
 
+/// What /proc/self/status says of this process, as "VmRSS:"; not a number where the system does not tell. [bytes]
+double memory_of_process(const std::string& word);
+
 /// Bytes that may be written to a file in this folder.
 double disk_left(const std::filesystem::path& folder);
 
-/// Large pages for what a run is about to allocate: with small ones a long rod spends a third of its time in page faults
-/// on virtual machines. The heap grows by so much address space at once, untouched. For programs, whose heap keeps what
-/// is freed; nothing happens where there is less room.
+/// Large pages for what a run is about to allocate: with small ones a long rod spends a third of its time in page
+/// faults on virtual machines. The heap grows by so much address space at once, untouched. For programs, whose heap
+/// keeps what is freed; nothing happens where there is less room.
 void take_large_pages(double bytes);
 
 /// "1.53 GB", "12.4 MB".
