@@ -1,7 +1,6 @@
 // The paper's third example: a circular arc under a force out of its plane.
 #include "apps/common/studies/study.hpp"
 #include "apps/common/studies/variants.hpp"
-#include "apps/common/tables/convergence_table.hpp"
 #include "apps/common/tables/formatted.hpp"
 #include "apps/common/tables/printed_digits.hpp"
 #include "discretization/text/errors.hpp"

@@ -2,7 +2,6 @@
 #include "apps/common/studies/study.hpp"
 #include "apps/common/studies/variants.hpp"
 #include "apps/common/studies/vertex_places.hpp"
-#include "apps/common/tables/convergence_table.hpp"
 #include "apps/common/tables/formatted.hpp"
 #include "discretization/text/errors.hpp"
 #include "kernels/math/gauss.hpp"

@@ -1,7 +1,6 @@
 // Gradients of the elastica against derivatives of elliptic integrals, over orders and meshes, and what gradients cost.
 #include "apps/common/studies/study.hpp"
 #include "apps/common/studies/variants.hpp"
-#include "apps/common/tables/convergence_table.hpp"
 #include "apps/common/tables/formatted.hpp"
 
 #include <algorithm>

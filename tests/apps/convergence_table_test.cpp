@@ -1,4 +1,4 @@
-#include "apps/common/tables/convergence_table.hpp"
+#include "apps/common/tables/table_printer.hpp"
 
 #include <gtest/gtest.h>
 

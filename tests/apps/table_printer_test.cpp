@@ -1,6 +1,8 @@
 /// The tables that set the paper's values beside our own.
 #include "apps/common/tables/table_printer.hpp"
 
+#include "apps/common/tables/printed_digits.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,6 +11,10 @@
 
 namespace mixbeam {
 namespace {
+
+ComparedValue compare_printed(const std::string& paper, double own) {
+  return {paper, own, agrees_in_printed_digits(own, paper, 1) ? Agreement::agrees : Agreement::differs};
+}
 
 std::string printed(const TablePrinter& table) {
   std::stringstream stream;
