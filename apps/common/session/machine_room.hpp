@@ -15,7 +15,7 @@ struct Room {
 /// space and data.
 Room memory_left();
 
-/// What /proc/self/status says of this process, as "VmRSS:"; not a number where the system does not tell. [bytes]
+/// Bytes of this process behind a word of /proc/self/status, as "VmRSS:"; not a number where the system does not tell.
 double memory_of_process(const std::string& word);
 
 /// Bytes that may be written to a file in this folder.
