@@ -1,5 +1,6 @@
 #include "nonlinear/path/flutter_finder.hpp"
 
+#include "discretization/text/errors.hpp"
 #include "nonlinear/linear/linear_solver.hpp"
 #include "nonlinear/path/thresholds.hpp"
 #include "nonlinear/stability/vibration.hpp"
@@ -250,6 +251,8 @@ std::vector<CriticalPoint> FlutterFinder::passed(const State& state, double load
     if (held) here = {state, load_factor};
     before_ = std::move(here);
   } catch (const LinearSolverError&) {  // no equations that can be solved: the modes of a state tell
+    before_.reset();
+  } catch (const InputError&) {  // no masses
     before_.reset();
   }
   return found;

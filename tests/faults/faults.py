@@ -181,7 +181,7 @@ class Harness:
             return []
         if ended.code != 2:
             return [f"exit code {ended.code}: {lines[0].strip()[:160]}"]
-        names = ["memory"] if case.of == "alloc" else INPUTS + ["out", *case.subject.files]
+        names = [*case.subject.files, "memory"] if case.of == "alloc" else INPUTS + ["out", *case.subject.files]
         if "unforeseen" in ended.err or "closing library" in ended.err or not any(name in ended.err for name in names):
             return [f"message: {ended.err.strip()[:160]}"]
         return []
