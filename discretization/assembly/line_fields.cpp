@@ -272,19 +272,27 @@ void LineFields::add_up(const Structure& structure, const std::vector<double>& f
 bool LineFields::keep_in_plane(const Structure& structure, const Vec& normal, double tolerance) const {
   for (const Field& field : fields_) {
     const ElementBlock& block = structure.blocks[field.block];
-    const bool is_force = field.kind == LineField::dead_force, is_strain = field.kind == LineField::eigenstrain;
-    if (!is_force && !is_strain && field.kind != LineField::eigencurvature) return false;
+    const bool in_space = field.kind == LineField::dead_force || field.kind == LineField::dead_couple;
+    const bool is_axial = field.kind == LineField::dead_couple || field.kind == LineField::follower_couple ||
+                          field.kind == LineField::eigencurvature;
     for (size_t row = 0; row < field.value.extent(0); ++row) {
       const int e = field.elements(row / field.points);
       const Vec value = load_vector(&field.value(row, 0));
       const Mat triad = rotation_matrix(load_quaternion(&block.reference(e, block.reference_layout.end_triad(0))));
-      const Vec along = is_force ? normal : transpose_times(triad, normal);
-      // a curvature turns about the normal, all others lie in the plane
-      const double out = field.kind == LineField::eigencurvature ? norm(cross(value, along)) : dot(value, along);
+      const Vec along = in_space ? normal : transpose_times(triad, normal);
+      // couples and curvatures turn about the normal, all others lie in the plane
+      const double out = is_axial ? norm(cross(value, along)) : dot(value, along);
       if (!(std::abs(out) <= tolerance * field.largest)) return false;
     }
   }
   return true;
+}
+
+bool LineFields::have_planar_equations() const {
+  return std::all_of(fields_.begin(), fields_.end(), [](const Field& field) {
+    return field.kind == LineField::dead_force || field.kind == LineField::eigenstrain ||
+           field.kind == LineField::eigencurvature;
+  });
 }
 
 LineFieldMagnitude LineFields::magnitude(double load_factor) const {

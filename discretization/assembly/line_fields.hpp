@@ -38,9 +38,11 @@ class LineFields {
   /// Writes the sum of the fields, each times its factor, into these rows.
   void add_up(const Structure& structure, const std::vector<double>& factors, const KernelView<double* [3]>& sum) const;
   LineFieldMagnitude magnitude(double load_factor) const;
-  /// Whether all are dead forces and eigenstrains that leave elements in a plane with this normal, g2 or g3 of theirs
-  /// along it. `tolerance`: relative, of what leaves it.
+  /// Whether all leave elements in a plane with this normal, g2 or g3 of theirs along it. `tolerance`: relative, of
+  /// what leaves it.
   bool keep_in_plane(const Structure& structure, const Vec& normal, double tolerance) const;
+  /// Whether all are dead forces and eigenstrains.
+  bool have_planar_equations() const;
   /// Lets amplitudes run as the clock does from here on.
   void follow(const std::shared_ptr<const LoadClock>& clock) {
     for (Field& field : fields_) field.amplitude.follow(clock);

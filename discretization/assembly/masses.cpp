@@ -156,7 +156,7 @@ void Masses::add_coriolis(const double* momenta, std::vector<double>& forces) co
 
 /// Velocities along the normal of the plane and spins about other axes get no mass.
 void Masses::keep_in_plane() {
-  const PlaneAxes& plane = *model_->plane();
+  const PlaneAxes& plane = *model_->plane_of_scene();
   for (VibratingBlock& block : blocks_)
     for (int e = 0; e < block.block.count; ++e) {
       const double* end = &block.block.reference(e, block.block.reference_layout.end_triad(0));
@@ -191,7 +191,8 @@ void Masses::keep_in_plane() {
 void Masses::hold_vertices() const {
   const Structure& structure = model_->structure();
   const double length = structure.shortest_element, turning = structure.bending_reference / length;
-  const Mat along = outer(model_->plane()->n, model_->plane()->n);
+  const Vec normal = model_->plane_of_scene()->n;
+  const Mat along = outer(normal, normal);
   const Mat force = (turning / (length * length)) * along, moment = turning * (identity_matrix<double>() - along);
   for (int e = 0; e < structure.local_elements(); ++e)
     for (int part = 0; part < 12; part += 3)

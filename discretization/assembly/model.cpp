@@ -288,8 +288,8 @@ bool keeps_to(const Vec& normal, const Mesh& mesh, const Structure& structure, c
 
 /// The plane that everything keeps to, with the normal along g2 or g3 of the first element: members lie in it and have
 /// g2 or g3 along its normal; forces and prescribed displacements are in it, moments and prescribed rotations about its
-/// normal, axes of supports and joints in it or along its normal; line loads are dead forces in it, eigenstrains leave
-/// members in it. Sections are plain and constant, force strains integrated with k points. None otherwise. Collective.
+/// normal, axes of supports and joints in it or along its normal; line loads and eigenstrains leave members in it.
+/// Sections are plain and constant, force strains integrated with k points. None otherwise. Collective.
 std::optional<PlaneAxes> plane_of(const Teuchos::Comm<int>& comm, const Mesh& mesh, const Structure& structure,
                                   const LineFields& line_fields, const Conditions& conditions,
                                   const ExternalEnergies& external) {
@@ -312,9 +312,10 @@ constexpr double kPlaneRounding = 1e-13;
 }  // namespace
 
 void Model::build_plane() {
-  if (!options_.planar || !scene_->rotating_frames.empty()) return;  // the frame has no tangent of the plane
-  plane_ = plane_of(*maps_.rows->getComm(), mesh_, structure_, line_fields_, conditions_, external_);
-  if (!plane_) return;
+  if (!scene_->rotating_frames.empty()) return;  // the frame has no tangent of the plane
+  plane_of_scene_ = plane_of(*maps_.rows->getComm(), mesh_, structure_, line_fields_, conditions_, external_);
+  if (!options_.planar || !plane_of_scene_ || !line_fields_.have_planar_equations()) return;
+  plane_ = plane_of_scene_;
   for (const ElementBlock& block : structure_.blocks) planar_blocks_.push_back(make_planar_block(block, *plane_));
   workspace_->rows.planar_rows = KernelView<double* [4]>(
       Kokkos::view_alloc("mixbeam::planar::rows", Kokkos::WithoutInitializing), structure_.local_elements());

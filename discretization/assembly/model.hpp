@@ -63,7 +63,9 @@ class Model {
   /// With which all amplitudes run; a path sets it.
   LoadClock& clock() const { return *clock_; }
   const Adjacency& adjacency() const { return adjacency_; }
-  /// The plane that the scene keeps to and is solved in, and the blocks of the structure there.
+  /// The plane that the scene keeps to, be it solved in it or not.
+  const std::optional<PlaneAxes>& plane_of_scene() const { return plane_of_scene_; }
+  /// That plane where the scene is solved in it, and the blocks of the structure there.
   const std::optional<PlaneAxes>& plane() const { return plane_; }
   const std::vector<PlanarBlock>& planar_blocks() const { return planar_blocks_; }
   /// (6 * owned vertex + component): 1 where a constraint stands in place of an equilibrium.
@@ -115,7 +117,7 @@ class Model {
   ModelOptions options_;
   VertexMaps maps_;
   std::shared_ptr<VectorPool> vectors_ = std::make_shared<VectorPool>();
-  std::optional<PlaneAxes> plane_;
+  std::optional<PlaneAxes> plane_of_scene_, plane_;
   std::vector<PlanarBlock> planar_blocks_;  ///< as Structure::blocks, where there is a plane
   KernelView<unsigned char*> owned_interior_;
   KernelView<unsigned char*> fixed_;  ///< (6 * owned vertex + component)

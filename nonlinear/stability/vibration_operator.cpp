@@ -28,13 +28,11 @@ constexpr double kFastCorrection = 1e-3;
 /// Rounding of a solve beyond which it is refined, and refused: share of the sum of the terms of a row.
 constexpr double kRefined = 1e-14, kRefused = 1e-9;
 
-/// Loads along members that follow them have no equations of the plane: their structures vibrate in space.
 bool takes_plane(const Model& model, bool in_plane) {
-  if (in_plane && !model.plane() && model.line_fields().has_loads()) return false;
-  if (in_plane && !model.plane())
+  if (in_plane && !model.plane_of_scene())
     throw InputError(
-        "\"In Plane\" of the list \"Modes\": the scene is not solved in a plane; allowed: scenes that lie in one with "
-        "their loads and supports, whose sections have an axis along its normal, without tapers and coupled sections");
+        "\"In Plane\" of the list \"Modes\": the scene keeps to no plane; allowed: scenes that lie in one with their "
+        "loads and supports, whose sections have an axis along its normal, without tapers and coupled sections");
   return in_plane;
 }
 
