@@ -27,11 +27,11 @@ void require_symmetry(double shared, double whole, const char* what) {
         " is not symmetric about the plane of the scene, so that its motions leave it; allowed: without it");
 }
 
-bool has_rotary_inertia(const VibratingBlock& block) {
-  for (int e = 0; e < block.block.count; ++e)
-    for (int q = 0; q <= block.block.order; ++q)
+bool has_rotary_inertia(const ElementBlock& block, const KernelView<double**>& mass) {
+  for (int e = 0; e < block.count; ++e)
+    for (int q = 0; q <= block.order; ++q)
       for (int i = 3; i < 6; ++i)
-        if (block.mass(e, kMassNumbers * q + triangle(i, i)) != 0.0) return true;
+        if (mass(e, kMassNumbers * q + triangle(i, i)) != 0.0) return true;
   return false;
 }
 
@@ -39,14 +39,18 @@ bool has_rotary_inertia(const VibratingBlock& block) {
 
 Masses::Masses(const Model& model, bool in_plane) : model_(&model), in_plane_(in_plane) {
   const Structure& structure = model.structure();
-  int order = 1;
+  bodies_ = vertex_bodies(model.scene(), model.mesh(), structure);
+  int most = 0;
   for (const ElementBlock& block : structure.blocks) {
-    blocks_.push_back(allocate_vibrating_block(block));
-    fill_masses(model.scene(), model.mesh(), structure, block, blocks_.back().mass);
-    order = std::max(order, block.order);
+    const KernelView<double**> mass("mixbeam::vibration::mass", block.count, kMassNumbers * (block.order + 1));
+    fill_masses(model.scene(), model.mesh(), structure, block, mass);
+    if (in_plane) keep_in_plane(block, mass);
+    // Coriolis forces couple velocities and spins
+    const bool has_spins = model.rotating() != nullptr || has_rotary_inertia(block, mass);
+    blocks_.push_back(allocate_vibrating_block(block, mass, has_spins));
+    most = std::max(most, blocks_.back().momenta());
   }
-  order = static_cast<int>(maximum_over_ranks(*model.map()->getComm(), order));
-  stride_ = VibrationLayout{order, 0}.velocities();
+  stride_ = static_cast<int>(maximum_over_ranks(*model.map()->getComm(), most));
   count_ = stride_ * structure.mesh_elements + kOfBody * static_cast<int>(model.scene().point_masses.size());
   const int local = structure.local_elements();
   condensed_ = KernelView<double**>("mixbeam::vibration::condensed", local, kFullTangent);
@@ -54,10 +58,9 @@ Masses::Masses(const Model& model, bool in_plane) : model_(&model), in_plane_(in
   vertex_rows_ = KernelView<double* [12]>("mixbeam::vibration::rows", local);
   place_ = KernelView<int*>("mixbeam::vibration::place", local);
   for (int e = 0; e < local; ++e) place_(e) = stride_ * structure.local_element_to_mesh[e];
-  bodies_ = vertex_bodies(model.scene(), model.mesh(), structure);
   take_damping();
-  if (in_plane) keep_in_plane();
-  for (VibratingBlock& block : blocks_) block.has_spins = has_rotary_inertia(block);
+  for (VertexBody& body : bodies_)
+    if (in_plane) keep_in_plane(body);
 }
 
 /// That of the middle of each element.
@@ -155,36 +158,36 @@ void Masses::add_coriolis(const double* momenta, std::vector<double>& forces) co
 }
 
 /// Velocities along the normal of the plane and spins about other axes get no mass.
-void Masses::keep_in_plane() {
+void Masses::keep_in_plane(const ElementBlock& block, const KernelView<double**>& mass) const {
   const PlaneAxes& plane = *model_->plane_of_scene();
-  for (VibratingBlock& block : blocks_)
-    for (int e = 0; e < block.block.count; ++e) {
-      const double* end = &block.block.reference(e, block.block.reference_layout.end_triad(0));
-      const Vec along = transpose_times(rotation_matrix(load_quaternion(end)), plane.n);
-      const auto leaves = [&](int i) { return (std::abs(along[i % 3]) > kAlongNormal) == (i < 3); };
-      for (int q = 0; q <= block.block.order; ++q)
-        for (int row = 0; row < 6; ++row) {
-          double shared = 0.0, whole = 0.0;
-          for (int i = 0; i <= row; ++i) {
-            double& number = block.mass(e, kMassNumbers * q + triangle(row, i));
-            whole = std::hypot(whole, number);
-            if (leaves(i) != leaves(row)) shared = std::max(shared, std::abs(number));
-            if (leaves(i)) number = 0.0;
-          }
-          require_symmetry(shared, whole, "a section");
+  for (int e = 0; e < block.count; ++e) {
+    const double* end = &block.reference(e, block.reference_layout.end_triad(0));
+    const Vec along = transpose_times(rotation_matrix(load_quaternion(end)), plane.n);
+    const auto leaves = [&](int i) { return (std::abs(along[i % 3]) > kAlongNormal) == (i < 3); };
+    for (int q = 0; q <= block.order; ++q)
+      for (int row = 0; row < 6; ++row) {
+        double shared = 0.0, whole = 0.0;
+        for (int i = 0; i <= row; ++i) {
+          double& number = mass(e, kMassNumbers * q + triangle(row, i));
+          whole = std::hypot(whole, number);
+          if (leaves(i) != leaves(row)) shared = std::max(shared, std::abs(number));
+          if (leaves(i)) number = 0.0;
         }
-    }
-  for (VertexBody& body : bodies_) {
-    const Vec along = body.axes * plane.n;
-    Vec spun = along;
-    for (int i = 0; i < 3; ++i) spun[i] *= body.inertia[i];
-    const double about = dot(along, spun);
-    require_symmetry(norm(spun - about * along), norm(body.inertia), "a body");
-    for (int i = 0; i < 3; ++i)
-      body.axes(0, i) = plane.p[i], body.axes(1, i) = plane.q[i], body.axes(2, i) = plane.n[i];
-    body.mass[2] = 0.0;
-    body.inertia = {{0.0, 0.0, about}};
+        require_symmetry(shared, whole, "a section");
+      }
   }
+}
+
+void Masses::keep_in_plane(VertexBody& body) const {
+  const PlaneAxes& plane = *model_->plane_of_scene();
+  const Vec along = body.axes * plane.n;
+  Vec spun = along;
+  for (int i = 0; i < 3; ++i) spun[i] *= body.inertia[i];
+  const double about = dot(along, spun);
+  require_symmetry(norm(spun - about * along), norm(body.inertia), "a body");
+  for (int i = 0; i < 3; ++i) body.axes(0, i) = plane.p[i], body.axes(1, i) = plane.q[i], body.axes(2, i) = plane.n[i];
+  body.mass[2] = 0.0;
+  body.inertia = {{0.0, 0.0, about}};
 }
 
 /// By springs whose size does not matter: nothing that they hold has a mass.
@@ -201,14 +204,16 @@ void Masses::hold_vertices() const {
           condensed_(e, 12 * (part + i) + part + j) += part % kVertexDofs == 0 ? force(i, j) : moment(i, j);
 }
 
-void Masses::condense(const Tangent& at, double shift, bool counts) {
+void Masses::condense(const Tangent& at, double shift, VibrationUse use) {
   StructureViews structure = at.cap().structure;
   structure.field_value = at.point().line_fields;
   const RotatingElements* rotating = model_->rotating();
-  for (size_t b = 0; b < blocks_.size(); ++b)
+  for (size_t b = 0; b < blocks_.size(); ++b) {
+    if (use == VibrationUse::columns) allocate_columns(blocks_[b], structure);
     evaluate_vibration(
-        blocks_[b], structure, at.point().state.views, shift, counts, condensed_,
+        blocks_[b], structure, at.point().state.views, shift, use, condensed_,
         rotating == nullptr ? FrameViews{} : rotating->frame(b, rotating->spin().at(at.point().load_factor)));
+  }
   if (in_plane_) hold_vertices();
   take_coriolis(at.point());
 }
@@ -252,8 +257,8 @@ std::vector<double> Masses::momenta_of(const State& state, const MixedVector& mo
   std::vector<double> all(count_, 0.0);
   for_each_element(model_->structure(), [&](const ElementView& element) {
     if (!element.is_owned()) return;
-    const int count = VibrationLayout{element.order(), 0}.velocities();
-    std::copy_n(&of_elements_(element.local(), 0), count, &all[static_cast<size_t>(stride_) * element.mesh_element()]);
+    std::copy_n(&of_elements_(element.local(), 0), stride_,
+                &all[static_cast<size_t>(stride_) * element.mesh_element()]);
   });
   take_momenta_of_bodies(state, vertex, all.data());
   sum_over_ranks(*model_->map()->getComm(), all.data(), all.size());
@@ -274,23 +279,26 @@ void Masses::take_momenta_of_bodies(const State& state, const KernelView<const d
   }
 }
 
-/// `of`: (local element, numbers), those of both vertices from `first` on.
-void Masses::gather_vertices(const KernelView<double*>& rows, const KernelView<const double**>& of, int first) const {
+/// `of`: (local element, 12 * column), added up in arrays (column) of owned vertices.
+void Masses::gather_vertices(const std::vector<double*>& rows, const KernelView<const double**>& of) const {
   const Adjacency adjacency = model_->adjacency();
-  Kokkos::parallel_for("mixbeam::vibration::gather",
-                       Kokkos::RangePolicy<ExecutionSpace>(0, model_->structure().owned_vertices),
-                       [adjacency, rows, of, first](int v) {
-                         for (int i = 0; i < kVertexDofs; ++i) {
-                           double sum = 0.0;
-                           for (int a = adjacency.start(v); a < adjacency.start(v + 1); ++a)
-                             sum += of(adjacency.element(a, 0), first + kVertexDofs * adjacency.element(a, 1) + i);
-                           rows(kVertexDofs * v + i) = sum;
-                         }
-                       });
+  Kokkos::parallel_for(
+      "mixbeam::vibration::gather", Kokkos::RangePolicy<ExecutionSpace>(0, model_->structure().owned_vertices),
+      [adjacency, rows = rows.data(), columns = rows.size(), of](int v) {
+        for (size_t column = 0; column < columns; ++column) {
+          double sum[kVertexDofs] = {};
+          for (int a = adjacency.start(v); a < adjacency.start(v + 1); ++a) {
+            const double* share = &of(adjacency.element(a, 0), 12 * column + kVertexDofs * adjacency.element(a, 1));
+            for (int i = 0; i < kVertexDofs; ++i) sum[i] += share[i];
+          }
+          std::copy_n(sum, kVertexDofs, rows[column] + kVertexDofs * v);
+        }
+      });
 }
 
-void Masses::condense_momenta(const State& state, const double* momenta, MixedVector& rows,
-                              const double* strains) const {
+/// Rows of momenta, and of stresses by `set(block, element, out)`: not gathered, those of vertices are of each element.
+template <class Set>
+void Masses::take_rows(const double* momenta, MixedVector& rows, const Set& set) const {
   for_each_element(model_->structure(), [&](const ElementView& element) {
     std::copy_n(momenta + static_cast<size_t>(stride_) * element.mesh_element(), stride_,
                 &of_elements_(element.local(), 0));
@@ -298,15 +306,23 @@ void Masses::condense_momenta(const State& state, const double* momenta, MixedVe
   const KernelView<double*> interior = rows.writable_interior(false);
   for (const VibratingBlock& block : blocks_) {
     rows_of_momenta(block, of_elements_, interior, vertex_rows_);
-    for (int e = 0; e < block.block.count && strains != nullptr; ++e) {
+    for (int e = 0; e < block.block.count; ++e) {
       const ElementView element(model_->structure(), block.block, e);
-      std::copy_n(strains + static_cast<size_t>(strain_stride_) * element.mesh_element(), block.layout().stresses(),
-                  element.increments_in(interior));
+      set(block, element, element.increments_in(interior));
     }
-    condense_rows(block, interior, vertex_rows_);
   }
+}
+
+void Masses::condense_momenta(const State& state, const double* momenta, MixedVector& rows,
+                              const double* strains) const {
+  take_rows(momenta, rows, [&](const VibratingBlock& block, const ElementView& element, double* out) {
+    if (strains != nullptr)
+      std::copy_n(strains + static_cast<size_t>(strain_stride_) * element.mesh_element(), block.layout().stresses(),
+                  out);
+  });
+  for (const VibratingBlock& block : blocks_) condense_rows(block, rows.interior(), vertex_rows_);
   const KernelView<double*> vertex = rows.vertex();
-  gather_vertices(vertex, vertex_rows_);
+  gather_vertices({vertex.data()}, vertex_rows_);
   add_rows_of_bodies(state, momenta, vertex);
 }
 
@@ -329,43 +345,49 @@ void Masses::add_rows_of_bodies(const State& state, const double* momenta, const
 void Masses::condense_interior(MixedVector& rows) const {
   Kokkos::deep_copy(vertex_rows_, 0.0);
   for (const VibratingBlock& block : blocks_) condense_rows(block, rows.interior(), vertex_rows_);
-  gather_vertices(rows.vertex(), vertex_rows_);
+  gather_vertices({rows.vertex().data()}, vertex_rows_);
 }
 
-MomentumColumns Masses::columns_of(double* momenta, int columns, bool excess) {
+MomentumColumns Masses::columns_of(double* momenta, int columns, bool excess, bool keeps) {
   MomentumColumns of{columns, static_cast<size_t>(count_), place_, momenta, momenta};
   const size_t local = model_->structure().local_elements();
   if (ends_.extent(1) != static_cast<size_t>(12 * columns))
     ends_ = KernelView<double**>("mixbeam::vibration::ends", local, 12 * columns);
   of.ends = ends_;
-  for (const VibratingBlock& block : blocks_) of.stresses = std::max(of.stresses, block.layout().stresses());
+  for (const VibratingBlock& block : blocks_)
+    of.stresses = std::max(of.stresses, static_cast<int>(block.capped.extent(0)));
   if (excess && excess_.extent(1) != static_cast<size_t>(of.stresses) * columns)
     excess_ = KernelView<double**>("mixbeam::vibration::excess_rows", local, of.stresses * columns);
   if (excess) of.excess = excess_;
+  if (excess && keeps) kept_ = KernelView<double**>("mixbeam::vibration::kept_rows", local, of.stresses * columns);
   return of;
 }
 
 void Masses::condense_columns(const State& state, const MomentumColumns& of, std::vector<MixedVector>& rows) const {
   for (const VibratingBlock& block : blocks_) mixbeam::condense_columns(block, of);
-  for (int j = 0; j < of.columns; ++j) {
-    gather_vertices(rows[j].vertex(), of.ends, 12 * j);
-    if (of.forces != nullptr) add_rows_of_bodies(state, of.forces + of.momenta_of_column * j, rows[j].vertex());
-  }
+  std::vector<double*> gathered;
+  for (MixedVector& row : rows) gathered.push_back(row.writable_vertex(false).data());
+  gather_vertices(gathered, of.ends);
+  for (int j = 0; j < of.columns && of.forces != nullptr; ++j)
+    add_rows_of_bodies(state, of.forces + of.momenta_of_column * j, rows[j].vertex());
 }
 
 void Masses::recover_columns(const State& state, const MomentumColumns& of,
                              const std::vector<MixedVector>& motions) const {
   const Teuchos::Comm<int>& comm = *model_->map()->getComm();
   const size_t elements = static_cast<size_t>(stride_) * model_->structure().mesh_elements;
+  std::vector<const double*> moved;
+  std::vector<std::vector<double>> imported(motions.size());  // local_increment() has room for one
   for (int j = 0; j < of.columns; ++j) {
     const KernelView<const double* [6]> vertex = model_->local_increment(motions[j]);
-    for_each_element_on_threads("mixbeam::vibration::ends", model_->structure(), state.views,
-                                [&, ends = of.ends](const ElementView& element) {
-                                  for (int i = 0; i < 12; ++i)
-                                    ends(element.local(), 12 * j + i) = vertex(element.vertex(i / 6), i % 6);
-                                });
+    moved.push_back(vertex.data());
+    if (comm.getSize() == 1) continue;
+    imported[j].assign(vertex.data(), vertex.data() + vertex.size());
+    moved[j] = imported[j].data();
   }
-  for (const VibratingBlock& block : blocks_) mixbeam::recover_columns(block, of);
+  MomentumColumns from = of;
+  from.moved = moved.data();
+  for (const VibratingBlock& block : blocks_) mixbeam::recover_columns(block, from);
   for (int j = 0; j < of.columns; ++j) {
     const KernelView<const double*> own = motions[j].vertex();
     double* all = of.momenta + of.momenta_of_column * j;
@@ -398,6 +420,20 @@ std::vector<double> Masses::excess_norms(const MomentumColumns& of) const {
   sum_over_ranks(*model_->map()->getComm(), norms.data(), norms.size());
   for (double& norm : norms) norm = std::sqrt(norm);
   return norms;
+}
+
+void Masses::keep_excess(const MomentumColumns& of) {
+  Kokkos::parallel_for("mixbeam::vibration::keep", Kokkos::RangePolicy<ExecutionSpace>(0, kept_.size()),
+                       [to = kept_.data(), from = of.excess.data()](size_t i) { to[i] += from[i]; });
+}
+
+void Masses::recover_column(const double* momenta, const MomentumColumns& of, int column, MixedVector& motion) const {
+  MixedVector rows = model_->create_vector();
+  take_rows(momenta, rows, [&](const VibratingBlock& block, const ElementView& element, double* out) {
+    for (int i = 0; i < of.stresses && of.excess.extent(0) > 0 && i < static_cast<int>(block.capped.extent(0)); ++i)
+      out[block.capped(i)] = kept_(element.local(), of.stresses * column + i);
+  });
+  recover(rows, motion);
 }
 
 void Masses::recover(const MixedVector& rows, MixedVector& motion) const {

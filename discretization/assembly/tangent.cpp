@@ -20,10 +20,9 @@ std::shared_ptr<TangentArrays> allocate_arrays(const Model& model) {
   auto arrays = std::make_shared<TangentArrays>();
   arrays->elements = allocate_tangents(model.structure(), model.rotating() != nullptr);
   arrays->condensed_rows = Teuchos::rcp(new DofVector(model.map()));
-  for (size_t b = 0; b < model.structure().blocks.size() && model.rotating() != nullptr; ++b) {
-    arrays->rotating.push_back(allocate_vibrating_block(model.structure().blocks[b]));
-    Kokkos::deep_copy(arrays->rotating[b].mass, model.rotating()->frame(b, {}).mass);
-  }
+  for (size_t b = 0; b < model.structure().blocks.size() && model.rotating() != nullptr; ++b)
+    arrays->rotating.push_back(
+        allocate_vibrating_block(model.structure().blocks[b], model.rotating()->frame(b, {}).mass));
   if (model.rotating() != nullptr)
     arrays->rotating_rows = KernelView<double*>("mixbeam::frame::interior_rows", model.structure().increment_size);
   if (!model.plane()) return arrays;
@@ -79,7 +78,8 @@ void Tangent::evaluate_rotating() const {
   const KernelView<int*> negative = arrays_->elements.interior_negative;
   for (size_t b = 0; b < arrays_->rotating.size(); ++b) {
     const VibratingBlock& own = arrays_->rotating[b];
-    evaluate_vibration(own, structure_views(), point_.state.views, 0.0, negative.extent(0) > 0,
+    evaluate_vibration(own, structure_views(), point_.state.views, 0.0,
+                       negative.extent(0) > 0 ? VibrationUse::counted : VibrationUse::condensed,
                        arrays_->elements.condensed_tangent, rotating.frame(b, rotating.spin().at(point_.load_factor)));
     for (int e = 0; e < own.block.count && negative.extent(0) > 0; ++e)
       negative(own.block.first_element + e) = own.negative(e);

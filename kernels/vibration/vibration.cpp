@@ -89,17 +89,14 @@ void solve_transposed_factors(const double* a, int n, const int* pivots, double*
   for (int k = n - 1; k >= 0; --k) std::swap(x[k], x[pivots[k]]);
 }
 
-/// Velocities times roots of mass and weight.
-void scale_velocities(const double* mass, int points, const double* weight, double length, int columns, double* rows) {
-  for (int q = 0; q < points; ++q, mass += kMassNumbers, rows += 6 * columns) {
-    const double root = std::sqrt(0.5 * length * weight[q]);
-    for (int c = 0; c < columns; ++c)
-      for (int i = 0; i < 6; ++i) {
-        double sum = 0.0;
-        for (int j = i; j < 6; ++j) sum += mass[triangle(j, i)] * rows[j * columns + c];
-        rows[i * columns + c] = root * sum;
-      }
-  }
+/// Momenta of a point, `count` of them: velocities times roots of mass and weight.
+void scale_velocities(const double* mass, double root, int columns, const double* velocities, int count, double* rows) {
+  for (int i = 0; i < count; ++i)
+    for (int c = 0; c < columns; ++c) {
+      double sum = 0.0;
+      for (int j = i; j < 6; ++j) sum += mass[triangle(j, i)] * velocities[j * columns + c];
+      rows[i * columns + c] = root * sum;
+    }
 }
 
 ElementInput<double> input_of(const ElementBlock& block, const StateViews& state, int e) {
@@ -122,13 +119,19 @@ CarriedElement<K> carried(const FrameViews& frame, int e, const ElementTables<K>
           frame.spin};
 }
 
+/// Row j of those that columns ask for.
+const double* row_of(const VibratingBlock& vibrating, int e, int j, int motions) {
+  const int capped = j - vibrating.momenta();
+  return capped < 0 ? &vibrating.momentum(e, j * motions) : &vibrating.strain(e, vibrating.capped(capped) * motions);
+}
+
 template <int K>
 struct VibrationLoop {
   VibratingBlock vibrating;
   StructureViews structure;
   StateViews state;
   double shift;
-  bool counts;
+  VibrationUse use;
   KernelView<double**> tangent;
   FrameViews frame;
   ElementTables<K> tables{vibrating.block.force_integration};
@@ -137,38 +140,42 @@ struct VibrationLoop {
 
   void operator()(int e) const {
     const ElementBlock& block = vibrating.block;
-    const int stresses = vibrating.layout().stresses(), velocities = vibrating.layout().velocities();
-    double matrix[kMotions * kMotions] = {};
     const bool has_inertia = vibrating.momentum.extent(0) > 0;
-    double *strain = &vibrating.strain(e, 0), *momentum = has_inertia ? &vibrating.momentum(e, 0) : nullptr;
-    std::fill_n(strain, stresses * kMotions, 0.0);
-    if (has_inertia) std::fill_n(momentum, velocities * kMotions, 0.0);
+    double matrix[kMotions * kMotions] = {}, velocity[6 * (K + 1) * kMotions];
+    double* strain = &vibrating.strain(e, 0);
+    std::fill_n(strain, vibrating.layout().stresses() * kMotions, 0.0);
+    if (has_inertia) std::fill_n(velocity, 6 * (K + 1) * kMotions, 0.0);
+    const MotionRows velocities{has_inertia ? velocity : nullptr, kMotions};
     const ElementInput<double> in = input_of(block, state, e);
     const ElementMatrices<K> matrices{
-        tables, block.interior, block.reference_layout, {strain, kMotions}, {matrix, kMotions}, {momentum, kMotions}};
+        tables, block.interior, block.reference_layout, {strain, kMotions}, {matrix, kMotions}, velocities};
     matrices.evaluate(in);
     if (frame.turns()) {
       const ElementKinematics<K> kinematics(in, block.interior);
-      carried(frame, e, tables, in, kinematics).add_second_variation({momentum, kMotions}, {matrix, kMotions});
+      carried(frame, e, tables, in, kinematics).add_second_variation(velocities, {matrix, kMotions});
     }
     const double length = block.reference(e, 0);
-    if (has_inertia) scale_velocities(&vibrating.mass(e, 0), K + 1, tables.moment_weight, length, kMotions, momentum);
+    const int own = vibrating.velocities_of_point();
+    for (int q = 0; q <= K && has_inertia; ++q)
+      scale_velocities(&vibrating.mass(e, kMassNumbers * q), std::sqrt(0.5 * length * tables.moment_weight[q]),
+                       kMotions, velocities.row(6 * q), own, &vibrating.momentum(e, own * q * kMotions));
     std::copy_n(matrix, kMotions * kMotions, &vibrating.geometric(e, 0));
     set_compliance(e, length);
     const bool unsymmetric = block.is_unsymmetric(e);
-    if (vibrating.factors.extent(0) == 0) {  // nothing is condensed
-      if (unsymmetric) add_loads(matrices, in, e, matrix);
+    if (use == VibrationUse::matrices) {
+      if (unsymmetric && !has_inertia) add_loads(matrices, in, e, matrix);
       return;
     }
     add_stiffness(of_element(vibrating, vibrating.compliance, e), strain, matrix);
-    for (int v = 0; v < velocities && shift != 0.0; ++v)
-      for (int i = 0; i < kMotions; ++i) {
-        const double factor = shift * momentum[v * kMotions + i];
-        for (int j = 0; j < kMotions; ++j) matrix[i * kMotions + j] += factor * momentum[v * kMotions + j];
-      }
+    for (int v = 0; v < own * (K + 1) && shift != 0.0; ++v) {
+      const double* momentum = &vibrating.momentum(e, v * kMotions);
+      for (int i = 0; i < kMotions; ++i)
+        for (int j = 0; j < kMotions; ++j) matrix[i * kMotions + j] += shift * momentum[i] * momentum[j];
+    }
     if (unsymmetric) add_loads(matrices, in, e, matrix);
-    if (counts) count(e, matrix);
+    if (use == VibrationUse::counted) count(e, matrix);
     condense(e, matrix, unsymmetric);
+    if (use == VibrationUse::columns) pass(e);
   }
 
  private:
@@ -256,6 +263,26 @@ struct VibrationLoop {
       for (int c = 0; c < 12; ++c)
         out[12 * r + c] = unsymmetric ? condensed[r][c] : 0.5 * (condensed[r][c] + condensed[c][r]);
   }
+  void pass(int e) const {
+    const int rows = vibrating.rows();
+    const auto add_ends = [&](const double* row, const KernelView<double**>& response, double* to) {
+      std::copy_n(row + kInterior, 12, to);
+      add_transposed_product(&response(e, 0), kInterior, 12, 12, row, to);
+    };
+    for (int j = 0; j < rows; ++j) {
+      const double* row = row_of(vibrating, e, j, kMotions);
+      double x[kInterior];
+      std::copy_n(row, kInterior, x);
+      solve_factors(&vibrating.factors(e, 0), kInterior, &vibrating.pivots(e, 0), x);
+      for (int i = 0; i < rows; ++i) {
+        double sum = 0.0;
+        add_product(row_of(vibrating, e, i, kMotions), 1, kInterior, kInterior, 1.0, x, &sum);
+        vibrating.passed(e, rows * i + j) = sum;
+      }
+      add_ends(row, vibrating.response, &vibrating.by_ends(e, 12 * j));
+      if (vibrating.left.extent(0) > 0) add_ends(row, vibrating.left, &vibrating.left_by_ends(e, 12 * j));
+    }
+  }
 };
 
 /// Calls action(element, its layout) for each element of a block, with sizes that are known to the compiler.
@@ -330,19 +357,49 @@ VibratingBlock allocate_static_block(const ElementBlock& block, int count, bool 
   return made;
 }
 
-VibratingBlock allocate_vibrating_block(const ElementBlock& block) {
+VibratingBlock allocate_vibrating_block(const ElementBlock& block, const KernelView<double**>& mass, bool has_spins) {
   VibratingBlock made = allocate_static_block(block, block.count, true);
-  const VibrationLayout layout = made.layout();
-  const int count = block.count, m = layout.motions();
-  made.mass = KernelView<double**>("mixbeam::vibration::mass", count, kMassNumbers * (block.order + 1));
-  made.momentum = KernelView<double**>("mixbeam::vibration::momentum", count, layout.velocities() * m);
+  made.mass = mass;
+  made.has_spins = has_spins;
+  made.momentum =
+      KernelView<double**>("mixbeam::vibration::momentum", block.count, made.momenta() * made.layout().motions());
   return made;
 }
 
+void allocate_columns(VibratingBlock& vibrating, const StructureViews& structure) {
+  const ElementBlock& block = vibrating.block;
+  const VibrationLayout layout = vibrating.layout();
+  bool forces[3] = {}, moments[3] = {};
+  for (int e = 0; e < block.count; ++e)
+    for (int i = 0; i < 3; ++i) {
+      const SectionConstants& section = structure.sections(block.section(e));
+      forces[i] = forces[i] || block.general_section || section.force_cap_compliance[i] != 0.0;
+      moments[i] = moments[i] || block.general_section || section.moment_cap_compliance[i] != 0.0;
+    }
+  std::vector<int> capped;
+  for_order(block.order, [&](auto order) {
+    const ElementTables<order.value> tables(block.force_integration);
+    for (int s = 0; s < layout.stresses(); ++s) {
+      const int q = s / 3, i = s % 3;
+      const bool is_force = q < layout.force_points;
+      const bool is_used = block.general_section || !is_force || (i == 0 ? tables.axial : tables.shear)[q] != 0.0;
+      if (is_used && (is_force ? forces : moments)[i]) capped.push_back(s);
+    }
+  });
+  vibrating.capped = KernelView<int*>("mixbeam::vibration::capped", capped.size());
+  std::copy(capped.begin(), capped.end(), vibrating.capped.data());
+  const size_t rows = vibrating.rows();
+  if (vibrating.passed.extent(1) == rows * rows) return;
+  vibrating.passed = KernelView<double**>("mixbeam::vibration::passed", block.count, rows * rows);
+  vibrating.by_ends = KernelView<double**>("mixbeam::vibration::by_ends", block.count, 12 * rows);
+  if (vibrating.left.extent(0) > 0)
+    vibrating.left_by_ends = KernelView<double**>("mixbeam::vibration::by_ends", block.count, 12 * rows);
+}
+
 void evaluate_vibration(const VibratingBlock& vibrating, const StructureViews& structure, const StateViews& state,
-                        double shift, bool counts, const KernelView<double**>& tangent, const FrameViews& frame) {
+                        double shift, VibrationUse use, const KernelView<double**>& tangent, const FrameViews& frame) {
   for_order(vibrating.block.order, [&](auto order) {
-    const VibrationLoop<order.value> loop{vibrating, structure, state, shift, counts, tangent, frame};
+    const VibrationLoop<order.value> loop{vibrating, structure, state, shift, use, tangent, frame};
     Kokkos::parallel_for("mixbeam::vibration::condense", Range(0, vibrating.block.count), loop);
   });
 }
@@ -357,7 +414,7 @@ void rows_times_motion(const VibratingBlock& vibrating, const KernelView<double*
     double motions[kMostMotions];
     std::copy_n(interior.data() + vibrating.block.increments_at()(e) + layout.stresses(), layout.interior(), motions);
     load_ends(vibrating, vertex, e, motions + layout.interior());
-    const int rows = are_stresses ? layout.stresses() : layout.velocities();
+    const int rows = are_stresses ? layout.stresses() : vibrating.momenta();
     double* out = &to(vibrating.block.first_element + e, 0);
     std::fill_n(out, rows, 0.0);
     add_product(&matrix(e, 0), rows, layout.motions(), layout.motions(), 1.0, motions, out);
@@ -380,7 +437,7 @@ void rows_of_momenta(const VibratingBlock& vibrating, const KernelView<double**>
                      const KernelView<double*>& interior, const KernelView<double* [12]>& vertex) {
   for_each_of("mixbeam::vibration::rows", vibrating, [=](int e, const VibrationLayout layout) {
     double motions[kMostMotions] = {};
-    add_transposed_product(&vibrating.momentum(e, 0), layout.velocities(), layout.motions(), layout.motions(),
+    add_transposed_product(&vibrating.momentum(e, 0), vibrating.momenta(), layout.motions(), layout.motions(),
                            &momenta(vibrating.block.first_element + e, 0), motions);
     double* out = interior.data() + vibrating.block.increments_at()(e);
     std::fill_n(out, layout.stresses(), 0.0);
@@ -444,15 +501,12 @@ KOKKOS_FORCEINLINE_FUNCTION void add_transposed_product(const double* a, int row
 template <int K>
 struct ElementColumns {
   static constexpr VibrationLayout kLargest{K, 2 * K + 1};
-  static constexpr int kMotions = kLargest.motions(), kInterior = kLargest.interior(), kStresses = kLargest.stresses();
+  static constexpr int kStresses = kLargest.stresses(), kRows = kLargest.velocities() + kStresses;
   const VibratingBlock& vibrating;
   const MomentumColumns& of;
-  int stresses;
   int e, first, count;  ///< element of the block; columns
 
   int local() const { return vibrating.block.first_element + e; }
-  const double* momentum(int q) const { return &vibrating.momentum(e, 6 * q * kMotions); }
-  int moving() const { return vibrating.has_spins ? 6 : 3; }
   template <class Place>
   void load(int numbers, const Place& place, Columns* x) const {
     for (int i = 0; i < numbers; ++i)
@@ -467,81 +521,64 @@ struct ElementColumns {
   double* excess(int column) const { return &of.excess(local(), of.stresses * column); }
   double* momenta(int column) const { return of.momenta + of.momenta_of_column * column + of.place(local()); }
   const double* forces(int column) const { return of.forces + of.momenta_of_column * column + of.place(local()); }
+  /// Of the stresses `capped`, which are all where a section is no plain one.
   void multiply(const KernelView<double**>& matrix, const Columns* x, Columns* y) const {
     const StressMatrix m = of_element(vibrating, matrix, e);
-    for (int i = 0; i < m.size; ++i) y[i] = m.is_diagonal ? m.numbers[i] * x[i] : Columns(0.0);
+    for (size_t i = 0; i < vibrating.capped.extent(0); ++i)
+      y[i] = m.is_diagonal ? m.numbers[vibrating.capped(i)] * x[i] : Columns(0.0);
     if (!m.is_diagonal) add_product(m.numbers, m.size, m.size, m.size, x, y);
   }
 
-  /// Rows of all motions with the stresses eliminated, from forces or from rows of stresses.
-  void gather(Columns* motions) const {
-    std::fill_n(motions, kMotions, Columns(0.0));
-    if (of.forces != nullptr) {
-      Columns given[6];
-      for (int q = 0; q <= K; ++q) {
-        load(
-            moving(), [&](int column) { return forces(column) + 6 * q; }, given);
-        add_transposed_product(momentum(q), moving(), kMotions, kMotions, given, motions);
-      }
-      return;
-    }
-    Columns rows[kStresses], stress[kStresses];
+  /// Rows that act, and which of vibrating.rows(): momenta, or what eliminated rows of stresses leave.
+  struct Given {
+    Columns x[kRows];
+    int begin, count;
+  };
+  Given given() const {
+    Given result;
+    result.begin = of.forces != nullptr ? 0 : vibrating.momenta();
+    result.count = of.forces != nullptr ? vibrating.momenta() : vibrating.rows() - vibrating.momenta();
+    const bool are_momenta = of.forces != nullptr;
     load(
-        stresses, [&](int column) { return excess(column); }, rows);
-    multiply(vibrating.compliance, rows, stress);
-    for (int s = 0; s < stresses; ++s)
-      if (has_excess(s))
-        add_transposed_product(&vibrating.strain(e, kMotions * s), 1, kMotions, kMotions, &(stress[s] = -stress[s]),
-                               motions);
-  }
-  /// False: rows of this stress are zero.
-  bool has_excess(int s) const {
-    const StressMatrix excess = of_element(vibrating, vibrating.excess, e);
-    return !excess.is_diagonal || excess.numbers[s] != 0.0;
+        result.count, [&](int column) { return are_momenta ? forces(column) : excess(column); }, result.x);
+    if (are_momenta) return result;
+    Columns stress[kStresses];
+    multiply(vibrating.compliance, result.x, stress);
+    for (int i = 0; i < result.count; ++i) result.x[i] = -stress[i];
+    return result;
   }
 
   void condense() const {
-    Columns motions[kMotions];
-    gather(motions);
-    const KernelView<double**>& from = vibrating.left.extent(0) > 0 ? vibrating.left : vibrating.response;
-    add_transposed_product(&from(e, 0), kInterior, 12, 12, motions, motions + kInterior);
-    store(12, motions + kInterior, [&](int column) { return ends(column); });
+    const Given rows = given();
+    const KernelView<double**>& by = vibrating.left.extent(0) > 0 ? vibrating.left_by_ends : vibrating.by_ends;
+    Columns sum[12];
+    std::fill_n(sum, 12, Columns(0.0));
+    add_transposed_product(&by(e, 12 * rows.begin), rows.count, 12, 12, rows.x, sum);
+    store(12, sum, [&](int column) { return ends(column); });
   }
   void recover() const {
-    Columns motions[kMotions];
-    gather(motions);
-    solve_factors(&vibrating.factors(e, 0), kInterior, &vibrating.pivots(e, 0), motions);
-    Columns* const own = motions + kInterior;
-    load(
-        12, [&](int column) { return ends(column); }, own);
-    add_product(&vibrating.response(e, 0), kInterior, 12, 12, own, motions);
-    if (of.excess.extent(0) > 0 || of.increments != nullptr) recover_stresses(motions);
-    for (int q = 0; q <= K; ++q) {
-      Columns velocities[6];
-      std::fill_n(velocities, 6, Columns(0.0));
-      add_product(momentum(q), moving(), kMotions, kMotions, motions, velocities);
-      store(6, velocities, [&](int column) { return momenta(column) + 6 * q; });
-    }
+    const Given rows = given();
+    Columns moved[12], out[kRows];
+    for (int end = 0; end < 2; ++end)
+      load(
+          6, [&](int column) { return of.moved[column] + 6 * vibrating.block.vertices(e, end); }, moved + 6 * end);
+    std::fill_n(out, vibrating.rows(), Columns(0.0));
+    add_product(&vibrating.passed(e, rows.begin), vibrating.rows(), rows.count, vibrating.rows(), rows.x, out);
+    add_product(&vibrating.by_ends(e, 0), vibrating.rows(), 12, 12, moved, out);
+    store(vibrating.momenta(), out, [&](int column) { return momenta(column); });
+    if (of.excess.extent(0) > 0) recover_excess(out + vibrating.momenta());
   }
-  void recover_stresses(const Columns* motions) const {
-    const bool has_cap = of.excess.extent(0) > 0, all = of.increments != nullptr;
-    Columns strain[kStresses], stress[kStresses];
-    std::fill_n(strain, stresses, Columns(0.0));
+  /// From the strains of `capped`.
+  void recover_excess(Columns* strain) const {
+    const int capped = static_cast<int>(vibrating.capped.extent(0));
+    Columns stress[kStresses];
     if (of.forces == nullptr)
       load(
-          stresses, [&](int column) { return excess(column); }, strain);
-    for (int s = 0; s < stresses; ++s)
-      if (all || has_excess(s))  // no other strain is asked for
-        add_product(&vibrating.strain(e, kMotions * s), 1, kMotions, kMotions, motions, strain + s);
+          capped, [&](int column) { return excess(column); }, stress);
+    for (int i = 0; i < capped && of.forces == nullptr; ++i) strain[i] += stress[i];
     multiply(vibrating.compliance, strain, stress);
-    if (all) {
-      const auto increment = [&](int column) { return of.increments[column] + vibrating.block.increments_at()(e); };
-      store(stresses, stress, increment);
-      store(kInterior, motions, [&](int column) { return increment(column) + stresses; });
-    }
-    if (!has_cap) return;
     multiply(vibrating.excess, stress, strain);
-    store(stresses, strain, [&](int column) { return excess(column); });
+    store(capped, strain, [&](int column) { return excess(column); });
   }
 };
 
@@ -550,11 +587,9 @@ template <class Action>
 void for_each_of_columns(const char* label, const VibratingBlock& vibrating, const MomentumColumns& of,
                          const Action& action) {
   for_order(vibrating.block.order, [&](auto order) {
-    const int stresses = vibrating.layout().stresses();
     Kokkos::parallel_for(label, Range(0, vibrating.block.count), [=](int e) {
       for (int first = 0; first < of.columns; first += kColumns)
-        action(ElementColumns<decltype(order)::value>{vibrating, of, stresses, e, first,
-                                                      std::min(kColumns, of.columns - first)});
+        action(ElementColumns<decltype(order)::value>{vibrating, of, e, first, std::min(kColumns, of.columns - first)});
     });
   });
 }

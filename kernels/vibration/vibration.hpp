@@ -26,36 +26,52 @@ struct VibratingBlock {
   KernelView<int*> negative{};                         ///< pivots below zero of the interior; kUncertainCount
   bool has_spins = true;                               ///< some mass resists spins: rows of G
   bool transposed = false;                             ///< loads without a potential enter by their transpose
+  KernelView<int*> capped{};                           ///< stresses whose compliance the cap may change
+  /// What columns ask for are `rows()` rows: those of G that have mass, then those of D of `capped`. Their response to
+  /// such rows with the vertices held, and to motions of the vertices; `left_by_ends` as `left`.
+  KernelView<double**> passed{}, by_ends{}, left_by_ends{};
   VibrationLayout layout() const { return {block.order, block.interior.force_points}; }
+  int velocities_of_point() const { return has_spins ? 6 : 3; }
+  int momenta() const { return velocities_of_point() * (block.order + 1); }
+  int rows() const { return momenta() + static_cast<int>(capped.extent(0)); }
 };
+
+/// What becomes of the matrices of an element: nothing, they are condensed, the pivots of the interior are counted as
+/// well, or what columns need is kept as well.
+enum class VibrationUse { matrices, condensed, counted, columns };
 
 /// Several right-hand sides of momenta alone, which share one pass over the matrices of the elements; arrays of local
 /// elements have the numbers of one column after those of the other.
 struct MomentumColumns {
   int columns = 0;
   size_t momenta_of_column = 0;
-  KernelView<const int*> place{};       ///< (local element): its first momentum in a column
-  const double* forces = nullptr;       ///< momenta as forces; null: rows of stresses in their place
-  double* momenta = nullptr;            ///< of the motions, which may take the place of the forces
-  KernelView<double**> ends{};          ///< (local element, 12 * column): rows of both vertices, then their motions
-  int stresses = 0;                     ///< of an element, at most
-  KernelView<double**> excess{};        ///< (local element, stresses * column): rows of excess_rows(); empty: no cap
-  double* const* increments = nullptr;  ///< interiors of the motions of each column; null: not asked for
+  KernelView<const int*> place{};        ///< (local element): its first momentum in a column
+  const double* forces = nullptr;        ///< momenta as forces; null: rows of stresses in their place
+  double* momenta = nullptr;             ///< of the motions, which may take the place of the forces
+  KernelView<double**> ends{};           ///< (local element, 12 * column): rows of both vertices
+  const double* const* moved = nullptr;  ///< (column): motions (6 * local vertex + component)
+  int stresses = 0;                      ///< of an element, at most
+  KernelView<double**> excess{};         ///< (local element, stresses * column): rows of excess_rows(); empty: no cap
 };
 
-/// Room for the elements of a block; `mass` is to be filled.
-VibratingBlock allocate_vibrating_block(const ElementBlock& block);
+/// Room for the elements of a block. `has_spins` false: `mass` resists none, and spins have no rows of G.
+VibratingBlock allocate_vibrating_block(const ElementBlock& block, const KernelView<double**>& mass,
+                                        bool has_spins = true);
 /// Some elements of a block that follow each other.
 ElementBlock part_of(const ElementBlock& block, int first, int count);
 /// Room for `count` elements of a block without mass and momenta, for the stiffness alone (shift zero): H has B in it.
-/// `condenses` false: evaluate_vibration() leaves D, H and S, which is all that add_equations() needs.
+/// `condenses` false: for VibrationUse::matrices, D, H and S, which is all that add_equations() needs.
 VibratingBlock allocate_static_block(const ElementBlock& block, int count, bool condenses);
 
+/// Room for VibrationUse::columns with the sections of a cap.
+void allocate_columns(VibratingBlock& vibrating, const StructureViews& structure);
+
 /// Condenses K + shift M at a state. `structure`: sections with the cap, line fields. `tangent`: (local element,
-/// kFullTangent). Counts the interiors, theory (47), where asked: otherwise VibratingBlock::negative stays as it is.
+/// kFullTangent). Counts are those of theory (47); without them VibratingBlock::negative stays as it is.
 /// `frame`: of the block, whose centrifugal stiffness is part of H.
 void evaluate_vibration(const VibratingBlock& vibrating, const StructureViews& structure, const StateViews& state,
-                        double shift, bool counts, const KernelView<double**>& tangent, const FrameViews& frame = {});
+                        double shift, VibrationUse use, const KernelView<double**>& tangent,
+                        const FrameViews& frame = {});
 
 /// Right-hand sides of the equations above from residuals: of interiors (rows as evaluate_residual() stores them) and
 /// of both vertices of each local element, in place.
@@ -74,7 +90,7 @@ void centrifugal_energies(const ElementBlock& block, const FrameViews& frame, co
 void coriolis_matrices(const ElementBlock& block, const FrameViews& frame, const StateViews& state,
                        const KernelView<double**>& matrices);
 
-/// Momenta (local element, VibrationLayout::velocities() at least) = G dx of motions of vertices (vertex, 6) and
+/// Momenta (local element, VibratingBlock::momenta() at least) = G dx of motions of vertices (vertex, 6) and
 /// interiors (increments).
 void momenta_of(const VibratingBlock& vibrating, const KernelView<const double* [6]>& vertex,
                 const KernelView<const double*>& interior, const KernelView<double**>& momenta);
@@ -92,8 +108,8 @@ void recover_motion(const VibratingBlock& vibrating, const KernelView<const doub
                     const KernelView<const double* [6]>& vertex, const KernelView<double*>& increment);
 /// Rows of both vertices of each element after elimination of the interior, from forces or excess rows.
 void condense_columns(const VibratingBlock& vibrating, const MomentumColumns& of);
-/// Momenta of the motions that belong to those of the vertices, the excess rows of their stresses where there is a cap,
-/// and their interiors where asked.
+/// Momenta of the motions that belong to those of the vertices, and the excess rows of their stresses where there is a
+/// cap.
 void recover_columns(const VibratingBlock& vibrating, const MomentumColumns& of);
 /// (2 dN . D dx - dN . S dN + dx . H dx) of each local element, S the true compliance: stationary at a mode.
 void stiffness_forms(const VibratingBlock& vibrating, const KernelView<const double* [6]>& vertex,

@@ -109,7 +109,9 @@ void AdjointOperator::for_each_part(bool condenses, const Action& action) const 
     for (int first = 0; first < block.count; first += kPart) {
       part.block = part_of(block, first, std::min(kPart, block.count - first));
       action(part, [&] {
-        evaluate_vibration(part, structure, state_.views, 0.0, false, tangent_->elements().condensed_tangent);
+        evaluate_vibration(part, structure, state_.views, 0.0,
+                           condenses ? VibrationUse::condensed : VibrationUse::matrices,
+                           tangent_->elements().condensed_tangent);
       });
     }
   }

@@ -51,7 +51,7 @@ LastingModes::Shared LastingModes::of_cluster(int first, int count) {
   Shared found{modes_[first].pair.eigenvalue, count};
   if (!(found.square > 0.0) || modes_[first].rate.real() != 0.0)
     throw std::invalid_argument("a motion that does not vibrate has no frequency to differentiate");
-  operator_.factorize(-found.square * (1.0 - kBesideFrequency), 1.0, false);
+  operator_.factorize(-found.square * (1.0 - kBesideFrequency), 1.0, VibrationUse::condensed);
   if (!operator_.symmetric())
     throw std::invalid_argument("frequencies under loads without a potential have no derivative here");
   std::vector<std::vector<double>> momenta;

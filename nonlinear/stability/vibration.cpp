@@ -84,9 +84,9 @@ class Vibration {
     std::vector<VibrationMode> found;
     double cap = kCapOfVibration;
     for (int i = 0; i < kMostShifts; ++i) {
-      operator_.factorize(shift, cap, false);
+      operator_.factorize(shift, cap, VibrationUse::columns);
       if (!operator_.symmetric() && cap != kCapWithoutSymmetry)
-        operator_.factorize(shift, cap = kCapWithoutSymmetry, false);
+        operator_.factorize(shift, cap = kCapWithoutSymmetry, VibrationUse::columns);
       found.clear();
       double rough = 0.0;
       std::vector<RitzPair> pairs = ritz_pairs(wanted, narrow, i + 1 < kMostShifts ? shift : 0.0, rough);
@@ -95,8 +95,10 @@ class Vibration {
         continue;
       }
       complete(pairs, shift, found);
-      const double lowest = lowest_elastic(found, shift);
-      if (lowest == 0.0 || (shift >= kLeastShift * lowest && shift <= kMostShift * lowest)) break;
+      std::vector<double> squared;
+      for (const VibrationMode& mode : found) squared.push_back(std::norm(mode.rate));
+      const double lowest = far_from(shift, squared, kRigid, 1.0);
+      if (lowest == 0.0) break;
       shift = kShift * lowest;
     }
     std::stable_sort(found.begin(), found.end(), [](const VibrationMode& a, const VibrationMode& b) {
@@ -114,7 +116,7 @@ class Vibration {
 
   /// EI/(m L^3) of the largest stiffness and all mass, or inertia over L^2 of a body that has more.
   double first_shift() {
-    operator_.linearize(0.0, kCapOfVibration, false);
+    operator_.linearize(0.0, kCapOfVibration, VibrationUse::matrices);
     double mass = 0.0;
     for (int axis = 0; axis < 3; ++axis) {
       translation_[axis] = operator_.masses().translation(operator_.state(), axis);
@@ -145,28 +147,20 @@ class Vibration {
     return all;
   }
 
-  static double lowest_elastic(const std::vector<VibrationMode>& found, double shift) {
+  /// The lowest omega^2 that is not rigid, which are `rigid` times the shift, where the shift is outside of its bounds
+  /// by more than a factor; 0: it is not. A small one does no harm where nothing moves more slowly.
+  static double far_from(double shift, const std::vector<double>& squared, double rigid, double factor) {
     double lowest = 0.0;
-    for (const VibrationMode& mode : found) {
-      const double size = std::norm(mode.rate);
-      if (size > kRigid * shift && (lowest == 0.0 || size < lowest)) lowest = size;
+    bool is_slow = false;
+    for (const double size : squared) {
+      is_slow = is_slow || size < shift;
+      if (size > rigid * shift && (lowest == 0.0 || size < lowest)) lowest = size;
     }
-    return lowest;
+    const bool is_small = is_slow && shift * factor < kLeastShift * lowest;
+    return is_small || shift > factor * kMostShift * lowest ? lowest : 0.0;
   }
 
-  /// `rough`: the lowest omega^2, as far as it is known, where the shift is far from it; 0: it is not, or the shift is
-  /// not asked for.
-  static double far_from(double shift, const std::vector<RitzPair>& pairs) {
-    double lowest = 0.0;
-    for (const RitzPair& pair : pairs) {
-      const double squared = std::abs(1.0 / std::complex<double>(pair.value, pair.imaginary) - shift);
-      if (pair.residual > kRough) break;
-      if (squared > kRoughlyRigid * shift && (lowest == 0.0 || squared < lowest)) lowest = squared;
-    }
-    const bool far = shift * kFarOutside < kLeastShift * lowest || shift > kFarOutside * kMostShift * lowest;
-    return far ? lowest : 0.0;
-  }
-
+  /// `rough`: far_from() as far as it is known; 0: `shift` is, that is, it is not asked for.
   std::vector<RitzPair> ritz_pairs(int wanted, bool narrow, double shift, double& rough) {
     KrylovProblem eigen;
     eigen.unknowns = static_cast<int>(moving_.size());
@@ -174,7 +168,12 @@ class Vibration {
     eigen.tolerance = eigen.symmetric ? kResidual : kOfUnsymmetric;
     eigen.goes_on = [&](const std::vector<RitzPair>& pairs) {
       tell(pairs, eigen.tolerance, wanted);
-      rough = shift == 0.0 ? 0.0 : far_from(shift, pairs);
+      std::vector<double> squared;
+      for (const RitzPair& pair : pairs) {
+        if (pair.residual > kRough) break;
+        squared.push_back(std::abs(1.0 / std::complex<double>(pair.value, pair.imaginary) - shift));
+      }
+      rough = shift == 0.0 ? 0.0 : far_from(shift, squared, kRoughlyRigid, kFarOutside);
       return rough == 0.0;
     };
     eigen.width = std::max(kLeastBlock, (wanted + kBlocksOfModes - 1) / kBlocksOfModes);
@@ -269,7 +268,7 @@ class Vibration {
   /// On (G phi, s G phi / omega_0, beta D phi), which is all that damping, Coriolis forces and inertia touch.
   std::vector<VibrationMode> damped_modes(int count) {
     const double reference = kVelocityScale * std::sqrt(first_shift());
-    operator_.factorize(0.0, kCapWithoutSymmetry, false);
+    operator_.factorize(0.0, kCapWithoutSymmetry, VibrationUse::condensed);
     const size_t n = operator_.masses().momenta(), strains = operator_.masses().damped_strains();
     KrylovProblem eigen;
     eigen.unknowns = static_cast<int>(2 * n + strains);
@@ -343,7 +342,8 @@ class Vibration {
       }
     if (below == have && (have == 0 || have == wanted)) place = have == 0 ? 0.0 : value(have - 1) * (1.0 + kGap);
     if (have < wanted && below == have) place = 2.0 * std::abs(value(have - 1));
-    const bool agrees = have > 0 && operator_.factorize(-place, stability_limit.cap_of_count, true) == below;
+    const bool agrees =
+        have > 0 && operator_.factorize(-place, stability_limit.cap_of_count, VibrationUse::counted) == below;
     for (VibrationMode& mode : found) mode.pair.converged = agrees;
     return agrees;
   }

@@ -54,15 +54,16 @@ void VibrationOperator::Response::add(double factor, const Response& other) {
   add_multiple(factor, other.y, y);
 }
 
-void VibrationOperator::linearize(double shift, double raise, bool counts) {
+void VibrationOperator::linearize(double shift, double raise, VibrationUse use) {
   tangent_.reset();
   corrects_slowly_ = false;
   tangent_.emplace(model_, point_, cap_for(model_, point_.scales, raise), TangentKind{true, false});
-  masses_.condense(*tangent_, shift, counts);
+  masses_.condense(*tangent_, shift, use);
 }
 
-long VibrationOperator::factorize(double shift, double raise, bool counts) {
-  linearize(shift, raise, counts);
+long VibrationOperator::factorize(double shift, double raise, VibrationUse use) {
+  const bool counts = use == VibrationUse::counted;
+  linearize(shift, raise, use);
   const bool reliable = system_.condense(*tangent_, masses_.condensed(),
                                          [&](const MatrixRows& rows) { masses_.add_bodies(*tangent_, shift, rows); });
   const Teuchos::Comm<int>& comm = *model_.map()->getComm();
@@ -102,7 +103,7 @@ SparseMatrix VibrationOperator::outside() {
 std::vector<double> VibrationOperator::forms(const VibrationOperator& of, const std::vector<Response>& motions,
                                              double square) {
   unknowns_.measure_as(of.unknowns_);
-  linearize(0.0, 1.0, false);
+  linearize(0.0, 1.0, VibrationUse::matrices);
   const SparseMatrix more = outside();
   const KernelView<int*> vertices = system_.remaining().vertices();
   const KernelView<const double*> free = MixedVector::view_of(remaining_);
@@ -143,14 +144,12 @@ void VibrationOperator::expand(const double* y, DofVector& motion) {
   system_.expand(remaining_, motion);
 }
 
-/// Motions that belong to columns of momenta, which are replaced.
-std::vector<VibrationOperator::Response> VibrationOperator::solve(MomentumColumns& of, bool with_interiors) {
+/// Motions that belong to columns of momenta, which are replaced: of the vertices alone.
+std::vector<VibrationOperator::Response> VibrationOperator::solve(MomentumColumns& of) {
   std::vector<MixedVector> rows, motions;
-  std::vector<double*> interiors;
   for (int j = 0; j < of.columns; ++j) {
     rows.push_back(model_.create_vector());
     motions.push_back(model_.create_vector());
-    if (with_interiors) interiors.push_back(motions.back().writable_interior(false).data());
   }
   masses_.condense_columns(state_, of, rows);
   std::vector<double> y;
@@ -161,7 +160,6 @@ std::vector<VibrationOperator::Response> VibrationOperator::solve(MomentumColumn
   on_root(unknowns_.root(), [&] { solve_reduced(y, of.columns); });
   const auto of_column = [&](int j) { return y.data() + y.size() / of.columns * j; };
   for (int j = 0; j < of.columns; ++j) expand(of_column(j), motions[j].vertex_dofs());
-  of.increments = with_interiors ? interiors.data() : nullptr;
   masses_.recover_columns(state_, of, motions);
   std::vector<Response> found;
   for (int j = 0; j < of.columns; ++j)
@@ -172,12 +170,14 @@ std::vector<VibrationOperator::Response> VibrationOperator::solve(MomentumColumn
 void VibrationOperator::apply(double* momenta, int columns, std::vector<Response>* motions) {
   const size_t count = masses_.momenta();
   const bool corrects = tangent_->cap().cuts_off;
-  const std::vector<double> given(momenta, momenta + (corrects ? count * columns : 0));
+  const std::vector<double> given(momenta, momenta + (corrects || motions != nullptr ? count * columns : 0));
   if (!corrects_slowly_) {
-    MomentumColumns of = masses_.columns_of(momenta, columns, corrects);
-    std::vector<Response> found = solve(of, motions != nullptr);
+    MomentumColumns of = masses_.columns_of(momenta, columns, corrects, motions != nullptr);
+    std::vector<Response> found = solve(of);
+    if (corrects) corrects_slowly_ = !correct(of, motions != nullptr ? &found : nullptr);
+    for (int j = 0; j < columns && motions != nullptr && !corrects_slowly_; ++j)
+      masses_.recover_column(&given[count * j], of, j, found[j].motion);
     if (motions != nullptr) *motions = std::move(found);
-    if (corrects) corrects_slowly_ = !correct(of, motions);
   }
   if (!corrects_slowly_) return;
   if (motions != nullptr) motions->clear();
@@ -204,12 +204,16 @@ bool VibrationOperator::correct(MomentumColumns& of, std::vector<Response>* moti
     return any;
   };
   while (any_is_left()) {
-    const std::vector<Response> found = solve(of, motions != nullptr);
+    if (motions != nullptr) masses_.keep_excess(of);
+    const std::vector<Response> found = solve(of);
     const std::vector<double> now = masses_.excess_norms(of);
     for (int j = 0; j < of.columns; ++j)
       if (is_left(j) && !(now[j] <= kFastCorrection * left[j])) return false;
     for (size_t i = 0; i < more.size(); ++i) sum[i] += more[i];
-    for (size_t j = 0; motions != nullptr && j < motions->size(); ++j) (*motions)[j].add(1.0, found[j]);
+    for (size_t j = 0; motions != nullptr && j < motions->size(); ++j) {  // interiors follow
+      (*motions)[j].motion.vertex_dofs().update(1.0, found[j].motion.vertex_dofs(), 1.0);
+      add_multiple(1.0, found[j].y, (*motions)[j].y);
+    }
     left = now;
   }
   return true;

@@ -32,11 +32,12 @@ class VibrationOperator {
   const IndependentUnknowns& unknowns() const { return unknowns_; }
   const Tangent& tangent() const { return *tangent_; }
 
-  /// Condenses K + shift M of the elements, with the cap raised by a factor. `counts`: as TangentKind::counts_interior.
-  void linearize(double shift, double raise, bool counts);
+  /// Condenses K + shift M of the elements, with the cap raised by a factor.
+  void linearize(double shift, double raise, VibrationUse use);
   /// Also reduces and factorises it, without symmetry where loads have no potential. Returns the number of its negative
-  /// eigenvalues, -1 where they are uncertain or not real; without `counts` those inside of elements are left out.
-  long factorize(double shift, double raise, bool counts);
+  /// eigenvalues, -1 where they are uncertain or not real; those inside of elements are left out where they are not
+  /// counted.
+  long factorize(double shift, double raise, VibrationUse use);
 
   /// Whether velocities make forces: by damping, or in a frame that turns.
   bool has_forces_of_velocity() const {
@@ -53,7 +54,8 @@ class VibrationOperator {
   /// for as in theory (38), g = E x with x = x_0 + S g.
   /// `strains`: rows of stresses, Masses::damped_strains() of them; null: zero.
   Response respond(const double* momenta, const double* strains = nullptr);
-  /// Replaces columns of momenta by G (K + shift M)^-1 G^T times them: respond() with one pass over the elements.
+  /// Replaces columns of momenta by G (K + shift M)^-1 G^T times them: respond() with one pass over the elements, which
+  /// are condensed for columns.
   /// `motions`: receives those, where they are asked for.
   void apply(double* momenta, int columns, std::vector<Response>* motions = nullptr);
   std::vector<double> momenta_of(const MixedVector& motion) const { return masses_.momenta_of(state_, motion); }
@@ -65,7 +67,7 @@ class VibrationOperator {
  private:
   Response solve(MixedVector& rows);
   Response solve_interior(const MixedVector& rows);
-  std::vector<Response> solve(MomentumColumns& of, bool with_interiors);
+  std::vector<Response> solve(MomentumColumns& of);
   bool correct(MomentumColumns& of, std::vector<Response>* motions);
   std::vector<double> condense(MixedVector& rows, DofVector& motion);
   void expand(const double* y, DofVector& motion);

@@ -21,11 +21,13 @@ struct VibratingSample {
 
   explicit VibratingSample(const SampleBlock& from, double shift = 0.0)
       : samples(from),
-        vibrating(allocate_vibrating_block(samples.block)),
+        vibrating(allocate_vibrating_block(
+            samples.block,
+            KernelView<double**>("mass", samples.block.count, kMassNumbers * (samples.block.order + 1)))),
         tangent("tangent", samples.block.first_element + samples.block.count, kFullTangent) {
     RandomNumbers random(77);
     for (size_t i = 0; i < vibrating.mass.size(); ++i) vibrating.mass.data()[i] = random.between(-1.0, 1.0);
-    evaluate_vibration(vibrating, samples.structure, samples.state, shift, true, tangent);
+    evaluate_vibration(vibrating, samples.structure, samples.state, shift, VibrationUse::counted, tangent);
   }
 };
 
@@ -260,7 +262,8 @@ TEST_P(Vibration, CentrifugalStiffnessIsTheSecondVariationOfTheirEnergy) {
   const SampleBlock samples({sample});
   const FrameSample frame(GetParam(), 34);
   const VibratingSample at_rest{samples}, turning{samples};
-  evaluate_vibration(turning.vibrating, samples.structure, samples.state, 0.0, false, turning.tangent, frame.views);
+  evaluate_vibration(turning.vibrating, samples.structure, samples.state, 0.0, VibrationUse::condensed, turning.tangent,
+                     frame.views);
   const Dense expected = hessian_at_zero(12 + samples.increments(), [&](const FadOfFad* x) {
     return centrifugal_energy(sample, frame.views, perturbed(sample.state, x));
   });
