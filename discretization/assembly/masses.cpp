@@ -27,6 +27,13 @@ void require_symmetry(double shared, double whole, const char* what) {
         " is not symmetric about the plane of the scene, so that its motions leave it; allowed: without it");
 }
 
+/// Momenta of a body by its motion, along its axes (rows).
+Mat rooted(const Vec& masses, Mat axes) {
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) axes(i, j) *= std::sqrt(masses[i]);
+  return axes;
+}
+
 bool has_rotary_inertia(const ElementBlock& block, const KernelView<double**>& mass) {
   for (int e = 0; e < block.count; ++e)
     for (int q = 0; q <= block.order; ++q)
@@ -220,16 +227,9 @@ void Masses::condense(const Tangent& at, double shift, VibrationUse use) {
 
 void Masses::add_bodies(const Tangent& at, double shift, const MatrixRows& rows) const {
   for (const VertexBody& body : bodies_) {
-    const Mat axes = body.turned_axes(at.point().state);
-    Mat mass{}, inertia{};
-    for (int i = 0; i < 3; ++i)
-      for (int r = 0; r < 3; ++r)
-        for (int c = 0; c < 3; ++c) {
-          mass(r, c) += shift * body.mass[i] * body.axes(i, r) * body.axes(i, c);
-          inertia(r, c) += shift * body.inertia[i] * axes(i, r) * axes(i, c);
-        }
-    rows.add(body.vertex, kForcePart, body.vertex, kForcePart, mass);
-    rows.add(body.vertex, kMomentPart, body.vertex, kMomentPart, inertia);
+    const Mat moved = rooted(body.mass, body.axes), turned = rooted(body.inertia, body.turned_axes(at.point().state));
+    rows.add(body.vertex, kForcePart, body.vertex, kForcePart, shift * (transpose(moved) * moved));
+    rows.add(body.vertex, kMomentPart, body.vertex, kMomentPart, shift * (transpose(turned) * turned));
   }
 }
 
@@ -269,13 +269,9 @@ void Masses::take_momenta_of_bodies(const State& state, const KernelView<const d
                                     double* momenta) const {
   for (const VertexBody& body : bodies_) {
     double* out = momenta + place_of(body);
-    const Mat axes = body.turned_axes(state);
     const double* moved = &vertex(body.vertex, 0);
-    const Vec velocity = body.axes * load_vector(moved), spin = axes * load_vector(moved + 3);
-    for (int i = 0; i < 3; ++i) {
-      out[i] = std::sqrt(body.mass[i]) * velocity[i];
-      out[3 + i] = std::sqrt(body.inertia[i]) * spin[i];
-    }
+    store_vector(rooted(body.mass, body.axes) * load_vector(moved), out);
+    store_vector(rooted(body.inertia, body.turned_axes(state)) * load_vector(moved + 3), out + 3);
   }
 }
 
@@ -296,9 +292,8 @@ void Masses::gather_vertices(const std::vector<double*>& rows, const KernelView<
       });
 }
 
-/// Rows of momenta, and of stresses by `set(block, element, out)`: not gathered, those of vertices are of each element.
-template <class Set>
-void Masses::take_rows(const double* momenta, MixedVector& rows, const Set& set) const {
+void Masses::condense_momenta(const State& state, const double* momenta, MixedVector& rows,
+                              const double* strains) const {
   for_each_element(model_->structure(), [&](const ElementView& element) {
     std::copy_n(momenta + static_cast<size_t>(stride_) * element.mesh_element(), stride_,
                 &of_elements_(element.local(), 0));
@@ -306,21 +301,13 @@ void Masses::take_rows(const double* momenta, MixedVector& rows, const Set& set)
   const KernelView<double*> interior = rows.writable_interior(false);
   for (const VibratingBlock& block : blocks_) {
     rows_of_momenta(block, of_elements_, interior, vertex_rows_);
-    for (int e = 0; e < block.block.count; ++e) {
+    for (int e = 0; e < block.block.count && strains != nullptr; ++e) {
       const ElementView element(model_->structure(), block.block, e);
-      set(block, element, element.increments_in(interior));
-    }
-  }
-}
-
-void Masses::condense_momenta(const State& state, const double* momenta, MixedVector& rows,
-                              const double* strains) const {
-  take_rows(momenta, rows, [&](const VibratingBlock& block, const ElementView& element, double* out) {
-    if (strains != nullptr)
       std::copy_n(strains + static_cast<size_t>(strain_stride_) * element.mesh_element(), block.layout().stresses(),
-                  out);
-  });
-  for (const VibratingBlock& block : blocks_) condense_rows(block, rows.interior(), vertex_rows_);
+                  element.increments_in(interior));
+    }
+    condense_rows(block, interior, vertex_rows_);
+  }
   const KernelView<double*> vertex = rows.vertex();
   gather_vertices({vertex.data()}, vertex_rows_);
   add_rows_of_bodies(state, momenta, vertex);
@@ -329,12 +316,8 @@ void Masses::condense_momenta(const State& state, const double* momenta, MixedVe
 void Masses::add_rows_of_bodies(const State& state, const double* momenta, const KernelView<double*>& vertex) const {
   for (const VertexBody& body : bodies_) {
     const double* own = momenta + place_of(body);
-    Vec velocity{}, spin{};
-    for (int i = 0; i < 3; ++i) {
-      velocity[i] = std::sqrt(body.mass[i]) * own[i];
-      spin[i] = std::sqrt(body.inertia[i]) * own[3 + i];
-    }
-    const Vec force = transpose_times(body.axes, velocity), moment = transpose_times(body.turned_axes(state), spin);
+    const Vec force = transpose_times(rooted(body.mass, body.axes), load_vector(own)),
+              moment = transpose_times(rooted(body.inertia, body.turned_axes(state)), load_vector(own + 3));
     for (int i = 0; i < 3; ++i) {
       vertex(kVertexDofs * body.vertex + i) += force[i];
       vertex(kVertexDofs * body.vertex + 3 + i) += moment[i];
@@ -348,7 +331,7 @@ void Masses::condense_interior(MixedVector& rows) const {
   gather_vertices({rows.vertex().data()}, vertex_rows_);
 }
 
-MomentumColumns Masses::columns_of(double* momenta, int columns, bool excess, bool keeps) {
+MomentumColumns Masses::columns_of(double* momenta, int columns, bool excess) {
   MomentumColumns of{columns, static_cast<size_t>(count_), place_, momenta, momenta};
   const size_t local = model_->structure().local_elements();
   if (ends_.extent(1) != static_cast<size_t>(12 * columns))
@@ -359,7 +342,6 @@ MomentumColumns Masses::columns_of(double* momenta, int columns, bool excess, bo
   if (excess && excess_.extent(1) != static_cast<size_t>(of.stresses) * columns)
     excess_ = KernelView<double**>("mixbeam::vibration::excess_rows", local, of.stresses * columns);
   if (excess) of.excess = excess_;
-  if (excess && keeps) kept_ = KernelView<double**>("mixbeam::vibration::kept_rows", local, of.stresses * columns);
   return of;
 }
 
@@ -420,20 +402,6 @@ std::vector<double> Masses::excess_norms(const MomentumColumns& of) const {
   sum_over_ranks(*model_->map()->getComm(), norms.data(), norms.size());
   for (double& norm : norms) norm = std::sqrt(norm);
   return norms;
-}
-
-void Masses::keep_excess(const MomentumColumns& of) {
-  Kokkos::parallel_for("mixbeam::vibration::keep", Kokkos::RangePolicy<ExecutionSpace>(0, kept_.size()),
-                       [to = kept_.data(), from = of.excess.data()](size_t i) { to[i] += from[i]; });
-}
-
-void Masses::recover_column(const double* momenta, const MomentumColumns& of, int column, MixedVector& motion) const {
-  MixedVector rows = model_->create_vector();
-  take_rows(momenta, rows, [&](const VibratingBlock& block, const ElementView& element, double* out) {
-    for (int i = 0; i < of.stresses && of.excess.extent(0) > 0 && i < static_cast<int>(block.capped.extent(0)); ++i)
-      out[block.capped(i)] = kept_(element.local(), of.stresses * column + i);
-  });
-  recover(rows, motion);
 }
 
 void Masses::recover(const MixedVector& rows, MixedVector& motion) const {

@@ -46,18 +46,14 @@ class Masses {
   /// alpha times momenta, and Coriolis forces on them, theory (76): C = G^T W G of the state condensed last.
   std::vector<double> damped_momenta(const double* momenta) const;
   /// Momenta, `columns` columns of them, that serve as forces and are replaced by those of the motions. `excess`: with
-  /// rows of the cap's excess. `keeps`: keep_excess() and recover_column() follow.
-  MomentumColumns columns_of(double* momenta, int columns, bool excess, bool keeps);
+  /// rows of the cap's excess.
+  MomentumColumns columns_of(double* momenta, int columns, bool excess);
   /// Rows of the vertices of each column.
   void condense_columns(const State& state, const MomentumColumns& of, std::vector<MixedVector>& rows) const;
   /// Momenta, and excess rows, from the motions of the vertices.
   void recover_columns(const State& state, const MomentumColumns& of, const std::vector<MixedVector>& motions) const;
   /// Norms of the excess rows of each column.
   std::vector<double> excess_norms(const MomentumColumns& of) const;
-  /// Adds these rows to those that recover_column() knows of.
-  void keep_excess(const MomentumColumns& of);
-  /// Interior of the motion of a column from its vertices, under its momenta and the excess rows kept.
-  void recover_column(const double* momenta, const MomentumColumns& of, int column, MixedVector& motion) const;
   /// Rows of vertices from interior rows alone.
   void condense_interior(MixedVector& rows) const;
   /// The interior of `motion` from its vertices and the interior rows.
@@ -74,8 +70,6 @@ class Masses {
   void keep_in_plane(const ElementBlock& block, const KernelView<double**>& mass) const;
   void keep_in_plane(VertexBody& body) const;
   void hold_vertices() const;
-  template <class Set>
-  void take_rows(const double* momenta, MixedVector& rows, const Set& set) const;
   void gather_vertices(const std::vector<double*>& rows, const KernelView<const double**>& of) const;
   void add_rows_of_bodies(const State& state, const double* momenta, const KernelView<double*>& vertex) const;
   void take_momenta_of_bodies(const State& state, const KernelView<const double* [6]>& vertex, double* momenta) const;
@@ -87,12 +81,12 @@ class Masses {
   bool in_plane_;
   std::vector<VibratingBlock> blocks_;
   std::vector<VertexBody> bodies_;
-  int stride_ = 0, count_ = 0;                 ///< momenta of an element, at most; of all
-  KernelView<double**> condensed_;             ///< (local element, kFullTangent)
-  KernelView<double**> of_elements_;           ///< (local element, stride): momenta
-  KernelView<double* [12]> vertex_rows_;       ///< (local element)
-  KernelView<int*> place_;                     ///< (local element): its first momentum
-  KernelView<double**> ends_, excess_, kept_;  ///< of the columns of last time
+  int stride_ = 0, count_ = 0;            ///< momenta of an element, at most; of all
+  KernelView<double**> condensed_;        ///< (local element, kFullTangent)
+  KernelView<double**> of_elements_;      ///< (local element, stride): momenta
+  KernelView<double* [12]> vertex_rows_;  ///< (local element)
+  KernelView<int*> place_;                ///< (local element): its first momentum
+  KernelView<double**> ends_, excess_;    ///< of the columns of last time
   bool damped_ = false;
   std::vector<std::array<double, 2>> damping_;  ///< (mesh element): alpha, beta
   int strain_stride_ = 0, strain_count_ = 0;    ///< as those of momenta

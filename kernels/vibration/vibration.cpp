@@ -13,19 +13,25 @@ namespace {
 
 using Range = Kokkos::RangePolicy<ExecutionSpace>;
 
-/// y += factor * A x, A of `rows` x `columns`, its rows `stride` apart.
-KOKKOS_FORCEINLINE_FUNCTION void add_product(const double* a, int rows, int columns, int stride, double factor,
-                                             const double* x, double* y) {
+/// y += A x, A of `rows` x `columns`, its rows `stride` apart; x of numbers or of several columns.
+template <class Real>
+KOKKOS_FORCEINLINE_FUNCTION void add_product(const double* a, int rows, int columns, int stride, const Real* x,
+                                             Real* y) {
   for (int i = 0; i < rows; ++i) {
-    double sum = 0.0;
+    if constexpr (std::is_same_v<Real, double>) {
+      double sum = 0.0;
 #pragma omp simd reduction(+ : sum)
-    for (int j = 0; j < columns; ++j) sum += a[i * stride + j] * x[j];
-    y[i] += factor * sum;
+      for (int j = 0; j < columns; ++j) sum += a[i * stride + j] * x[j];
+      y[i] += sum;
+    } else {
+      for (int j = 0; j < columns; ++j) y[i] += a[i * stride + j] * x[j];
+    }
   }
 }
 /// y += A^T x
+template <class Real>
 KOKKOS_FORCEINLINE_FUNCTION void add_transposed_product(const double* a, int rows, int columns, int stride,
-                                                        const double* x, double* y) {
+                                                        const Real* x, Real* y) {
   for (int i = 0; i < rows; ++i)
 #pragma omp simd
     for (int j = 0; j < columns; ++j) y[j] += a[i * stride + j] * x[i];
@@ -40,7 +46,7 @@ struct StressMatrix {
   double entry(int i, int j) const { return is_diagonal ? (i == j ? numbers[i] : 0.0) : numbers[i * size + j]; }
   void multiply(const double* x, double* y) const {
     for (int i = 0; i < size; ++i) y[i] = is_diagonal ? numbers[i] * x[i] : 0.0;
-    if (!is_diagonal) add_product(numbers, size, size, size, 1.0, x, y);
+    if (!is_diagonal) add_product(numbers, size, size, size, x, y);
   }
 };
 
@@ -276,7 +282,7 @@ struct VibrationLoop {
       solve_factors(&vibrating.factors(e, 0), kInterior, &vibrating.pivots(e, 0), x);
       for (int i = 0; i < rows; ++i) {
         double sum = 0.0;
-        add_product(row_of(vibrating, e, i, kMotions), 1, kInterior, kInterior, 1.0, x, &sum);
+        add_product(row_of(vibrating, e, i, kMotions), 1, kInterior, kInterior, x, &sum);
         vibrating.passed(e, rows * i + j) = sum;
       }
       add_ends(row, vibrating.response, &vibrating.by_ends(e, 12 * j));
@@ -417,7 +423,7 @@ void rows_times_motion(const VibratingBlock& vibrating, const KernelView<double*
     const int rows = are_stresses ? layout.stresses() : vibrating.momenta();
     double* out = &to(vibrating.block.first_element + e, 0);
     std::fill_n(out, rows, 0.0);
-    add_product(&matrix(e, 0), rows, layout.motions(), layout.motions(), 1.0, motions, out);
+    add_product(&matrix(e, 0), rows, layout.motions(), layout.motions(), motions, out);
   });
 }
 
@@ -470,9 +476,9 @@ void recover_motion(const VibratingBlock& vibrating, const KernelView<const doub
     solve_factors(&vibrating.factors(e, 0), layout.interior(), &vibrating.pivots(e, 0), motions);
     double* ends = motions + layout.interior();
     load_ends(vibrating, vertex, e, ends);
-    add_product(&vibrating.response(e, 0), layout.interior(), 12, 12, 1.0, ends, motions);
+    add_product(&vibrating.response(e, 0), layout.interior(), 12, 12, ends, motions);
     std::copy_n(rows, layout.stresses(), stress);
-    add_product(&vibrating.strain(e, 0), layout.stresses(), layout.motions(), layout.motions(), 1.0, motions, stress);
+    add_product(&vibrating.strain(e, 0), layout.stresses(), layout.motions(), layout.motions(), motions, stress);
     double* out = increment.data() + vibrating.block.increments_at()(e);
     of_element(vibrating, vibrating.compliance, e).multiply(stress, out);
     std::copy_n(motions, layout.interior(), out + layout.stresses());
@@ -484,18 +490,6 @@ namespace {
 /// Columns that pass through the matrices of an element at once, each in a lane; a pass with fewer costs the same.
 constexpr int kColumns = 4;
 using Columns = Pack<kColumns>;
-
-/// y += A x, y += A^T x
-KOKKOS_FORCEINLINE_FUNCTION void add_product(const double* a, int rows, int columns, int stride, const Columns* x,
-                                             Columns* y) {
-  for (int i = 0; i < rows; ++i)
-    for (int j = 0; j < columns; ++j) y[i] += a[i * stride + j] * x[j];
-}
-KOKKOS_FORCEINLINE_FUNCTION void add_transposed_product(const double* a, int rows, int columns, int stride,
-                                                        const Columns* x, Columns* y) {
-  for (int i = 0; i < rows; ++i)
-    for (int j = 0; j < columns; ++j) y[j] += a[i * stride + j] * x[i];
-}
 
 /// Some columns of one element.
 template <int K>
@@ -521,7 +515,7 @@ struct ElementColumns {
   double* excess(int column) const { return &of.excess(local(), of.stresses * column); }
   double* momenta(int column) const { return of.momenta + of.momenta_of_column * column + of.place(local()); }
   const double* forces(int column) const { return of.forces + of.momenta_of_column * column + of.place(local()); }
-  /// Of the stresses `capped`, which are all where a section is no plain one.
+  /// For the stresses `capped`, which are all where a section is no plain one.
   void multiply(const KernelView<double**>& matrix, const Columns* x, Columns* y) const {
     const StressMatrix m = of_element(vibrating, matrix, e);
     for (size_t i = 0; i < vibrating.capped.extent(0); ++i)
@@ -614,11 +608,11 @@ void stiffness_forms(const VibratingBlock& vibrating, const KernelView<const dou
     double motions[kMostMotions], strain[kMostStresses] = {}, by_stress[kMostStresses], sum = 0.0;
     std::copy_n(stress + layout.stresses(), layout.interior(), motions);
     load_ends(vibrating, vertex, e, motions + layout.interior());
-    add_product(&vibrating.strain(e, 0), layout.stresses(), n, n, 1.0, motions, strain);
+    add_product(&vibrating.strain(e, 0), layout.stresses(), n, n, motions, strain);
     of_element(vibrating, vibrating.own, e).multiply(stress, by_stress);
     for (int s = 0; s < layout.stresses(); ++s) sum += stress[s] * (2.0 * strain[s] - by_stress[s]);
     double bent[kMostMotions] = {};
-    add_product(&vibrating.geometric(e, 0), n, n, n, 1.0, motions, bent);
+    add_product(&vibrating.geometric(e, 0), n, n, n, motions, bent);
     for (int i = 0; i < n; ++i) sum += motions[i] * bent[i];
     forms(vibrating.block.first_element + e) = sum;
   });
@@ -636,7 +630,7 @@ void add_equations(const VibratingBlock& vibrating, const KernelView<const doubl
       double motions[kMostMotions], strains[kMostStresses] = {}, by_stress[kMostStresses], forces[kMostMotions] = {};
       std::copy_n(stress + layout.stresses(), layout.interior(), motions);
       load_ends(vibrating, vertex, e, motions + layout.interior());
-      add_product(&vibrating.strain(e, 0), layout.stresses(), n, n, 1.0, motions, strains);
+      add_product(&vibrating.strain(e, 0), layout.stresses(), n, n, motions, strains);
       of_element(vibrating, vibrating.own, e).multiply(stress, by_stress);
       double* out = rows.data() + vibrating.block.increments_at()(e);
       for (int s = 0; s < layout.stresses(); ++s) {
@@ -646,7 +640,7 @@ void add_equations(const VibratingBlock& vibrating, const KernelView<const doubl
         out[s] += (strains[s] - by_stress[s]) / weight;
       }
       add_transposed_product(&vibrating.strain(e, 0), layout.stresses(), n, n, stress, forces);
-      add_product(&vibrating.geometric(e, 0), n, n, n, 1.0, motions, forces);
+      add_product(&vibrating.geometric(e, 0), n, n, n, motions, forces);
       for (int i = 0; i < layout.interior(); ++i) out[layout.stresses() + i] += forces[i];
       for (int i = 0; i < 12; ++i) vertex_rows(vibrating.block.first_element + e, i) = forces[layout.interior() + i];
     });

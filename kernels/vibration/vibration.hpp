@@ -27,8 +27,8 @@ struct VibratingBlock {
   bool has_spins = true;                               ///< some mass resists spins: rows of G
   bool transposed = false;                             ///< loads without a potential enter by their transpose
   KernelView<int*> capped{};                           ///< stresses whose compliance the cap may change
-  /// What columns ask for are `rows()` rows: those of G that have mass, then those of D of `capped`. Their response to
-  /// such rows with the vertices held, and to motions of the vertices; `left_by_ends` as `left`.
+  /// Columns ask for rows() rows, those of G, then those of D of `capped`: their response to such rows while the
+  /// vertices are held, and to motions of the vertices; `left_by_ends` as `left`.
   KernelView<double**> passed{}, by_ends{}, left_by_ends{};
   VibrationLayout layout() const { return {block.order, block.interior.force_points}; }
   int velocities_of_point() const { return has_spins ? 6 : 3; }
@@ -36,8 +36,8 @@ struct VibratingBlock {
   int rows() const { return momenta() + static_cast<int>(capped.extent(0)); }
 };
 
-/// What becomes of the matrices of an element: nothing, they are condensed, the pivots of the interior are counted as
-/// well, or what columns need is kept as well.
+/// Use of the matrices of an element: as they are, condensed, with the pivots of the interior counted, or with what
+/// columns need.
 enum class VibrationUse { matrices, condensed, counted, columns };
 
 /// Several right-hand sides of momenta alone, which share one pass over the matrices of the elements; arrays of local

@@ -29,6 +29,8 @@ constexpr double kLocated = 1e-13;
 constexpr int kMostSamples = 90, kMostHalvings = 20;
 
 bool is_complex(const std::complex<double>& squared) { return std::abs(squared.imag()) > kComplex * std::abs(squared); }
+/// Of `high`, where values between two samples are interpolated.
+double share_at(double here, double low, double high) { return high == low ? 1.0 : (here - low) / (high - low); }
 bool lies_between(double x, double a, double b) { return x > std::min(a, b) && x < std::max(a, b); }
 
 }  // namespace
@@ -181,8 +183,7 @@ std::optional<CriticalPoint> FlutterFinder::locate(Sample low, Sample high) {
                       high.complex_values() / 2, high.state, high.modes[cluster.first]};
   point.modes = static_cast<int>(cluster.count);
   point.error = change;
-  const double share =
-      high.load_factor == low.load_factor ? 1.0 : (here - low.load_factor) / (high.load_factor - low.load_factor);
+  const double share = share_at(here, low.load_factor, high.load_factor);
   point.omega = std::sqrt(std::abs((1.0 - share) * cluster.mean(low) + share * cluster.mean(high)));
   return point;
 }
@@ -215,7 +216,8 @@ std::optional<CriticalPoint> FlutterFinder::locate_damped(Sample low, Sample hig
   const size_t most = high.most_growing();
   CriticalPoint point{CriticalKind::flutter, here, 0, 1, high.state, high.modes[most]};
   point.error = change;
-  point.omega = high.rates[most].imag();
+  const double share = share_at(here, low.load_factor, high.load_factor);
+  point.omega = (1.0 - share) * low.rates[low.most_growing()].imag() + share * high.rates[most].imag();
   return point;
 }
 

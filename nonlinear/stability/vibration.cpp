@@ -40,8 +40,6 @@ constexpr double kFound = 1e-7;
 constexpr double kChained = 1e-8;
 /// Frequency over the size of the rate beyond which the imaginary part of a mode has digits left.
 constexpr double kOscillates = 1e-6;
-/// Modes that are completed in one pass over the elements.
-constexpr size_t kAtOnce = 4;
 /// The cap is taken out of each solution, by one correction as a rule; a hundred times the usual one leaves sections of
 /// most structures as they are, without any. omega^2 of chains of 100,000 elements is that of the usual cap to 4e-14.
 /// Counts keep the usual one: it lowers omega^2 by 3e-5 there.
@@ -94,7 +92,10 @@ class Vibration {
         shift = kShift * rough;
         continue;
       }
-      complete(pairs, shift, found);
+      for (RitzPair& pair : pairs) {
+        found.push_back(completed(pair, shift));
+        std::vector<double>().swap(pair.vector);
+      }
       std::vector<double> squared;
       for (const VibrationMode& mode : found) squared.push_back(std::norm(mode.rate));
       const double lowest = far_from(shift, squared, kRigid, 1.0);
@@ -123,28 +124,12 @@ class Vibration {
       mass = std::max(mass, dot_product(translation_[axis], translation_[axis]));
     }
     outside_ = operator_.outside();
-    find_moving();
     const Structure& structure = operator_.model().structure();
     const double length = structure.length;
     for (const PointMass& body : operator_.model().scene().point_masses)
       for (const double inertia : body.inertia) mass = std::max(mass, inertia / (length * length));
     if (!(mass > 0.0)) throw InputError("modes need a mass: no section and no point has any");
     return structure.bending_reference / (mass * length * length * length);
-  }
-
-  /// Momenta that some motion has: those of one without any regularity.
-  void find_moving() {
-    MixedVector motion = operator_.model().create_vector();
-    for (const KernelView<double*>& part : {motion.vertex(), motion.writable_interior(false)})
-      for (size_t i = 0; i < part.extent(0); ++i) part(i) = std::sin(1.0 + static_cast<double>(i));
-    const std::vector<double> momenta = operator_.momenta_of(motion);
-    for (size_t i = 0; i < momenta.size(); ++i)
-      if (momenta[i] != 0.0) moving_.push_back(static_cast<int>(i));
-  }
-  std::vector<double> all_momenta(const double* moving) const {
-    std::vector<double> all(operator_.masses().momenta(), 0.0);
-    for (const int i : moving_) all[i] = *moving++;
-    return all;
   }
 
   /// The lowest omega^2 that is not rigid, which are `rigid` times the shift, where the shift is outside of its bounds
@@ -163,7 +148,7 @@ class Vibration {
   /// `rough`: far_from() as far as it is known; 0: `shift` is, that is, it is not asked for.
   std::vector<RitzPair> ritz_pairs(int wanted, bool narrow, double shift, double& rough) {
     KrylovProblem eigen;
-    eigen.unknowns = static_cast<int>(moving_.size());
+    eigen.unknowns = operator_.masses().momenta();
     eigen.symmetric = operator_.symmetric();
     eigen.tolerance = eigen.symmetric ? kResidual : kOfUnsymmetric;
     eigen.goes_on = [&](const std::vector<RitzPair>& pairs) {
@@ -181,18 +166,7 @@ class Vibration {
       eigen.width = std::max(kNarrowBlock, wanted / kNarrowBlocksOfModes);
       eigen.blocks = kNarrowBlocks;
     }
-    eigen.apply = [&](double* block, int columns) {
-      const size_t count = operator_.masses().momenta();
-      if (moving_.size() == count) return operator_.apply(block, columns);
-      std::vector<double> all;
-      for (int j = 0; j < columns; ++j) {
-        const std::vector<double> own = all_momenta(block + moving_.size() * j);
-        all.insert(all.end(), own.begin(), own.end());
-      }
-      operator_.apply(all.data(), columns);
-      for (int j = 0; j < columns; ++j)
-        for (const int i : moving_) *block++ = all[count * j + i];
-    };
+    eigen.apply = [&](double* block, int columns) { operator_.apply(block, columns); };
     std::vector<RitzPair> pairs = largest_eigenpairs(eigen, wanted);
     double largest = 0.0;
     const auto size = [](const RitzPair& pair) { return std::hypot(pair.value, pair.imaginary); };
@@ -205,25 +179,9 @@ class Vibration {
 
   /// One more solution makes the mode, and its Rayleigh quotient the eigenvalue: with compliances in place of
   /// stiffnesses, in whose rounding small eigenvalues would be lost.
-  void complete(std::vector<RitzPair>& pairs, double shift, std::vector<VibrationMode>& found) {
-    const size_t count = operator_.masses().momenta();
-    for (size_t first = 0; first < pairs.size(); first += kAtOnce) {
-      const size_t columns = std::min(kAtOnce, pairs.size() - first);
-      std::vector<double> momenta;
-      for (size_t j = first; j < first + columns; ++j) {
-        const std::vector<double> own = all_momenta(pairs[j].vector.data());
-        std::vector<double>().swap(pairs[j].vector);
-        momenta.insert(momenta.end(), own.begin(), own.end());
-      }
-      std::vector<VibrationOperator::Response> motions;
-      operator_.apply(momenta.data(), static_cast<int>(columns), &motions);
-      for (size_t j = 0; j < columns; ++j)
-        found.push_back(completed(pairs[first + j], shift, std::move(motions[j]),
-                                  {momenta.begin() + count * j, momenta.begin() + count * (j + 1)}));
-    }
-  }
-  VibrationMode completed(const RitzPair& pair, double shift, VibrationOperator::Response found,
-                          std::vector<double> momenta) {
+  VibrationMode completed(const RitzPair& pair, double shift) {
+    VibrationOperator::Response found = operator_.respond(pair.vector.data());
+    std::vector<double> momenta = operator_.momenta_of(found.motion);
     VibrationMode mode{{0.0, std::move(found.motion)}, {}, 0.0, {}};
     const double outside = number_of_root(operator_.unknowns().root(), [&] {
       std::vector<double> force(found.y.size());
@@ -352,7 +310,6 @@ class Vibration {
   double load_factor_;
   const ModeSearchObserver& observer_;
   bool with_momenta_;
-  std::vector<int> moving_{};
   std::array<std::vector<double>, 3> translation_{};  ///< momenta of velocity one along each axis
   SparseMatrix outside_{};                            ///< what springs, loads and constraints add to K; rank 0
 };

@@ -144,8 +144,8 @@ void VibrationOperator::expand(const double* y, DofVector& motion) {
   system_.expand(remaining_, motion);
 }
 
-/// Motions that belong to columns of momenta, which are replaced: of the vertices alone.
-std::vector<VibrationOperator::Response> VibrationOperator::solve(MomentumColumns& of) {
+/// Replaces columns of momenta by those of the motions that belong to them.
+void VibrationOperator::solve(MomentumColumns& of) {
   std::vector<MixedVector> rows, motions;
   for (int j = 0; j < of.columns; ++j) {
     rows.push_back(model_.create_vector());
@@ -158,39 +158,28 @@ std::vector<VibrationOperator::Response> VibrationOperator::solve(MomentumColumn
     y.insert(y.end(), own.begin(), own.end());
   }
   on_root(unknowns_.root(), [&] { solve_reduced(y, of.columns); });
-  const auto of_column = [&](int j) { return y.data() + y.size() / of.columns * j; };
-  for (int j = 0; j < of.columns; ++j) expand(of_column(j), motions[j].vertex_dofs());
+  for (int j = 0; j < of.columns; ++j) expand(y.data() + y.size() / of.columns * j, motions[j].vertex_dofs());
   masses_.recover_columns(state_, of, motions);
-  std::vector<Response> found;
-  for (int j = 0; j < of.columns; ++j)
-    found.push_back({std::move(motions[j]), std::vector<double>(of_column(j), of_column(j + 1))});
-  return found;
 }
 
-void VibrationOperator::apply(double* momenta, int columns, std::vector<Response>* motions) {
+void VibrationOperator::apply(double* momenta, int columns) {
   const size_t count = masses_.momenta();
   const bool corrects = tangent_->cap().cuts_off;
-  const std::vector<double> given(momenta, momenta + (corrects || motions != nullptr ? count * columns : 0));
+  const std::vector<double> given(momenta, momenta + (corrects ? count * columns : 0));
   if (!corrects_slowly_) {
-    MomentumColumns of = masses_.columns_of(momenta, columns, corrects, motions != nullptr);
-    std::vector<Response> found = solve(of);
-    if (corrects) corrects_slowly_ = !correct(of, motions != nullptr ? &found : nullptr);
-    for (int j = 0; j < columns && motions != nullptr && !corrects_slowly_; ++j)
-      masses_.recover_column(&given[count * j], of, j, found[j].motion);
-    if (motions != nullptr) *motions = std::move(found);
+    MomentumColumns of = masses_.columns_of(momenta, columns, corrects);
+    solve(of);
+    if (corrects) corrects_slowly_ = !correct(of);
   }
   if (!corrects_slowly_) return;
-  if (motions != nullptr) motions->clear();
   for (int j = 0; j < columns; ++j) {
-    Response found = respond(&given[count * j]);
-    const std::vector<double> image = momenta_of(found.motion);
+    const std::vector<double> image = momenta_of(respond(&given[count * j]).motion);
     std::copy(image.begin(), image.end(), momenta + count * j);
-    if (motions != nullptr) motions->push_back(std::move(found));
   }
 }
 
 /// Takes what the cap leaves out of columns that are solved; false where that is slow.
-bool VibrationOperator::correct(MomentumColumns& of, std::vector<Response>* motions) {
+bool VibrationOperator::correct(MomentumColumns& of) {
   std::vector<double> left = masses_.excess_norms(of), allowed = left;
   for (double& norm : allowed) norm *= cap_left();
   std::vector<double>& more = correction_;
@@ -204,16 +193,11 @@ bool VibrationOperator::correct(MomentumColumns& of, std::vector<Response>* moti
     return any;
   };
   while (any_is_left()) {
-    if (motions != nullptr) masses_.keep_excess(of);
-    const std::vector<Response> found = solve(of);
+    solve(of);
     const std::vector<double> now = masses_.excess_norms(of);
     for (int j = 0; j < of.columns; ++j)
       if (is_left(j) && !(now[j] <= kFastCorrection * left[j])) return false;
     for (size_t i = 0; i < more.size(); ++i) sum[i] += more[i];
-    for (size_t j = 0; motions != nullptr && j < motions->size(); ++j) {  // interiors follow
-      (*motions)[j].motion.vertex_dofs().update(1.0, found[j].motion.vertex_dofs(), 1.0);
-      add_multiple(1.0, found[j].y, (*motions)[j].y);
-    }
     left = now;
   }
   return true;

@@ -56,8 +56,7 @@ class VibrationOperator {
   Response respond(const double* momenta, const double* strains = nullptr);
   /// Replaces columns of momenta by G (K + shift M)^-1 G^T times them: respond() with one pass over the elements, which
   /// are condensed for columns.
-  /// `motions`: receives those, where they are asked for.
-  void apply(double* momenta, int columns, std::vector<Response>* motions = nullptr);
+  void apply(double* momenta, int columns);
   std::vector<double> momenta_of(const MixedVector& motion) const { return masses_.momenta_of(state_, motion); }
 
   /// phi . (K - square M) phi of motions of the operator `of`, on the same mesh: their free motions, interiors and
@@ -67,8 +66,8 @@ class VibrationOperator {
  private:
   Response solve(MixedVector& rows);
   Response solve_interior(const MixedVector& rows);
-  std::vector<Response> solve(MomentumColumns& of);
-  bool correct(MomentumColumns& of, std::vector<Response>* motions);
+  void solve(MomentumColumns& of);
+  bool correct(MomentumColumns& of);
   std::vector<double> condense(MixedVector& rows, DofVector& motion);
   void expand(const double* y, DofVector& motion);
   void correct_by_gmres(MixedVector excess, double norm, double reduction, Response& found);
