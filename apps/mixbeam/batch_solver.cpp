@@ -319,8 +319,8 @@ std::vector<CaseResult> BatchSolver::checked(const Simulation& simulation, const
     result.residual = check.residual;
     result.stable = simulation.stability().stable;
     // a structure alone has converged by the tests that it was solved with; beside others it has to show it
-    const double allowed =
-        balance_tolerance(elements_of(scenes[part]), elements_of_longest_member(scenes[part]), check.residual);
+    const double allowed = balance_tolerance(elements_of(scenes[part]), elements_of_longest_member(scenes[part]),
+                                             check.residual, rounding_of_levers(scenes[part]));
     const bool balances = check.force_error <= allowed && check.moment_error <= allowed;
     const bool settled = !merged || check.residual <= app_.solver.newton.residual_tolerance;
     result.converged = balances && settled;

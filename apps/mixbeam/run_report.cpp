@@ -155,14 +155,26 @@ std::string percent(double value) { return formatted("%.3g %%", 100.0 * value); 
 
 }  // namespace
 
-double balance_tolerance(double elements, double of_longest_member, double residual) {
+double rounding_of_levers(const Scene& scene) {
+  vector_algebra::Box box;
+  double farthest = 0.0;
+  for (const Point& point : scene.points) {
+    box.enclose(point.position);
+    farthest = std::max(farthest, vector_algebra::norm(point.position));
+  }
+  const double size = scene.points.size() > 1 ? box.diagonal() : 0.0;
+  return size > 0.0 ? std::numeric_limits<double>::epsilon() * farthest / size : 0.0;
+}
+
+double balance_tolerance(double elements, double of_longest_member, double residual, double levers) {
   const double along_members =
       kRowsAndLevers * std::min(kResidualOfRow, residual) * std::sqrt(elements * of_longest_member);
   return std::max({kBalanceTolerance, kResidualOfRow * std::sqrt(elements), along_members}) +
-         std::numeric_limits<double>::epsilon() * elements;
+         std::numeric_limits<double>::epsilon() * elements + levers;
 }
 
 RunReport::RunReport(const QuantitySet* quantities, const Scene& scene) : quantities_(quantities) {
+  levers_ = rounding_of_levers(scene);
   vector_algebra::Box box;
   for (const Point& point : scene.points) box.enclose(point.position);
   if (scene.points.size() > 1) length_ = box.diagonal();
@@ -177,7 +189,7 @@ RunReport::RunReport(const QuantitySet* quantities, const Scene& scene) : quanti
 void RunReport::follow(int step, double load_factor, const double* values) {
   for (std::size_t i = 0; i < followed_.size(); ++i) {
     Followed& one = followed_[i];
-    one.last = values[i];
+    one.last = std::isnan(values[i]) ? std::numeric_limits<double>::quiet_NaN() : values[i];  // without its sign
     if (step == 0 && !std::isfinite(values[i])) continue;  // a ratio of what is zero without loads
     const QuantitySet::Column& column = quantities_->columns()[i];
     if (column.is_limited) follow_limit(load_factor, values[i], quantities_->asked(column), one);
@@ -209,8 +221,8 @@ void RunReport::add(const StepRecord& record) {
   const auto larger = [](double a, double b) { return b <= a ? a : b; };  // keeps what is not a number
   int longest = 0;
   record.members.for_each_known([&](const SampledMember& member) { longest = std::max(longest, member.elements); });
-  balance_tolerance_ = std::max(
-      balance_tolerance_, balance_tolerance(static_cast<double>(record.members.elements()), longest, record.residual));
+  balance_tolerance_ = std::max(balance_tolerance_, balance_tolerance(static_cast<double>(record.members.elements()),
+                                                                      longest, record.residual, levers_));
   force_error_ = larger(force_error_, record.balance.force_error);
   moment_error_ = larger(moment_error_, record.balance.moment_error);
   farthest_ =
@@ -420,6 +432,11 @@ void RunReport::add_end(Application& app, const std::string& run) const {
   // where the displacement is controlled, only a state that is unstable with it prescribed is left by the structure
   if (end.stable == "false" && end.held != "true")
     app.summary.warnings.push_back(run + ": the last state is unstable: " + kDoesNotStay);
+  std::vector<std::string> infinite;
+  for (std::size_t i = 0; i < followed_.size(); ++i)
+    if (!std::isfinite(followed_[i].last) && !quantities_->asked(quantities_->columns()[i]).formula.empty())
+      infinite.push_back(quantities_->columns()[i].name);
+  if (!infinite.empty()) app.warn(run + ": formulas without a finite value at the end: " + quoted_list(infinite));
 }
 
 void print_ends(std::ostream& out, const Summary& summary, bool controlled) {

@@ -9,8 +9,10 @@ namespace mixbeam {
 /// Reactions must balance the loads in every run. Newton's method ends at a scaled residual of 1e-11 in each row, and
 /// the sums run over the rows of all elements: what is left there adds up like a random walk, the rounding errors of
 /// the sums with their number. Along a member in tension what is left points to one side, and adds up to as many times
-/// the `residual` of the step as it has elements.
-double balance_tolerance(double elements, double of_longest_member, double residual);
+/// the `residual` of the step as it has elements. `levers`: rounding_of_levers().
+double balance_tolerance(double elements, double of_longest_member, double residual, double levers);
+/// Rounding of the coordinates of a scene over its size: what moments about its middle are uncertain by.
+double rounding_of_levers(const Scene& scene);
 
 /// Watches the balance of loads and reactions over all steps of a run and keeps the last of them.
 class RunReport {
@@ -87,6 +89,7 @@ class RunReport {
   static double error_of_largest(const Followed& one, const EstimatedValue* estimated);
 
   double length_ = 1.0, bending_ = 0.0;  ///< of the structure; smallest EI: scales of what counts as zero
+  double levers_ = 0.0;                  ///< rounding_of_levers()
   const QuantitySet* quantities_ = nullptr;
   std::vector<std::string> member_names_{}, places_{};
   std::vector<Followed> followed_{};             ///< (column of the set)

@@ -563,6 +563,19 @@ TEST_F(Mixbeam, TheLastWordIsWhetherTheEndIsStable) {
   EXPECT_EQ(text_of(summary).find("warnings"), std::string::npos);
 }
 
+/// Coordinates of 1e8 have 1e-8 of the length left.
+TEST_F(Mixbeam, StructuresFarFromTheOriginBalance) {
+  const auto bent_at = [&](const std::string& start, const std::string& end) {
+    std::string text = changed(column("1", ""), "[1, 0, 0]", end);
+    text = changed(changed(text, "[0, 0, 0]", start), "[-1, 0, 0]", "[0.1, 0.3, 0.2]");
+    return run({"run", write_scene(text), "--quiet", "--output", (folder_ / "results").string()});
+  };
+  const Ended far = bent_at("[1e8, 2e8, 1e8]", "[100000000.6, 200000000.48, 100000000.64]");
+  EXPECT_EQ(far.exit_code, kOk) << far.out;
+  const Ended near = bent_at("[0, 0, 0]", "[0.6, 0.48, 0.64]");
+  expect_in(near.out, {"allowed 1e-10"});
+}
+
 /// A slanted bar is stretched along itself: no moment is at work but those that its forces have about its middle, and
 /// the rows of 3000 elements leave 1e-8 of the little that rounding leaves of its bending moments.
 TEST_F(Mixbeam, ABarThatIsOnlyStretchedBalances) {

@@ -306,6 +306,15 @@ TEST_F(Quantities, StressPointsOfSectionsGivenByStiffnesses) {  // E = 1 / I: M 
   expect_in(ended.out, {"largest stress in"});
 }
 
+TEST_F(Quantities, FormulasWithoutAFiniteValueAreWarnedOf) {
+  const std::string none = "none: {Quantity: formula, Formula: 0 / (sag_y - sag_y)}";
+  const Ended ended = run(asking(kTip + ", " + none));
+  EXPECT_EQ(ended.exit_code, kOk);
+  expect_in(text_of(folder_ / "sum.json"), {"formulas without a finite value at the end: \\\"none\\\""});
+  run(asking(kTip + ", twice: {Quantity: formula, Formula: 2 * sag_y}"));
+  EXPECT_EQ(text_of(folder_ / "sum.json").find("without a finite value"), std::string::npos);
+}
+
 TEST_F(Quantities, FormulasReferToWhatStandsAboveThem) {
   const std::string twice = "twice: {Quantity: formula, Formula: 2 * sag_y}";
   EXPECT_EQ(run(asking(kTip + ", " + twice)).exit_code, kOk);

@@ -404,6 +404,9 @@ void ConditionReader::read_eigenstrains() {
     check_field(list, "Strain", members, strain.strain_formula, place);
     check_field(list, "Curvature", members, strain.curvature_formula, place);
     add_temperature(strain, place);
+    if (strain.strain[0] <= -1.0 && strain.amplitude.empty())
+      throw place[strain.temperature ? "Temperature" : "Strain"].error(
+          "the axial strain is " + shortest(strain.strain[0]) + ", which leaves no length; allowed: more than -1");
     const Formulas axial = strain.strain_formula, bending = strain.curvature_formula;
     for (const Member* member : members) {
       strain.member = member->name;
