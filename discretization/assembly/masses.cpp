@@ -255,11 +255,12 @@ std::vector<double> Masses::momenta_of(const State& state, const MixedVector& mo
   const KernelView<const double* [6]> vertex = model_->local_increment(motion);
   for (const VibratingBlock& block : blocks_) mixbeam::momenta_of(block, vertex, motion.interior(), of_elements_);
   std::vector<double> all(count_, 0.0);
-  for_each_element(model_->structure(), [&](const ElementView& element) {
-    if (!element.is_owned()) return;
-    std::copy_n(&of_elements_(element.local(), 0), stride_,
-                &all[static_cast<size_t>(stride_) * element.mesh_element()]);
-  });
+  for (const VibratingBlock& block : blocks_)
+    for (int e = 0; e < block.block.count; ++e) {
+      const ElementView element(model_->structure(), block.block, e);
+      if (!element.is_owned()) continue;
+      std::copy_n(&of_elements_(element.local(), 0), block.momenta(), &all[place_(element.local())]);
+    }
   take_momenta_of_bodies(state, vertex, all.data());
   sum_over_ranks(*model_->map()->getComm(), all.data(), all.size());
   return all;
@@ -332,7 +333,7 @@ void Masses::condense_interior(MixedVector& rows) const {
 }
 
 MomentumColumns Masses::columns_of(double* momenta, int columns, bool excess) {
-  MomentumColumns of{columns, static_cast<size_t>(count_), place_, momenta, momenta};
+  MomentumColumns of{columns, static_cast<size_t>(count_), stride_, place_, momenta, momenta};
   const size_t local = model_->structure().local_elements();
   if (ends_.extent(1) != static_cast<size_t>(12 * columns))
     ends_ = KernelView<double**>("mixbeam::vibration::ends", local, 12 * columns);

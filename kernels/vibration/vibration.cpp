@@ -560,6 +560,8 @@ struct ElementColumns {
     add_product(&vibrating.passed(e, rows.begin), vibrating.rows(), rows.count, vibrating.rows(), rows.x, out);
     add_product(&vibrating.by_ends(e, 0), vibrating.rows(), 12, 12, moved, out);
     store(vibrating.momenta(), out, [&](int column) { return momenta(column); });
+    for (int column = first; column < first + count; ++column)
+      std::fill(momenta(column) + vibrating.momenta(), momenta(column) + of.of_element, 0.0);
     if (of.excess.extent(0) > 0) recover_excess(out + vibrating.momenta());
   }
   /// From the strains of `capped`.

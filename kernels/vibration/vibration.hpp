@@ -45,10 +45,11 @@ enum class VibrationUse { matrices, condensed, counted, columns };
 struct MomentumColumns {
   int columns = 0;
   size_t momenta_of_column = 0;
-  KernelView<const int*> place{};        ///< (local element): its first momentum in a column
-  const double* forces = nullptr;        ///< momenta as forces; null: rows of stresses in their place
-  double* momenta = nullptr;             ///< of the motions, which may take the place of the forces
-  KernelView<double**> ends{};           ///< (local element, 12 * column): rows of both vertices
+  int of_element = 0;              ///< momenta of an element, at most: those that it does not have are set to zero
+  KernelView<const int*> place{};  ///< (local element): its first momentum in a column
+  const double* forces = nullptr;  ///< momenta as forces; null: rows of stresses in their place
+  double* momenta = nullptr;       ///< of the motions, which may take the place of the forces
+  KernelView<double**> ends{};     ///< (local element, 12 * column): rows of both vertices
   const double* const* moved = nullptr;  ///< (column): motions (6 * local vertex + component)
   int stresses = 0;                      ///< of an element, at most
   KernelView<double**> excess{};         ///< (local element, stresses * column): rows of excess_rows(); empty: no cap

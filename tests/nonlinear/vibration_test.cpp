@@ -176,6 +176,19 @@ TEST(Vibration, AllModesTakeAllOfTheMass) {
   for (int i = 0; i < 6; ++i) EXPECT_LT(std::abs(modes[i].pair.eigenvalue), 1e-12 * modes[6].pair.eigenvalue);
 }
 
+/// One half has momenta of spins, of nothing that counts; momenta that the other does not have are none of its own.
+TEST(Vibration, MembersWithAndWithoutRotaryInertia) {
+  Scene scene = with_mass(jointed_column(2.0, 4, 4));
+  scene.point_loads.clear();
+  const std::vector<double> plain = squares_at(scene, 0.0, 6, false);
+  scene.sections.push_back(scene.sections[0]);
+  scene.sections[1].name = scene.members[1].section = "turning";
+  scene.sections[1].rotary_inertia = {2e-30, 1e-30, 1e-30};
+  expect_squares(squares_at(scene, 0.0, 6, false), plain, kSame);
+  scene.members[1].order = 5;
+  expect_squares(squares_at(scene, 0.0, 2, false), {plain[0], plain[1]}, kNearlyStraight);
+}
+
 /// A body between two joined halves, and elements with a matrix in place of six stiffnesses.
 TEST(Vibration, JointsAndGeneralSections) {
   Scene scene = with_mass(jointed_column(2.0, 4, 4));
