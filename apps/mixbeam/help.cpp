@@ -96,7 +96,9 @@ const std::map<std::string, const char*>& texts() {
        "is read again and compared. Comments survive the way from XML to YAML.\n\n"
        "usage: mixbeam convert FILE [FILE]... TO [--force]\n\n"
        "Writes a scene of a blade with its sections: files of VABS (NAME.K) or BECAS (NAME.out), one for each section\n"
-       "from root to tip, a blade file of BeamDyn (as SONATA writes it), or a turbine of WindIO in YAML.\n\n"
+       "from root to tip, arrays of ANBA4, a blade file of BeamDyn (as SONATA writes it), an st file of HAWC2, or a "
+       "turbine\n"
+       "of WindIO in YAML.\n\n"
        "  --force              replaces TO if it is there\n\n"},
       {"resume",
        "usage: mixbeam resume RESULTS.h5 [options]\n\n"

@@ -19,7 +19,7 @@ namespace mixbeam {
 
 namespace {
 
-using vector_algebra::cross, vector_algebra::difference, vector_algebra::dot;
+using vector_algebra::cross, vector_algebra::difference, vector_algebra::dot, vector_algebra::unit;
 
 /// Entries across the diagonal that differ by more, over the roots of their diagonal entries, are no rounding: files
 /// have five digits and more.
@@ -34,6 +34,8 @@ constexpr const char* kVabsMass = "The 6X6 Mass Matrix";
 constexpr const char* kBecasStiffness = "Stiffness matrix w.r.t. to the cross section reference point";
 constexpr const char* kBecasMass = "Mass matrix w.r.t. to the cross section reference point";
 constexpr const char* kBeamDynTable = "DISTRIBUTED PROPERTIES";
+constexpr const char* kPrintedArray = "0123456789.eE+-[](), \t\r\n";  ///< as NumPy prints or saves numbers
+constexpr const char* kHawc2Table = "\n$1 ";                          ///< the first of a file's tables, then its rows
 
 /// Place of (x, y, z) and of rotations about them, z along the blade, among (1, 2, 3): a turn of axes, no sign changes.
 constexpr std::array<std::size_t, 6> kAlongZ = {1, 2, 0, 4, 5, 3};
@@ -79,11 +81,15 @@ Matrix6 matrix_below(const std::string& text, const std::string& heading, const 
   throw bad(file, "\"" + heading + "\": no numbers below; allowed: six rows of six numbers");
 }
 
-BladeStation single_section(const std::string& text, const std::string& stiffness, const std::string& mass,
-                            const std::array<std::size_t, 6>& order, const std::string& file) {
+/// Stiffness, and behind it mass if there is one, as arrays of NumPy.
+BladeStation read_anba(std::string text, const std::string& file) {
+  for (char& letter : text)
+    if (std::string("[](),").find(letter) != std::string::npos) letter = ' ';
+  std::istringstream in(text);
   BladeStation station;
-  station.stiffness = matrix_below(text, stiffness, order, file);
-  station.mass = matrix_below(text, mass, order, file);
+  station.stiffness = next_matrix(in, kAlongZ, file, "stiffness");
+  if (!(in >> std::ws).eof()) station.mass = next_matrix(in, kAlongZ, file, "mass");
+  if (!(in >> std::ws).eof()) throw bad(file, "more than two arrays; allowed: stiffness, and mass behind it");
   return station;
 }
 
@@ -103,6 +109,91 @@ std::vector<BladeStation> read_beamdyn(const std::string& text, const std::strin
     station.stiffness = next_matrix(in, kAlongZ, file, at + ", stiffness");
     station.mass = next_matrix(in, kAlongZ, file, at + ", mass");
   }
+  return stations;
+}
+
+/// Rows of the upper triangle, 21 numbers from `next` on.
+Matrix6 matrix_of_triangle(const double* next) {
+  Matrix6 matrix{};
+  for (std::size_t i = 0; i < 6; ++i)
+    for (std::size_t j = i; j < 6; ++j, ++next) {
+      put(matrix, kAlongZ, i, j, *next);
+      put(matrix, kAlongZ, j, i, *next);
+    }
+  return matrix;
+}
+
+/// Of a body with its centre at (x, y); `inertia`: about the axes through the reference point.
+Matrix6 mass_about_axis(double mass, double x, double y, const Vector3& inertia, double product) {
+  const double mx = mass * x, my = mass * y;
+  const std::array<double, 21> triangle = {mass, 0,  0,   0, 0,          -my,      mass, 0,          0, 0,         mx,
+                                           mass, my, -mx, 0, inertia[0], -product, 0,    inertia[1], 0, inertia[2]};
+  return matrix_of_triangle(triangle.data());
+}
+
+/// About the reference point and along axes 2 and 3, from `matrix` about the point (x, y) on them and along axes that
+/// are turned by `angle`: T^T M T, T of strains or velocities.
+Matrix6 about_reference(const Matrix6& matrix, double x, double y, double angle) {
+  const double c = std::cos(angle), s = std::sin(angle);
+  const double t[6][6] = {{1, 0, 0, 0, y, -x},
+                          {0, c, s, s * x - c * y, 0, 0},
+                          {0, -s, c, s * y + c * x, 0, 0},
+                          {0, 0, 0, 1, 0, 0},
+                          {0, 0, 0, 0, c, s},
+                          {0, 0, 0, 0, -s, c}};
+  Matrix6 moved{};
+  for (std::size_t i = 0; i < 6; ++i)
+    for (std::size_t j = 0; j < 6; ++j)
+      for (std::size_t k = 0; k < 6; ++k)
+        for (std::size_t l = 0; l < 6; ++l) moved[i][j] += t[k][i] * matrix[k][l] * t[l][j];
+  return moved;
+}
+
+/// From r, m, x_cg, y_cg, ri_x, ri_y, then pitch, x_e, y_e and the triangle of a matrix (30 numbers), or x_sh, y_sh, E,
+/// G, I_x, I_y, K, k_x, k_y, A, pitch, x_e, y_e (19). Torsion of the latter is about the shear centre; all else, radii
+/// of gyration too, is about the elastic centre along axes turned by the pitch.
+BladeStation station_of_hawc2(const std::vector<double>& v) {
+  const double* axes = &v[v.size() == 30 ? 6 : 16];
+  const double angle = axes[0] * kPi / 180.0, c = std::cos(angle), s = std::sin(angle);
+  const auto from_centre = [&](double x, double y) {
+    return std::array{c * (x - axes[1]) + s * (y - axes[2]), c * (y - axes[2]) - s * (x - axes[1])};
+  };
+  std::array<double, 21> k{};
+  if (v.size() == 30) {
+    std::copy(v.begin() + 9, v.end(), k.begin());
+  } else {
+    const auto [x, y] = from_centre(v[6], v[7]);
+    const double kx = v[9] * v[15] * v[13], ky = v[9] * v[15] * v[14], e = v[8];
+    const double torsion = v[9] * v[12] + kx * y * y + ky * x * x;
+    k = {kx, 0, 0, 0, 0, -kx * y, ky, 0, 0, 0, ky * x, e * v[15], 0, 0, 0, e * v[10], 0, 0, e * v[11], 0, torsion};
+  }
+  const auto [x, y] = from_centre(v[2], v[3]);
+  const double jx = v[1] * v[4] * v[4], jy = v[1] * v[5] * v[5];
+  const Matrix6 mass = mass_about_axis(v[1], x, y, {jx, jy, jx + jy}, 0.0);
+  const auto moved = [&](const Matrix6& matrix) { return about_reference(matrix, axes[1], axes[2], angle); };
+  return {0.0, moved(matrix_of_triangle(k.data())), moved(mass), 0.0, {0.0, 0.0, v[0]}};
+}
+
+std::vector<BladeStation> read_hawc2(const std::string& text, const std::string& file) {
+  std::istringstream in(text.substr(text.find(kHawc2Table) + std::string(kHawc2Table).size()));
+  std::size_t count = 0;
+  std::string line;
+  in >> count;
+  std::getline(in, line);
+  std::vector<BladeStation> stations;
+  while (stations.size() < count && std::getline(in, line)) {
+    std::istringstream words(line);
+    std::vector<double> row;
+    for (double value = 0.0; words >> value;) row.push_back(value);
+    if (!words.eof() || (row.size() != 19 && row.size() != 30))
+      throw bad(file, "table $1: row " + std::to_string(stations.size() + 1) + " has " + std::to_string(row.size()) +
+                          " numbers; allowed: 19, or 30 with a full matrix");
+    stations.push_back(station_of_hawc2(row));
+  }
+  if (count < 2 || stations.size() < count || !(stations.front().place[2] < stations.back().place[2]))
+    throw bad(file, "table $1: " + std::to_string(stations.size()) + " rows of " + std::to_string(count) +
+                        "; allowed: all of them, two or more, from root to tip");
+  for (BladeStation& station : stations) station.position = station.place[2] / stations.back().place[2];
   return stations;
 }
 
@@ -192,13 +283,7 @@ class WindIo {
     for (const std::vector<double>& row : rows) {
       if (row.size() != 21)
         throw bad(file_, "\"" + name + "\": " + std::to_string(row.size()) + " numbers at a place; allowed: 21");
-      Matrix6& matrix = matrices.emplace_back();
-      auto next = row.begin();
-      for (std::size_t i = 0; i < 6; ++i)
-        for (std::size_t j = i; j < 6; ++j, ++next) {
-          put(matrix, kAlongZ, i, j, *next);
-          put(matrix, kAlongZ, j, i, *next);
-        }
+      matrices.push_back(matrix_of_triangle(row.data()));
     }
     return matrices;
   }
@@ -228,46 +313,28 @@ class WindIo {
     const YAML::Node stiffness = need(elastic, "stiffness_matrix"), inertia = need(elastic, "inertia_matrix");
     const auto grid = need(stiffness, "grid").as<std::vector<double>>();
     check_same(grid, need(inertia, "grid").as<std::vector<double>>());
-    std::vector<BladeStation> stations(grid.size());
-    for (std::size_t i = 0; i < grid.size(); ++i) stations[i].position = grid[i];
     const auto column = [&](const YAML::Node& node, const std::string& name) {
       auto values = need(node, name).as<std::vector<double>>();
       check_grid(grid, values.size(), name);
       return values;
     };
-    for (std::size_t i = 0; i < 6; ++i)
-      for (std::size_t j = i; j < 6; ++j) {
-        const auto entry = column(stiffness, "K" + std::to_string(i + 1) + std::to_string(j + 1));
-        for (std::size_t s = 0; s < grid.size(); ++s) {
-          put(stations[s].stiffness, kAlongZ, i, j, entry[s]);
-          put(stations[s].stiffness, kAlongZ, j, i, entry[s]);
-        }
+    std::vector<std::vector<double>> rows(grid.size());
+    for (std::size_t i = 1; i <= 6; ++i)
+      for (std::size_t j = i; j <= 6; ++j) {
+        const auto entry = column(stiffness, "K" + std::to_string(i) + std::to_string(j));
+        for (std::size_t s = 0; s < grid.size(); ++s) rows[s].push_back(entry[s]);
       }
     const auto mass = column(inertia, "mass"), cm_x = column(inertia, "cm_x"), cm_y = column(inertia, "cm_y"),
                edge = column(inertia, "i_edge"), flap = column(inertia, "i_flap"), polar = column(inertia, "i_plr"),
                product = column(inertia, "i_cp");
+    std::vector<BladeStation> stations;
     for (std::size_t s = 0; s < grid.size(); ++s)
-      stations[s].mass = mass_about_axis(mass[s], {cm_x[s], cm_y[s]}, {polar[s], edge[s], flap[s]}, product[s]);
+      stations.push_back({grid[s], matrix_of_triangle(rows[s].data()),
+                          mass_about_axis(mass[s], cm_x[s], cm_y[s], {edge[s], flap[s], polar[s]}, product[s])});
     const YAML::Node outer = need(blade, "outer_shape");
     const YAML::Node axis = blade["reference_axis"] ? blade["reference_axis"] : need(elastic, "reference_axis");
     place_along(axis, over_grid(need(outer, "twist"), "twist"), kPi / 180.0, stations);
     return stations;
-  }
-
-  /// `inertia`: about axes 1, 2, 3 through the reference point.
-  static Matrix6 mass_about_axis(double mass, const std::array<double, 2>& centre, const Vector3& inertia,
-                                 double product) {
-    Matrix6 m{};
-    for (std::size_t i = 0; i < 3; ++i) {
-      m[i][i] = mass;
-      m[3 + i][3 + i] = inertia[i];
-    }
-    m[0][4] = m[4][0] = mass * centre[1];
-    m[0][5] = m[5][0] = -mass * centre[0];
-    m[1][3] = m[3][1] = -mass * centre[1];
-    m[2][3] = m[3][2] = mass * centre[0];
-    m[4][5] = m[5][4] = -product;
-    return m;
   }
 
   std::string file_;
@@ -322,11 +389,6 @@ struct NamedStation {
   BladeStation station;
 };
 
-Vector3 direction_of(const Vector3& v) {
-  const double length = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-  return {v[0] / length, v[1] / length, v[2] / length};
-}
-
 /// Places along the line from the first station to the last, and away from it.
 void set_stations(const std::vector<NamedStation>& all, Teuchos::ParameterList& list) {
   Teuchos::Array<double> position, twist, offset2, offset3;
@@ -334,8 +396,8 @@ void set_stations(const std::vector<NamedStation>& all, Teuchos::ParameterList& 
   const Vector3 &root = all.front().station.place, &tip = all.back().station.place;
   const Vector3 line = difference(tip, root);
   const bool has_axis = dot(line, line) > 0.0;
-  const Vector3 along = has_axis ? direction_of(line) : Vector3{0.0, 0.0, 1.0};
-  const Vector3 axis2 = direction_of({1.0 - along[0] * along[0], -along[0] * along[1], -along[0] * along[2]});
+  const Vector3 along = has_axis ? unit(line) : Vector3{0.0, 0.0, 1.0};
+  const Vector3 axis2 = unit({1.0 - along[0] * along[0], -along[0] * along[1], -along[0] * along[2]});
   const Vector3 axis3 = cross(along, axis2);
   for (const NamedStation& at : all) {
     const Vector3 from = difference(at.station.place, root);
@@ -395,23 +457,32 @@ BladeFormat blade_format(const std::string& text) {
   if (has(kBecasStiffness)) return BladeFormat::becas;
   if (has("station_total") && has(kBeamDynTable)) return BladeFormat::beamdyn;
   if (has("components:") && has("blade:") && has("elastic_properties")) return BladeFormat::windio;
+  if (has(kHawc2Table)) return BladeFormat::hawc2;
+  const bool is_of_numbers = text.find_first_not_of(kPrintedArray) == std::string::npos;
+  if (is_of_numbers && text.find_first_of("0123456789") != std::string::npos) return BladeFormat::anba;
   return BladeFormat::none;
 }
 
 std::vector<BladeStation> read_blade(const std::string& text, const std::string& file) {
   switch (blade_format(text)) {
     case BladeFormat::vabs:
-      return {single_section(text, kVabsStiffness, kVabsMass, kAlongX, file)};
+      return {{0.0, matrix_below(text, kVabsStiffness, kAlongX, file), matrix_below(text, kVabsMass, kAlongX, file)}};
     case BladeFormat::becas:
-      return {single_section(text, kBecasStiffness, kBecasMass, kAlongZ, file)};
+      return {{0.0, matrix_below(text, kBecasStiffness, kAlongZ, file), matrix_below(text, kBecasMass, kAlongZ, file)}};
     case BladeFormat::beamdyn:
       return read_beamdyn(text, file);
     case BladeFormat::windio:
       return WindIo(text, file).stations();
+    case BladeFormat::hawc2:
+      return read_hawc2(text, file);
+    case BladeFormat::anba:
+      return {read_anba(text, file)};
     case BladeFormat::none:
       break;
   }
-  throw bad(file, "no matrices of sections; allowed: VABS (NAME.K), BECAS (NAME.out), blade file of BeamDyn, WindIO");
+  throw bad(file,
+            "no matrices of sections; allowed: VABS (NAME.K), BECAS (NAME.out), arrays of ANBA4, blade file of "
+            "BeamDyn, WindIO, st file of HAWC2");
 }
 
 Teuchos::ParameterList sections_of_blade(const std::string& text, const std::string& file) {
@@ -427,7 +498,8 @@ Teuchos::ParameterList scene_of_blades(const std::vector<std::string>& files, st
   const BladeFormat format = read_all(files, all);
   if (files.size() > 1)
     remarks.emplace_back("the files do not tell where their sections are: they are equally spaced; see Position");
-  const bool along_x = format == BladeFormat::vabs, has_axis = format == BladeFormat::windio;
+  const bool along_x = format == BladeFormat::vabs;
+  const bool has_axis = format == BladeFormat::windio || format == BladeFormat::hawc2;
   Teuchos::ParameterList root("blade");
   Teuchos::ParameterList& scene = root.sublist("Scene");
   if (!has_axis) {

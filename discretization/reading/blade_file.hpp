@@ -11,8 +11,9 @@
 namespace mixbeam {
 
 /// Programs whose files are read: VABS (NAME.K), BECAS (its report NAME.out), BeamDyn (blade input file, which SONATA
-/// writes for ANBA4 and VABS), and WindIO (blade of a turbine in YAML, versions 1 and 2).
-enum class BladeFormat { none, vabs, becas, beamdyn, windio };
+/// writes for ANBA4 and VABS), WindIO (blade of a turbine in YAML, versions 1 and 2), HAWC2 (st file), and ANBA4
+/// (arrays as NumPy prints or saves them as text).
+enum class BladeFormat { none, vabs, becas, beamdyn, windio, hawc2, anba };
 
 /// One section along a blade.
 struct BladeStation {
@@ -20,7 +21,7 @@ struct BladeStation {
   Matrix6 stiffness{};    ///< of (gamma_1, gamma_2, gamma_3, kappa_1, kappa_2, kappa_3) about the reference axis
   Matrix6 mass{};         ///< of (velocity, spin) in the same order, kinetic energy 1/2 v . M v; zero: not in the file
   double twist = 0.0;     ///< of axes 2 and 3 about axis 1 [radian]
-  Vector3 place{};        ///< of the reference axis along the axes (2, 3, 1) of a section without twist; WindIO alone
+  Vector3 place{};  ///< of the reference axis along the axes (2, 3, 1) of a section without twist; WindIO and HAWC2
 };
 
 /// What the text of a file is, by words that each format writes.

@@ -26,15 +26,37 @@ void expect_known(const BladeStation& station, const Known& known) {
 
 TEST(BladeFile, EachFormatGivesTheSectionAboutItsReferencePoint) {
   const Known known = known_section();
-  for (const std::string& text : {vabs(known), becas(known), beamdyn(known), windio(known)}) {
+  for (const std::string& text :
+       {vabs(known), becas(known), anba(known), beamdyn(known), windio(known), hawc2(true), hawc2(false)}) {
     const std::vector<BladeStation> stations = read_blade(text, "blade");
-    ASSERT_EQ(stations.size(),
-              text.find("BEAMDYN") == std::string::npos && text.find("blade:") == std::string::npos ? 1u : 2u);
+    const BladeFormat format = blade_format(text);
+    const bool is_single = format == BladeFormat::vabs || format == BladeFormat::becas || format == BladeFormat::anba;
+    ASSERT_EQ(stations.size(), is_single ? 1u : 2u);
     for (const BladeStation& station : stations) expect_known(station, known);
   }
   // The twin: axes in another order are another section.
   EXPECT_NE(read_blade(vabs(known), "blade")[0].stiffness[4][4],
             read_blade(becas({known.mass, known.stiffness}), "blade")[0].stiffness[4][4]);
+}
+
+// Against what is written out here: tension at the point (x, y) is that of the axis and of both curvatures.
+TEST(BladeFile, TablesOfHawc2AreAboutElasticAndShearCentres) {
+  const std::string row = " 4 0.5 0 1 1 0.25 -0.5 8 2 3 5 7 0.5 0.25 1 90 0.5 0.125\n";
+  const std::vector<BladeStation> stations = read_blade("#1\n$1 2\n0" + row + "6" + row, "blade");
+  const Matrix6 &k = stations[1].stiffness, &m = stations[1].mass;
+  EXPECT_EQ(stations[1].place[2], 6.0);
+  // Axis x of the ellipse of inertia is axis y here, so that k_x = 0.5 shears along y.
+  EXPECT_NEAR(k[1][1], 0.25 * 2.0, kRounding);
+  EXPECT_NEAR(k[2][2], 0.5 * 2.0, kRounding);
+  EXPECT_NEAR(k[2][3], 1.0 * 0.25, kRounding);
+  EXPECT_NEAR(k[1][3], 0.5 * 0.5, kRounding);
+  EXPECT_NEAR(k[3][3], 2.0 * 7.0 + 1.0 * 0.25 * 0.25 + 0.5 * 0.5 * 0.5, 14.0 * kRounding);
+  EXPECT_NEAR(k[0][4], 8.0 * 0.125, kRounding);
+  EXPECT_NEAR(k[0][5], -8.0 * 0.5, kRounding);
+  EXPECT_NEAR(k[4][4], 8.0 * 5.0 + 8.0 * 0.125 * 0.125, 40.0 * kRounding);
+  EXPECT_NEAR(k[5][5], 8.0 * 3.0 + 8.0 * 0.5 * 0.5, 40.0 * kRounding);
+  EXPECT_NEAR(m[0][5], -4.0 * 0.5, kRounding);
+  EXPECT_NEAR(m[5][5], 4.0 * 1.0 + 4.0 * (0.5 * 0.5 - 0.0), 40.0 * kRounding);
 }
 
 TEST(BladeFile, MassesAreTakenToTheirCentre) {
@@ -66,6 +88,8 @@ TEST(BladeFile, SaysWhatIsWrong) {
   };
   EXPECT_EQ(problem(vabs(known)), "no error");
   EXPECT_NE(problem("nothing").find("allowed: VABS"), std::string::npos);
+  EXPECT_NE(problem("1 2 3\n").find("\"stiffness\": row 1, column 4"), std::string::npos) << problem("1 2 3\n");
+  EXPECT_NE(problem("#1\n$1 2\n0 1 2\n").find("row 1 has 3 numbers"), std::string::npos);
   std::string text = vabs(known);
   text.replace(text.find("300"), 3, "3x0");
   EXPECT_NE(problem(text).find("row 1, column 1 is \"3x0\""), std::string::npos) << problem(text);

@@ -198,7 +198,8 @@ TEST(CoupledSection, FilesOfOtherProgramsBendAlikeInThreeAzimuths) {
   const blade_texts::Known known = blade_texts::known_section();
   const Vector3 tip = tip_of_small_bending(known.stiffness, 10.0, force);
   for (const std::string& text :
-       {blade_texts::vabs(known), blade_texts::becas(known), blade_texts::beamdyn(known), blade_texts::windio(known)}) {
+       {blade_texts::vabs(known), blade_texts::becas(known), blade_texts::anba(known), blade_texts::beamdyn(known),
+        blade_texts::windio(known), blade_texts::hawc2(true), blade_texts::hawc2(false)}) {
     Teuchos::ParameterList sections = sections_of_blade(text, "s.K");
     std::ostringstream matrix;
     matrix << std::setprecision(17);

@@ -86,6 +86,20 @@ inline std::string becas(const Known& known) {
          "Mass matrix w.r.t. to the cross section reference point \nM=\n" + rows_along_z(known.mass);
 }
 
+inline std::string anba(const Known& known) {
+  return "[[" + rows_along_z(known.stiffness) + "]]\n" + rows_along_z(known.mass);
+}
+
+/// About the centre of known_section(): K, then a set that nobody asked for.
+inline std::string hawc2(bool full) {
+  const std::string row = full ? "300 0.3 -0.2 0.2581988897471611 0.31622776601683794 22.918311805232928 0.3 -0.2 "
+                                 "2e9 0 0 0 0 0  3e9 0 0 0 0  7e9 0 0 0  5e7 0 0  6e8 0  4e7"
+                               : "300 0.3 -0.2 0.2581988897471611 0.31622776601683794 0.3 -0.2 7e9 5e9 "
+                                 "0.007142857142857143 0.08571428571428572 0.008 0.4 0.6 1 22.918311805232928 0.3 -0.2";
+  return "2 number of sets\n------\n#1 blade\nr m x_cg y_cg ...\n$1 2\n 0 " + row + "\n 10.5\t" + row +
+         "\n$2 2 stiff\n 0 1\n 1 1\n";
+}
+
 inline std::string beamdyn(const Known& known) {
   const std::string matrices = rows_along_z(known.stiffness) + "\n" + rows_along_z(known.mass) + "\n";
   return "------- BEAMDYN V1.00.* INDIVIDUAL BLADE INPUT FILE ---\nA blade\n---- BLADE PARAMETERS ----\n"
