@@ -235,12 +235,14 @@ class LinearBuckling : private StressedStructure {
     return energy + cap_compliance_form(model_, cap_, motion, motion);
   }
 
-  /// Where energy_at() vanishes, by the secant method; y . K_0 y = 1.
+  /// Where energy_at() vanishes, by the secant method; y . K_0 y = 1. It ends where the energy is rounding and falls no
+  /// more: the next secant would lead anywhere.
   double rayleigh_factor(double first, const std::vector<double>& y) {
     double a = 0.0, b = first, at_a = 1.0;
     for (int i = 0; i < stability_limit.most_secants; ++i) {
       const double at_b = energy_at(b, y);
       if (at_b == at_a) break;
+      if (i > 0 && std::abs(at_b) >= std::abs(at_a)) return a;
       const double next = b - at_b * (b - a) / (at_b - at_a);
       a = b;
       at_a = at_b;
