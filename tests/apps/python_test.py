@@ -229,6 +229,15 @@ class Scenes(InFolder):
         with self.assertRaisesRegex(mixbeam.InputError, 'Force.*unknown name "G"'):
             mixbeam.run(scene)
 
+    def test_shapes_are_those_of_sections(self):
+        """What Drawn As calls rectangle and ellipse has no material."""
+        scene = cantilever()
+        for shape, area in (mixbeam.Rectangle, 8.0), (mixbeam.Ellipse, 2 * np.pi):
+            scene.sections["steel"] = shape(width=2, height=4, E=206e3, nu=0.3)
+            self.assertAlmostEqual(mixbeam.run(scene).sections()["steel"][0, 0] / 206e3, area)
+        scene.point_masses["body"] = mixbeam.PointMass(point="tip", mass=1)
+        self.assertTrue(mixbeam.check(scene))
+
     def test_unknown_names_tell_the_nearest(self):
         scene = cantilever()
         run = mixbeam.run(scene)

@@ -58,7 +58,11 @@ class Declaration:
         """Of its objects: that of a list `Point Loads` of free names is PointLoad."""
         words = inside.name.split()
         last = words[-1]
-        singular = last[:-3] + "y" if last.endswith("ies") else last[:-1] if last.endswith("s") else self.name.strip("<>")
+        singular = self.name.strip("<>")
+        for ending, of_one in ("ies", "y"), ("sses", "ss"), ("s", ""):
+            if last.endswith(ending):
+                singular = last[:-len(ending)] + of_one
+                break
         return "".join(word.capitalize() for word in [*words[:-1], singular])
 
 

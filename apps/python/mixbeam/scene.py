@@ -176,15 +176,13 @@ def classes():
     found = {}
 
     def collect(declaration):
+        for word in declaration.parameters.get("Shape", {}).get("choices", ()):  # before those of Drawn As within it
+            found.setdefault(word.capitalize(), (declaration, {"Shape": word}))
         for inner in declaration.lists.values():
             if inner.free_list:
                 found.setdefault(inner.free_list.class_name(inner), (inner.free_list, {}))
                 collect(inner.free_list)
-            for word in inner.parameters.get("Shape", {}).get("choices", ()):
-                found.setdefault(word.capitalize(), (inner, {"Shape": word}))
             collect(inner)
-        for word in declaration.parameters.get("Shape", {}).get("choices", ()):
-            found.setdefault(word.capitalize(), (declaration, {"Shape": word}))
 
     collect(root())
     return {name: _maker(name, *what) for name, what in found.items()}
