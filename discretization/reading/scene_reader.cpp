@@ -494,7 +494,8 @@ void SceneReader::complete(Member& member, const List& list, const InputPlace& p
 }
 
 void SceneReader::take_only_section(Member& member) const {
-  if (member.section.empty() && scene_.sections.size() == 1) member.section = scene_.sections.front().name;
+  if (member.section.empty() && scene_.sections.size() - section_index_.count(kRigidArm) == 1)
+    member.section = scene_.sections.front().name;
 }
 
 void SceneReader::check_taper(const Member& member, const InputPlace& place) const {
@@ -857,7 +858,8 @@ void SceneReader::check_known(std::size_t index, std::string Member::*name, cons
   Member& member = scene_.members[index];
   std::string& given = member.*name;
   if (known.count(given) > 0) return;
-  const std::vector<std::string> names = in_order(known);
+  std::vector<std::string> names = in_order(known);
+  names.erase(std::remove(names.begin(), names.end(), kRigidArm), names.end());
   place_["Members"][member.name][parameter].attempt([&] {
     const std::string seen =
         given.empty() ? "missing " + what : "value \"" + excerpt(given) + "\" is not a " + what + " of the scene";

@@ -106,6 +106,20 @@ TEST(RigidArms, StandBesideTheirMember) {
                       {"m / End Offset", "follows from a curve"});
 }
 
+/// The section of arms is not one of the scene.
+TEST(RigidArms, LeaveTheOnlySectionTheOnlyOne) {
+  const std::string text =
+      scene_text("A: [0, 0, 0], B: [1, 0, 0], C: [2, 0, 0]",
+                 "m: {Start: A, End: B, Start Offset: [0, 0, 0.5]}, n: {Start: B, End: C, Start Offset: [0, 0, 0.5]}");
+  const Scene scene = scene_from(text);
+  EXPECT_EQ(scene.members.back().section, scene.members[1].section);
+  const std::string refused = message_of([&] {
+    scene_from(changed(text, "Sections: {", "Sections: {other: {EA: 1, GA2: 1, GA3: 1, GIt: 1, EI2: 1, EI3: 1}, "));
+  });
+  expect_in(refused, {"m / Section", "missing section", "\"other\""});
+  EXPECT_EQ(refused.find("rigid arm"), std::string::npos) << refused;
+}
+
 /// Loads, bows and warnings; by its name an arm can be loaded.
 TEST(RigidArms, AreNotMeantByPatternsOfNames) {
   const std::string lists =
