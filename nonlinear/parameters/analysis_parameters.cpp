@@ -95,6 +95,9 @@ BoundList<AnalysisParameters> analysis_parameters() {
 
 const BoundList<AnalysisParameters> kAnalysisParameters = analysis_parameters();
 
+/// A direction that is perpendicular to another one but for rounding.
+constexpr double kNoFreedom = 1e-12;
+
 void require_point(const std::string& name, const Scene& scene, const ParameterSource& source,
                    const ParameterPath& path) {
   std::vector<std::string> points;
@@ -102,6 +105,22 @@ void require_point(const std::string& name, const Scene& scene, const ParameterS
   if (std::find(points.begin(), points.end(), name) == points.end())
     throw source.error(
         path, "value \"" + name + "\" is no point of the scene; did you mean \"" + nearest_name(name, points) + "\"?");
+}
+
+/// A component that a support leaves no freedom cannot be controlled.
+void require_free(const MonitoredComponent& control, const Scene& scene, const ParameterSource& source,
+                  const ParameterPath& path) {
+  for (const Support& support : scene.supports) {
+    if (support.point != control.point) continue;
+    double freedom = 0.0;
+    for (int i = 0; i < 3; ++i)
+      if (!support.displacement_fixed[i]) freedom = std::max(freedom, std::abs(support.axes[i][control.component]));
+    if (freedom <= kNoFreedom)
+      throw source.error(path, "value \"" + std::string(1, "xyz"[control.component]) +
+                                   "\", but a support fixes it at \"" + control.point +
+                                   "\"; allowed: a displacement that is free (a point that is moved " +
+                                   "has a \"Prescribed Displacement\")");
+  }
 }
 
 /// The load factor is the unknown of a controlled displacement: something must grow with it, in every load case.
@@ -179,6 +198,7 @@ AnalysisParameters read_analysis_parameters(Teuchos::ParameterList& list, const 
   if (parameters.control) require_point(parameters.control->point, scene, source, child(control, "Point"));
   if (parameters.control && scene.stages > 1)
     throw source.error(control, "given, but the scene has " + std::to_string(scene.stages) + " stages; allowed: one");
+  if (parameters.control) require_free(*parameters.control, scene, source, child(control, "Component"));
   if (parameters.control) require_loads(scene, source, control);
   parameters.branch_point = read_branch_point(list, scene, source, path);
   require_load_factors(parameters, scene, source, child(child(path, "Modes"), "Load Factors"));

@@ -687,6 +687,18 @@ TEST_F(Mixbeam, AControlledDisplacementNeedsALoad) {
   EXPECT_EQ(run({"check", write_scene(loaded)}).exit_code, kOk);
 }
 
+/// What a support fixes cannot grow to a target.
+TEST_F(Mixbeam, AControlledDisplacementIsFree) {
+  const auto controlled = [&](const std::string& point, const std::string& component) {
+    return run({"check", write_scene(column("1", "Analysis: {Control: {Point: " + point + ", Component: " + component +
+                                                     ", Target: -0.1}}\n"))});
+  };
+  const Ended ended = controlled("foot", "x");
+  EXPECT_EQ(ended.exit_code, kBadInput) << ended.out;
+  expect_in(ended.err, {"\"Analysis / Control / Component\": value \"x\", but a support fixes it at \"foot\""});
+  EXPECT_EQ(controlled("tip", "x").exit_code, kOk);  // the twin
+}
+
 /// A load factor at which no step will end is told before anything is solved, by `check` as by `run`.
 TEST_F(Mixbeam, LoadFactorsWhereNoStepEndsAreRefusedBeforeTheRun) {
   const auto asked_at = [&](const std::string& load_factor, const std::string& lists = "") {
