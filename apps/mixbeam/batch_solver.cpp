@@ -72,6 +72,13 @@ SolvedCases solved_cases(const Simulation& simulation, const SolvedCases& like, 
           layers};
 }
 
+/// At the end of the path of a structure alone, by modes where the tangent does not tell and modes are asked for.
+std::string verdict_of(const Simulation& simulation, const ModesParameters& modes) {
+  const std::string& stable = simulation.stability().stable;
+  if (stable != "unknown" || modes.number == 0) return stable;
+  return judged_by_modes(stable, simulation.vibration_modes(modes.number, modes.in_plane, kPointsByOrder));
+}
+
 std::string cause_of(const LoadPathResult& result) {
   std::string text = formatted("stopped at load factor %.6g", result.load_factor);
   if (result.report && !result.report->attempts.empty()) text += ": " + cause_text(result.report->attempts.back());
@@ -310,6 +317,7 @@ std::vector<CaseResult> BatchSolver::checked(const Simulation& simulation, const
     for (std::size_t i = 0; i < there->states.size(); ++i)
       richer.states.push_back(solved_cases(there->states[i], solved, part_of_member, &there->layers[i]));
   }
+  const std::string stable = verdict_of(simulation, app_.solver.analysis.modes);
   std::vector<CaseResult> results(count);
   for (int part = 0; part < parts.count; ++part) {
     const PartCheck& check = checks[part];
@@ -317,7 +325,7 @@ std::vector<CaseResult> BatchSolver::checked(const Simulation& simulation, const
     result.solved = true;
     result.iterations = simulation.result().newton_iterations;
     result.residual = check.residual;
-    result.stable = simulation.stability().stable;
+    result.stable = stable;
     // a structure alone has converged by the tests that it was solved with; beside others it has to show it
     const double allowed = balance_tolerance(elements_of(scenes[part]), elements_of_longest_member(scenes[part]),
                                              check.residual, rounding_of_levers(scenes[part]));

@@ -340,6 +340,26 @@ TEST_F(Batch, EachCaseTellsWhetherItsEndIsStable) {
   EXPECT_EQ(contents_of(folder_ / "results" / "scene-batch.h5")->count("columns/stable"), 1u);
 }
 
+/// Beck's column flutters at 20.05 EI / L^2; the tangent does not tell.
+TEST_F(Batch, EachCaseIsJudgedByModes) {
+  write_text(folder_ / "beck.yaml", R"(Scene:
+  Variables: {P: 20}
+  Sections: {rod: {Inextensible: true, Shear Rigid: true, GIt: 1, EI2: 1, EI3: 1, Mass: 1}}
+  Points: {foot: [0, 0, 0], head: [0, 0, 1]}
+  Members: {rod: {Start: foot, End: head, Section: rod, Order: 4, Elements: 4, Second Axis: [0, 1, 0]}}
+  Supports: {foot: {Point: foot}}
+  Point Loads: {thrust: {Point: head, Force: ["=-P", 0, 0], Frame: follower, Member: rod}}
+Analysis: {Modes: {Number: 2, In Plane: true}}
+Batch: {Vary: {thrust: {Parameter: Variables/P, First: 20, Last: 20.1, Count: 2}}}
+)");
+  const Ended ended = run_process(program("mixbeam"), {"batch", "beck.yaml", "--output", "results"}, folder_);
+  ASSERT_EQ(ended.exit_code, kOk) << ended.err;
+  const std::vector<Row> found = rows_of(folder_ / "results" / "beck-batch.csv");
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_EQ(found[0].at("stable"), "true");
+  EXPECT_EQ(found[1].at("stable"), "false");
+}
+
 TEST_F(Batch, WhatIsWrongIsNamed) {
   const auto refused = [this](const std::string& table, const std::vector<std::string>& parts) {
     const Ended ended = solve(sweep(), table);

@@ -195,4 +195,7 @@ struct ApplicationDefinition {
 /// 2 bad input, 3 no convergence.
 int run_application(int argc, char** argv, const ApplicationDefinition& definition);
 
+/// The verdict of the frequencies, where eigenvalues of the tangent do not tell whether a state is stable.
+std::string judged_by_modes(const std::string& stable, const std::vector<RecordedVibrationMode>& modes);
+
 }  // namespace mixbeam

@@ -68,6 +68,19 @@ std::string remains_of(const Recording& recording) {
 
 }  // namespace
 
+std::string judged_by_modes(const std::string& stable, const std::vector<RecordedVibrationMode>& modes) {
+  if (modes.empty() || stable != "unknown") return stable;
+  double largest = 0.0;
+  bool grows = false, all_found = true;
+  for (const RecordedVibrationMode& mode : modes) largest = std::max(largest, mode.omega);
+  for (const RecordedVibrationMode& mode : modes) {
+    grows = grows || mode.growth > kRealFrequency * largest;
+    all_found = all_found && mode.confirmed;
+  }
+  if (grows || all_found) return grows ? "false" : "true";
+  return stable;
+}
+
 /// The files of a run, and those who listen to it.
 class Application::Recorder {
  public:
@@ -139,18 +152,6 @@ class Application::Recorder {
     if (step.stability.stable == running.stability().stable) return recording_.observer(running, report);
     recording_.observer(running.at(running.state(), running.load_factor(), step.stability), report);
   }
-  /// Where eigenvalues of the tangent do not tell whether a state is stable, frequencies do.
-  static void judge_by_modes(StepRecord& step) {
-    if (step.vibration.empty() || step.stability.stable != "unknown") return;
-    double largest = 0.0;
-    bool grows = false, all_found = true;
-    for (const RecordedVibrationMode& mode : step.vibration) largest = std::max(largest, mode.omega);
-    for (const RecordedVibrationMode& mode : step.vibration) {
-      grows = grows || mode.growth > kRealFrequency * largest;
-      all_found = all_found && mode.confirmed;
-    }
-    if (grows || all_found) step.stability.stable = grows ? "false" : "true";
-  }
 
   StepRecord record(const Simulation& running, const StepReport& report, const ErrorEstimate* estimate) {
     StepRecord step = running.record(report, recording_.points_per_element, points_);
@@ -158,7 +159,7 @@ class Application::Recorder {
     if (const ModesParameters& modes = parameters_.analysis.modes;
         asks_for_modes(modes, running.load_factor(), running.is_end_of_path(running.load_factor())))
       step.vibration = find_modes(running);
-    judge_by_modes(step);
+    step.stability.stable = judged_by_modes(step.stability.stable, step.vibration);
     if (recording_.quantities != nullptr) follow_quantities(running, report, step);
     if (recording_.gradients) {
       passed_.insert(passed_.end(), report.critical_points.begin(), report.critical_points.end());
