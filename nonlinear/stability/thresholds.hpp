@@ -26,7 +26,7 @@ struct StabilityThresholds {
   /// Below this share of them an eigenvalue is looked at: the cap shifts it by 1e-7, and that of the remaining
   /// system is a few dozen times larger.
   double near_zero = 1e-4;
-  /// The same as a multiple of rounding errors.
+  /// It is looked at, too, below this multiple of its own rounding errors.
   double near_rounding = 100.0;
   /// Modes looked at there: at first, and at most. More zero eigenvalues than this are those of a mechanism.
   double first_null = 4, most_null = 16;
