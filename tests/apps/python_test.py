@@ -206,6 +206,19 @@ class Scenes(InFolder):
         rod.elements = None
         self.assertEqual(rod.elements, 1)
 
+    def test_what_no_file_can_hold_is_refused_in_the_words_of_python(self):
+        scene = cantilever()
+        rod = scene.members["rod"]
+        for name, value in (("section", "a\0"), ("section", "\ud800"), ("elements", 2**31), ("elements", 10**400)):
+            with self.assertRaisesRegex(mixbeam.InputError, f"^Scene / Members / rod / {name.capitalize()}: .*; allowed: "):
+                setattr(rod, name, value)
+        for name in ("", " ", "a\x01"):
+            with self.assertRaisesRegex(mixbeam.InputError, "^Scene / Points: name '.*'; allowed: names"):
+                scene.points[name] = 0, 0, 1
+        scene.name = "a\x01"
+        with self.assertRaisesRegex(mixbeam.InputError, "^name of a scene: "):
+            mixbeam.run(scene)
+
     def test_formulas_are_kept_and_count(self):
         scene = cantilever()
         scene.variables["L"], scene.variables["F"], scene.variables["a"] = 1000, "=L/100", "30 deg"

@@ -143,6 +143,8 @@ class Parameters(MutableMapping):
     def __setitem__(self, name, value):
         if not isinstance(name, str):
             raise InputError(f"{self._place()}: {name!r}; allowed: a text as a name")
+        if not name.strip() or not is_text(name):
+            raise InputError(f"{self._place()}: name {name!r}; allowed: names with letters in them, of one line")
         declaration = self._declaration
         xml = declaration.xml_name(name) or name
         inner, parameter = declaration.inner(xml), declaration.parameter(xml)
@@ -259,6 +261,9 @@ def same(one, other):
 def convert(value, parameter, place):
     """(type in XML, value) of what was given for a declared parameter; None: of one that nobody declares."""
     kind = parameter["type"] if parameter else undeclared_kind(value)
+    for one in _entries(value) or [value]:
+        if isinstance(one, str) and not is_text(one):
+            raise InputError(f"{place}: {one!r}; allowed: a text without control characters")
     if parameter and parameter.get("words") and isinstance(value, (str, bool)):
         return "string", str(value).lower() if isinstance(value, bool) else value
     if parameter and is_formula(value, parameter):
@@ -271,6 +276,11 @@ def convert(value, parameter, place):
         hint = _core.number_hint(value) if isinstance(value, str) and kind in ("int", "double") else ""
         hint = ", like (0, 0, 1)" if kind == "Array(double)" else hint
         raise InputError(f"{place}: {value!r}; allowed: {kind}{hint}") from None
+
+
+def is_text(value):
+    """Whether files of scenes can hold it."""
+    return not any(ord(c) < 32 and c not in "\t\n\r" or 0xD800 <= ord(c) < 0xE000 or c in "\ufffe\uffff" for c in value)
 
 
 def is_formula(value, parameter):
@@ -325,7 +335,10 @@ def _real(value):
 def _integer(value):
     if isinstance(value, (bool, np.bool_)):
         raise TypeError
-    return int(value) if isinstance(value, float) and value.is_integer() else operator.index(value)
+    whole = int(value) if isinstance(value, float) and value.is_integer() else operator.index(value)
+    if not -(2**31) <= whole < 2**31:
+        raise OverflowError
+    return whole
 
 
 def _texts(value):

@@ -10,7 +10,7 @@ import numpy as np
 
 from . import _core
 from .errors import InputError, unknown
-from .parameters import Declaration, Parameters, root
+from .parameters import Declaration, Parameters, is_text, root
 
 
 class Scene(Parameters):
@@ -57,6 +57,8 @@ class Scene(Parameters):
 
     def to_xml(self):
         """The scene as a text: read again, it is the same list."""
+        if not is_text(self.name):
+            raise InputError(f"name of a scene: {self.name!r}; allowed: a text without control characters")
         return '<?xml version="1.0"?>\n' + "".join(self._xml(self.name, ""))
 
     def write(self, file):
