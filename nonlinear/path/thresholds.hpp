@@ -35,7 +35,7 @@ struct PathThresholds {
   double least_share = 1e-8;
   /// Next to known points Newton's method takes three or four iterations.
   double most_iterations_nearby = 15;
-  /// More of them, from a state that is nearly right, cost more than a smaller step or stiffer springs.
+  /// More iterations than this, from a state that is nearly right, cost more than a smaller step or stiffer springs.
   double most_iterations_of_easy_solve = 12;
   /// Between an element and its vertices [rad]: at pi the relative rotation is not unique.
   double largest_end_angle = 2.8;
@@ -45,8 +45,8 @@ struct PathThresholds {
   /// More eigenvalues than kMostSeparated are located where they vanish at one place, up to these, as those of
   /// symmetric structures with as many equal parts.
   double most_multiple = 24;
-  /// More of them are told by their number only in steps as short as this (the structure moves by so much of its size);
-  /// longer ones are halved.
+  /// More critical points than kMostSeparated are told by their number only, in steps as short as this (the structure
+  /// moves by so much of its size); longer ones are halved.
   double short_step = 1e-3;
   /// Beyond an end of a step at which an eigenvalue is zero: far enough for it to have a sign, of relative size 1e-9.
   double beyond_step = 1e-2;

@@ -23,10 +23,10 @@ struct StabilityThresholds {
   /// An eigenvalue below this share of the stresses at work, N L^2/EI or M L/EI, is zero: states are equilibria to
   /// 1e-11.
   double zero = 1e-9;
-  /// Below this share of them an eigenvalue is looked at: the cap shifts it by 1e-7, and that of the remaining
-  /// system is a few dozen times larger.
+  /// Below this share of the stresses at work an eigenvalue is looked at closely: the cap shifts it by 1e-7, and that
+  /// of the remaining system is a few dozen times larger.
   double near_zero = 1e-4;
-  /// It is looked at, too, below this multiple of its own rounding errors.
+  /// Also below this multiple of its rounding error, where that is more than the share above.
   double near_rounding = 100.0;
   /// Modes looked at there: at first, and at most. More zero eigenvalues than this are those of a mechanism.
   double first_null = 4, most_null = 16;
