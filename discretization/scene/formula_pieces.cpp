@@ -294,7 +294,7 @@ std::vector<FormulaAlong> formulas_along(const Scene& scene, const std::function
   for_each_acting(scene, [&](const auto& load, auto kind) {
     if constexpr (kind.along_member)
       kind.for_each_vector(load, [&](const Vector3&, const Formulas* formula, VectorRole) {
-        add(kind.name, load.*kind.target, *formula, kind.range(load));
+        if (formula != nullptr) add(kind.name, load.*kind.target, *formula, kind.range(load));
       });
   });
   for (size_t m = 0; m < scene.members.size(); ++m) {

@@ -46,10 +46,7 @@ void scale(double factor, Load& load) {
     scale(factor, vector);
     if (formula != nullptr) scale(factor, *formula);
   });
-  if constexpr (std::is_same_v<Load, Eigenstrain>) {
-    load.table_factor *= factor;
-    for (Vector3& turn : load.end_turns) scale(factor, turn);
-  }
+  if constexpr (std::is_same_v<Load, Eigenstrain>) load.table_factor *= factor;
 }
 
 /// What stays although it does not act.

@@ -73,6 +73,7 @@ struct ActingKind<Eigenstrain> : UsualKind<Eigenstrain> {
   static void for_each_vector(Load& load, const Visit& visit) {
     visit(load.strain, &load.strain_formula, VectorRole::strain);
     visit(load.curvature, &load.curvature_formula, VectorRole::curvature);
+    for (auto& turn : load.end_turns) visit(turn, kConstant<Load>, VectorRole::curvature);
   }
   static bool is_in_triad(const Eigenstrain&) { return true; }
   static std::array<double, 2> range(const Eigenstrain&) { return {0.0, 1.0}; }

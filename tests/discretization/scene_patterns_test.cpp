@@ -260,6 +260,22 @@ TEST(ScenePatterns, WhatActsGoesWithTheCopies) {
   EXPECT_EQ(turned.supports.size(), 1U);  // of A, on the axis
 }
 
+/// Turns of the ends of a member are curvatures; a mirror image turns the other way about axes 1 and 2, as its axis 3
+/// is the opposite of the image of axis 3.
+TEST(ScenePatterns, TurnsOfEndsGoWithTheCopies) {
+  const std::string turns = "Eigenstrains: {kink: {Member: up, Start Turn: [0.1, 0.2, 0.3], End Turn: [0, 0, 1]}}, ";
+  for (const std::string& pattern : {repeat("[1, 0, 0]", 2), rotate(3), mirror("[1, 0, 0]", "[1, 0, 0]")}) {
+    const Scene scene = scene_from(scene_text(kCell, kCellMembers, patterns({pattern + "Copy: all, "}) + turns));
+    ASSERT_GE(scene.eigenstrains.size(), 2U) << pattern;
+    const double sign = pattern.find("mirror") == std::string::npos ? 1.0 : -1.0;
+    EXPECT_EQ(scene.eigenstrains[1].member, "up (1)");
+    EXPECT_EQ(scene.eigenstrains[1].end_turns[0], (Vector3{sign * 0.1, sign * 0.2, 0.3})) << pattern;
+    EXPECT_EQ(scene.eigenstrains[1].end_turns[1], (Vector3{sign * 0.0, sign * 0.0, 1.0})) << pattern;
+  }
+  EXPECT_EQ(scene_from(scene_text(kCell, kCellMembers, patterns({repeat("[1, 0, 0]", 2)}) + turns)).eigenstrains.size(),
+            1U);
+}
+
 TEST(ScenePatterns, JointsGoWithTheirMembers) {
   const std::string joint = "Joints: {j: {Point: A, Members: [up], Kind: hinge, Axis: [1, 0, 0]}}, ";
   const Scene scene = scene_from(scene_text(kCell, kCellMembers, patterns({rotate(3, "Copy: all")}) + joint));

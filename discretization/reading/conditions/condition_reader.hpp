@@ -119,11 +119,7 @@ class ConditionReader {
   bool goes_along(Support& copy, const PatternCopy& made, const std::string& entry);
   bool goes_along(PointLoad& copy, const PatternCopy& made, const std::string& entry);
   bool goes_along(DistributedLoad& copy, const PatternCopy& made, const std::string& entry);
-  /// Tables and turns belong to their member.
-  bool goes_along(Eigenstrain& copy, const PatternCopy&, const std::string&) {
-    return !copy.strain_table && !copy.curvature_table && vector_algebra::is_zero(copy.end_turns[0]) &&
-           vector_algebra::is_zero(copy.end_turns[1]);
-  }
+  bool goes_along(Eigenstrain& copy, const PatternCopy& made, const std::string& entry);
 
   Support read_support(const List& list, const InputPlace& place);
   void claim_support(const std::string& point, const std::string& name, const InputPlace& place);
@@ -186,6 +182,7 @@ class ConditionReader {
   std::unordered_map<std::string, std::vector<std::string>> entries_;
   std::unordered_map<std::string, std::string> support_at_;           ///< point -> name of its support
   std::unordered_map<std::string, std::set<std::string>> joined_at_;  ///< point -> members in a joint there
+  std::set<std::string> with_tables_;                                 ///< members that have tables of strains
   std::vector<UsedStage> stages_used_;
   std::vector<std::pair<std::string, InputPlace>> amplitudes_;
   std::size_t conditions_ = 0;

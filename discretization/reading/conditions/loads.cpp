@@ -413,6 +413,7 @@ void ConditionReader::read_eigenstrains() {
       strain.strain_formula = along(*member, axial, place["Strain Formula"]);
       strain.curvature_formula = along(*member, bending, place["Curvature Formula"]);
       add<Eigenstrain>(strain, name);
+      if (strain.strain_table || strain.curvature_table) with_tables_.insert(member->name);
     }
   });
 }

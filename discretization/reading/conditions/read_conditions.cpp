@@ -366,6 +366,15 @@ bool ConditionReader::goes_along(DistributedLoad& copy, const PatternCopy&, cons
   return true;
 }
 
+/// The elements and arc lengths of a table are those of the member for which it was made; in a scene that a rest shape
+/// left, each copy has tables of its own.
+bool ConditionReader::goes_along(Eigenstrain& copy, const PatternCopy&, const std::string& entry) {
+  if (!copy.strain_table && !copy.curvature_table) return true;
+  if (with_tables_.count(copy.member) == 0)
+    note_left_out("Eigenstrains", entry, copy.member, "its tables belong to one member");
+  return false;
+}
+
 /// Each listed member takes its joint with it, also to a point that the pattern leaves where it is. Where a pattern
 /// ends there may be nobody whom a copy could be joined to.
 void ConditionReader::copy_joints() {
