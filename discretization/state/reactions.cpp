@@ -162,8 +162,9 @@ class BalanceSums {
   }
   Vec arm(int vertex, const PartSums& part) const {
     const int global = model_.structure().local_vertex_to_global[vertex];
-    return to_vec3(model_.mesh().vertex_position[global]) + load_vector(&state_.views.vertex_displacement(vertex, 0)) -
-           part.center();
+    // far from the origin positions hold fewer digits of displacements: what differs little goes first
+    return (to_vec3(model_.mesh().vertex_position[global]) - part.center()) +
+           load_vector(&state_.views.vertex_displacement(vertex, 0));
   }
   void add(Wrench PartSums::*sum, int vertex, const SpatialLoad& load) {
     PartSums& part = part_at(vertex);

@@ -55,6 +55,17 @@ TEST(Reactions, OfASimplySupportedBeamUnderALineLoad) {
   EXPECT_TRUE(agrees(balance.applied_moment, {0, 0, 0}, 1e-10 * kTiny));
 }
 
+/// Levers are exact however far the structure is from the origin: coordinates of 1e6 hold ten digits of displacements.
+TEST(Balance, OfAStructureFarFromTheOrigin) {
+  Scene scene = cantilever(section(1e4, 5e3, 80, 100), 2.0, 3, 4);
+  for (Point& point : scene.points)
+    for (double& coordinate : point.position) coordinate += 1e6;
+  scene.point_loads = {dead_load("tip", {3, -20, 50}, {1, 2, -3})};
+  const Balance balance = solved(scene).balance();
+  EXPECT_LT(balance.force_error, kBalanced);
+  EXPECT_LT(balance.moment_error, 1e-3 * kBalanced);
+}
+
 /// Couples along a member: their sum, and a sum of moments that large displacements do not spoil.
 TEST(Balance, OfLineLoadsAndCouples) {
   Scene scene = slope_discontinuity(3, 3);
