@@ -43,10 +43,6 @@ constexpr std::array<std::size_t, 6> kAlongX = {0, 1, 2, 3, 4, 5};
 
 InputError bad(const std::string& file, const std::string& problem) { return InputError(file + ": " + problem); }
 
-void put(Matrix6& matrix, const std::array<std::size_t, 6>& order, std::size_t i, std::size_t j, double value) {
-  matrix[order[i]][order[j]] = value;
-}
-
 /// The 36 numbers that come next.
 Matrix6 next_matrix(std::istream& in, const std::array<std::size_t, 6>& order, const std::string& file,
                     const std::string& heading) {
@@ -60,7 +56,7 @@ Matrix6 next_matrix(std::istream& in, const std::array<std::size_t, 6>& order, c
       if (!problem.empty() || !std::isfinite(value))
         throw bad(file, "\"" + excerpt(heading) + "\": row " + std::to_string(i + 1) + ", column " +
                             std::to_string(j + 1) + " is \"" + excerpt(word) + "\"; allowed: six rows of six numbers");
-      put(matrix, order, i, j, value);
+      matrix[order[i]][order[j]] = value;
     }
   return matrix;
 }
@@ -116,10 +112,7 @@ std::vector<BladeStation> read_beamdyn(const std::string& text, const std::strin
 Matrix6 matrix_of_triangle(const double* next) {
   Matrix6 matrix{};
   for (std::size_t i = 0; i < 6; ++i)
-    for (std::size_t j = i; j < 6; ++j, ++next) {
-      put(matrix, kAlongZ, i, j, *next);
-      put(matrix, kAlongZ, j, i, *next);
-    }
+    for (std::size_t j = i; j < 6; ++j, ++next) matrix[kAlongZ[i]][kAlongZ[j]] = matrix[kAlongZ[j]][kAlongZ[i]] = *next;
   return matrix;
 }
 
@@ -211,20 +204,16 @@ struct OverGrid {
 
 class WindIo {
  public:
-  WindIo(const std::string& text, const std::string& file) : file_(file) {
-    try {
-      root_ = YAML::Load(text);
-    } catch (const YAML::Exception& error) {
-      throw bad(file + ":" + std::to_string(error.mark.line + 1), error.msg);
-    }
-  }
+  explicit WindIo(const std::string& file) : file_(file) {}
 
-  std::vector<BladeStation> stations() const {
+  std::vector<BladeStation> stations(const std::string& text) const {
     try {
-      const YAML::Node blade = need(need(root_, "components"), "blade");
+      const YAML::Node blade = need(need(YAML::Load(text), "components"), "blade");
       if (const YAML::Node first = blade["elastic_properties_mb"])
         return matrices_of_version_1(blade, need(first, "six_x_six"));
-      return matrices_of_version_2(blade, structure_of_version_2(blade));
+      const YAML::Node structure = blade["structure"];
+      return matrices_of_version_2(
+          blade, need(structure && structure["elastic_properties"] ? structure : blade, "elastic_properties"));
     } catch (const YAML::Exception& error) {
       throw bad(file_ + ":" + std::to_string(error.mark.line + 1), error.msg);
     }
@@ -235,10 +224,6 @@ class WindIo {
     const YAML::Node child = parent.IsMap() ? parent[name] : YAML::Node();
     if (!child) throw bad(file_, "\"" + name + "\" is missing: no elastic properties of a blade as WindIO writes them");
     return child;
-  }
-  static YAML::Node structure_of_version_2(const YAML::Node& blade) {
-    const YAML::Node structure = blade["structure"];
-    return structure && structure["elastic_properties"] ? structure["elastic_properties"] : blade["elastic_properties"];
   }
 
   OverGrid over_grid(const YAML::Node& node, const std::string& name) const {
@@ -309,7 +294,6 @@ class WindIo {
   }
 
   std::vector<BladeStation> matrices_of_version_2(const YAML::Node& blade, const YAML::Node& elastic) const {
-    if (!elastic) need(blade, "elastic_properties");
     const YAML::Node stiffness = need(elastic, "stiffness_matrix"), inertia = need(elastic, "inertia_matrix");
     const auto grid = need(stiffness, "grid").as<std::vector<double>>();
     check_same(grid, need(inertia, "grid").as<std::vector<double>>());
@@ -338,7 +322,6 @@ class WindIo {
   }
 
   std::string file_;
-  YAML::Node root_;
 };
 
 /// The mean of both triangles.
@@ -472,7 +455,7 @@ std::vector<BladeStation> read_blade(const std::string& text, const std::string&
     case BladeFormat::beamdyn:
       return read_beamdyn(text, file);
     case BladeFormat::windio:
-      return WindIo(text, file).stations();
+      return WindIo(file).stations(text);
     case BladeFormat::hawc2:
       return read_hawc2(text, file);
     case BladeFormat::anba:

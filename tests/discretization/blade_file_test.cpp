@@ -26,8 +26,8 @@ void expect_known(const BladeStation& station, const Known& known) {
 
 TEST(BladeFile, EachFormatGivesTheSectionAboutItsReferencePoint) {
   const Known known = known_section();
-  for (const std::string& text :
-       {vabs(known), becas(known), anba(known), beamdyn(known), windio(known), hawc2(true), hawc2(false)}) {
+  for (const std::string& text : {vabs(known), becas(known), anba(known), beamdyn(known), windio(known),
+                                  windio_2(known), hawc2(true), hawc2(false)}) {
     const std::vector<BladeStation> stations = read_blade(text, "blade");
     const BladeFormat format = blade_format(text);
     const bool is_single = format == BladeFormat::vabs || format == BladeFormat::becas || format == BladeFormat::anba;

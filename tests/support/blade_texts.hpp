@@ -119,4 +119,25 @@ inline std::string windio(const Known& known) {
          "\n        inertia_matrix: " + values("[" + triangle(known.mass) + "], [" + triangle(known.mass) + "]") + "\n";
 }
 
+/// Version 2: a list for each entry of the matrix.
+inline std::string windio_2(const Known& known) {
+  const auto twice = [](const std::string& name, const std::string& value) {
+    return ", " + name + ": [" + value + ", " + value + "]";
+  };
+  std::istringstream entries(triangle(known.stiffness));
+  std::string stiffness, entry;
+  for (int i = 1; i <= 6; ++i)
+    for (int j = i; j <= 6 && std::getline(entries, entry, ','); ++j)
+      stiffness += twice("K" + std::to_string(i) + std::to_string(j), entry);
+  std::ostringstream mass;
+  mass << std::setprecision(17) << twice("mass", "300") << twice("cm_x", "0.3") << twice("cm_y", "-0.2");
+  const char* names[4] = {"i_edge", "i_flap", "i_plr", "i_cp"};
+  const double moments[4] = {known.mass[4][4], known.mass[5][5], known.mass[3][3], -known.mass[4][5]};
+  for (int i = 0; i < 4; ++i) mass << ", " << names[i] << ": [" << moments[i] << ", " << moments[i] << "]";
+  return "components:\n  blade:\n    reference_axis: {grid: [0, 1], x: [0, -4], y: [0, 0], z: [0, 3]}\n"
+         "    outer_shape: {twist: {grid: [0, 1], values: [10, 0]}}\n    structure:\n      elastic_properties:\n"
+         "        stiffness_matrix: {grid: [0, 1]" +
+         stiffness + "}\n        inertia_matrix: {grid: [0, 1]" + mass.str() + "}\n";
+}
+
 }  // namespace mixbeam::blade_texts
