@@ -35,7 +35,6 @@ constexpr const char* kBecasStiffness = "Stiffness matrix w.r.t. to the cross se
 constexpr const char* kBecasMass = "Mass matrix w.r.t. to the cross section reference point";
 constexpr const char* kBeamDynTable = "DISTRIBUTED PROPERTIES";
 constexpr const char* kPrintedArray = "0123456789.eE+-[](), \t\r\n";  ///< as NumPy prints or saves numbers
-constexpr const char* kHawc2Table = "\n$1 ";                          ///< the first of a file's tables, then its rows
 
 /// Place of (x, y, z) and of rotations about them, z along the blade, among (1, 2, 3): a turn of axes, no sign changes.
 constexpr std::array<std::size_t, 6> kAlongZ = {1, 2, 0, 4, 5, 3};
@@ -167,8 +166,16 @@ BladeStation station_of_hawc2(const std::vector<double>& v) {
   return {0.0, moved(matrix_of_triangle(k.data())), moved(mass), 0.0, {0.0, 0.0, v[0]}};
 }
 
+/// Place of the next first table of a set of HAWC2, "$1" and the number of its rows.
+std::size_t next_hawc2_set(const std::string& text, std::size_t from) {
+  return std::min(text.find("\n$1 ", from), text.find("\n$1\t", from));
+}
+
 std::vector<BladeStation> read_hawc2(const std::string& text, const std::string& file) {
-  std::istringstream in(text.substr(text.find(kHawc2Table) + std::string(kHawc2Table).size()));
+  const std::size_t table = next_hawc2_set(text, 0);
+  if (next_hawc2_set(text, table + 1) != std::string::npos)
+    throw bad(file, "several sets of tables (#1, #2, ...); allowed: one, that of the blade");
+  std::istringstream in(text.substr(table + std::string("\n$1 ").size()));
   std::size_t count = 0;
   std::string line;
   in >> count;
@@ -440,7 +447,7 @@ BladeFormat blade_format(const std::string& text) {
   if (has(kBecasStiffness)) return BladeFormat::becas;
   if (has("station_total") && has(kBeamDynTable)) return BladeFormat::beamdyn;
   if (has("components:") && has("blade:") && has("elastic_properties")) return BladeFormat::windio;
-  if (has(kHawc2Table)) return BladeFormat::hawc2;
+  if (next_hawc2_set(text, 0) != std::string::npos) return BladeFormat::hawc2;
   const bool is_of_numbers = text.find_first_not_of(kPrintedArray) == std::string::npos;
   if (is_of_numbers && text.find_first_of("0123456789") != std::string::npos) return BladeFormat::anba;
   return BladeFormat::none;

@@ -89,7 +89,8 @@ TEST(BladeFile, SaysWhatIsWrong) {
   EXPECT_EQ(problem(vabs(known)), "no error");
   EXPECT_NE(problem("nothing").find("allowed: VABS"), std::string::npos);
   EXPECT_NE(problem("1 2 3\n").find("\"stiffness\": row 1, column 4"), std::string::npos) << problem("1 2 3\n");
-  EXPECT_NE(problem("#1\n$1 2\n0 1 2\n").find("row 1 has 3 numbers"), std::string::npos);
+  EXPECT_NE(problem("#1\n$1\t2\n0 1 2\n").find("row 1 has 3 numbers"), std::string::npos);
+  EXPECT_NE(problem(hawc2(true) + hawc2(false)).find("several sets"), std::string::npos);
   std::string text = vabs(known);
   text.replace(text.find("300"), 3, "3x0");
   EXPECT_NE(problem(text).find("row 1, column 1 is \"3x0\""), std::string::npos) << problem(text);
