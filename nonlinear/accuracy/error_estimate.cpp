@@ -51,13 +51,14 @@ int more_orders(const std::vector<Member>& members) {
 }
 
 /// So many orders more in every member; where the order is the highest there is, two elements in place of each one.
+/// `more` orders; 0: every element is halved.
 RicherScene richer_scene(const Model& model, int more) {
   const Scene& scene = model.scene();
   std::shared_ptr<const Mesh> mesh;
   RicherScene richer{std::make_shared<Scene>(scene), std::vector<unsigned char>(scene.members.size(), 0)};
   for (size_t m = 0; m < scene.members.size(); ++m) {
     Member& member = richer.scene->members[m];
-    richer.is_halved[m] = member.order == kMaximumOrder;
+    richer.is_halved[m] = more == 0 || member.order == kMaximumOrder;
     if (!richer.is_halved[m]) {
       member.order += more;
       continue;
@@ -283,9 +284,9 @@ State polished(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters&
   return solve.residual() <= most ? solve.state() : state;
 }
 
-Teuchos::RCP<BeamProblem> richer_problem(const BeamProblem& problem, const SolverParameters& parameters) {
+Teuchos::RCP<BeamProblem> richer_problem(const BeamProblem& problem, const SolverParameters& parameters, bool halved) {
   const Model& model = problem.model;
-  return Teuchos::rcp(new BeamProblem(richer_scene(model, more_orders(model.scene().members)).scene,
+  return Teuchos::rcp(new BeamProblem(richer_scene(model, halved ? 0 : more_orders(model.scene().members)).scene,
                                       model.map()->getComm(), parameters));
 }
 
