@@ -43,9 +43,7 @@ void add_rounds(const AccurateRun& run, ChosenMesh& report) {
 void check_critical_points(Application& app, const std::string& run, const AccurateRun& accurate) {
   const MeshRound& last = accurate.rounds.back();
   if (last.critical_points == 0 && !(last.critical_error > 0.0)) return;
-  const std::vector<Member>& members = accurate.simulation.scene().members;
-  const bool has_kept = std::any_of(members.begin(), members.end(),
-                                    [](const Member& member) { return member.keeps_order && member.keeps_elements; });
+  const bool has_kept = keeps_some_mesh(accurate.simulation.scene());
   if (has_kept)
     app.out() << "  error of critical load factors not estimated: members keep order and elements\n";
   else if (!std::isnan(last.critical_error))

@@ -10,6 +10,8 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <string>
+#include <unordered_set>
 
 namespace mixbeam {
 
@@ -259,10 +261,27 @@ MeshChoice choose(const Candidates& members, double price, double aim, double& e
 
 }  // namespace
 
+namespace {
+
+/// Whether `keeps` holds for a member other than rigid arms, which keep the mesh that they are made with.
+template <class Keeps>
+bool any_but_arms(const Scene& scene, const Keeps& keeps) {
+  std::unordered_set<std::string> rigid;
+  for (const Section& section : scene.sections)
+    if (std::isinf(section.bending_stiffness[0])) rigid.insert(section.name);
+  return std::any_of(scene.members.begin(), scene.members.end(),
+                     [&](const Member& member) { return keeps(member) && rigid.count(member.section) == 0; });
+}
+
+}  // namespace
+
 bool names_no_mesh(const Scene& scene) {
-  return !scene.accuracy && std::none_of(scene.members.begin(), scene.members.end(), [](const Member& member) {
-    return member.keeps_order || member.keeps_elements;
-  });
+  return !scene.accuracy &&
+         !any_but_arms(scene, [](const Member& member) { return member.keeps_order || member.keeps_elements; });
+}
+
+bool keeps_some_mesh(const Scene& scene) {
+  return any_but_arms(scene, [](const Member& member) { return member.keeps_order && member.keeps_elements; });
 }
 
 MeshChoice mesh_of(const Scene& scene) {

@@ -18,8 +18,11 @@ inline constexpr int kLargestRefinement = 4;
 
 /// Of scenes that name neither a mesh nor an accuracy.
 inline constexpr double kAccuracyWithoutMesh = 1e-4;
-/// Whether a scene leaves its mesh to the program: no accuracy, no member that keeps an order or elements.
+/// Whether a scene leaves its mesh to the program: no accuracy, no member that keeps an order or elements. Rigid arms
+/// are exact on the one that they keep.
 bool names_no_mesh(const Scene& scene);
+/// Whether a member, no rigid arm, keeps its order and its elements.
+bool keeps_some_mesh(const Scene& scene);
 
 /// Orders and elements as they stand.
 MeshChoice mesh_of(const Scene& scene);

@@ -47,9 +47,7 @@ class AccurateSolver {
         observer_(observer),
         accuracy_(*scene.accuracy),
         keeps_path_(keeps_path || parameters.analysis.control.has_value()),
-        compares_(start == nullptr &&
-                  std::none_of(scene.members.begin(), scene.members.end(),
-                               [](const Member& member) { return member.keeps_order && member.keeps_elements; })),
+        compares_(start == nullptr && !keeps_some_mesh(scene)),
         most_failures_(start == nullptr ? kMostFailures : 0),
         choice_(start == nullptr ? start_mesh(scene, accuracy_, observer.of_vertices) : *start) {}
 

@@ -108,6 +108,13 @@ class MeshOfASceneWithoutOne(Answers):
         self.solved(ROLLED_UP % (", Order: 2, Elements: 1", moment))
         self.assertGreater(np.linalg.norm(mixbeam.open(self.folder / "scene.h5").displacement("tip") - [-1, 0, 0]), 0.1)
 
+    def test_rigid_arms_name_none(self):
+        arms = ", Start Offset: [0, 0, 0.3], End Offset: [0, 0, 0.3]"
+        expected = f"Expected: {{back: {{Quantity: displacement, Point: tip, Component: x, Value: -1, Absolute Tolerance: {ACCURACY}, Source: circle}}}}\n"
+        for mesh, is_right in (("", True), (", Order: 2, Elements: 1", False)):
+            text = ROLLED_UP % (arms + mesh, 4 * math.pi) + expected  # two turns about an axis along the arms
+            self.assertEqual("no mesh is given" in self.solved(text, code=0 if is_right else 1), is_right)
+
     def test_what_is_given_is_kept(self):
         for mesh, size in ((", Order: 3", (3, 1)), (", Elements: 5", (2, 5)), (", Stations: [0, 0.3, 1]", (2, 2))):
             self.assertNotIn("no mesh is given", self.solved(ROLLED_UP % (mesh, 0.5)))
