@@ -48,6 +48,20 @@ TEST_F(GradientList, StandsInTableFileAndSummary) {
     EXPECT_EQ(contents->count(std::string("steps/000001/gradients/") + name), 1U) << name;
 }
 
+/// Numbers that cannot move to both sides: of a pattern they have no derivative, by themselves they are a mistake.
+TEST_F(GradientList, LeavesOutNumbersAtTheirBounds) {
+  const std::string scene =
+      "{Scene: {Sections: {strip: {Mass: 1, Rotary Inertia: [0, 1, 1]}}}, Quantities: {tip: {Quantity: displacement, "
+      "Point: tip}}, Gradient: {Of: [tip.y], With Respect To: [";
+  Ended ended = run(scene + "'Sections/*/*']}}");
+  EXPECT_EQ(ended.exit_code, kOk) << ended.err << ended.out;
+  expect_in(ended.out,
+            {"no derivative  by Sections/strip/Rotary Inertia[0]", "  by Sections/strip/EI3",
+             "no derivative: the gradient with respect to \"Sections/strip/Rotary Inertia[0]\"", "value >= 0"});
+  ended = run(scene + "'Sections/strip/Rotary Inertia[0]']}}");
+  EXPECT_EQ(ended.exit_code, kCheckFailed) << ended.err << ended.out;
+}
+
 TEST_F(GradientList, FollowsVariablesIntoFormulasOfQuantities) {
   constexpr double kTip = -0.810609024880296;  // elliptic integrals, F L^2 / EI = 10
   const Ended ended =

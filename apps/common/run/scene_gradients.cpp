@@ -23,6 +23,8 @@ namespace {
 /// Steps of differences over the size of a number, of points over the length of the shortest member: with eighth order
 /// truncation and rounding are both 1e-14.
 constexpr double kStepOfNumber = 0.005, kStepOfPoint = 0.002;
+/// Of the step: the farthest point of the smallest differences that NumberDerivatives tries.
+constexpr double kSmallestShare = 4.0 / 64.0;
 /// Each costs eight evaluations of the equations.
 constexpr std::size_t kMostNumbers = 10'000;
 
@@ -180,11 +182,26 @@ std::function<QuantitySet(double)> quantities_with(const XmlParameters& xml, con
   return [&xml, &solved, path](double more) { return quantities_of(list_with(xml, path, more), xml, solved); };
 }
 
-std::vector<SceneNumber> scene_numbers(const Simulation& at, const GradientParameters& asked, const XmlParameters& xml,
-                                       const std::string& load_case) {
+/// Why a number that a pattern means cannot move to both sides, as one at the bound of what is allowed; empty: it can,
+/// or is named itself.
+std::string obstacle(const NumberPath& path, const Simulation& at, const GradientParameters& asked,
+                     const XmlParameters& xml, const std::string& load_case) {
+  const auto is_named = [&](const std::string& text) { return number_path(text).text() == path.text(); };
+  if (std::any_of(asked.by.begin(), asked.by.end(), is_named)) return "";
+  const double step = kSmallestShare * step_of(path, entry_of(xml.list->sublist("Scene"), path), at);
+  try {
+    for (const double more : {-step, step}) scene_with(xml, path, more, at.scene(), load_case);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::vector<SceneNumber> scene_numbers(const Simulation& at, const std::vector<NumberPath>& paths,
+                                       const XmlParameters& xml, const std::string& load_case) {
   const Teuchos::ParameterList& list = xml.list->sublist("Scene");
   std::vector<SceneNumber> numbers;
-  for (const NumberPath& path : all_numbers(list, asked)) {
+  for (const NumberPath& path : paths) {
     SceneNumber& number = numbers.emplace_back();
     number.name = path.text();
     number.step = step_of(path, entry_of(list, path), at);
@@ -194,6 +211,16 @@ std::vector<SceneNumber> scene_numbers(const Simulation& at, const GradientParam
     number.quantities_with = quantities_with(xml, path, at.scene());
   }
   return numbers;
+}
+
+/// Puts numbers that cannot move among the others, without a derivative; a note names the first of them.
+void leave_out(const std::vector<std::string>& obstacles, RecordedGradient& gradient) {
+  for (std::size_t i = 0; i < obstacles.size(); ++i) {
+    if (obstacles[i].empty()) continue;
+    gradient.derivative.insert(gradient.derivative.begin() + static_cast<std::ptrdiff_t>(i),
+                               std::numeric_limits<double>::quiet_NaN());
+    if (gradient.note.empty()) gradient.note = obstacles[i];
+  }
 }
 
 void record(const std::vector<QuantityGradient>& gradients, RecordedGradients& recorded) {
@@ -298,10 +325,16 @@ bool asks_for_critical_points(const GradientParameters& asked) {
 RecordedGradients gradients_at(const Simulation& simulation, const GradientParameters& asked, const Differentiable& of,
                                const XmlParameters& xml, const std::string& load_case) {
   RecordedGradients recorded;
-  for (const NumberPath& path : all_numbers(xml.list->sublist("Scene"), asked)) recorded.numbers.push_back(path.text());
+  std::vector<std::string> obstacles;
+  std::vector<NumberPath> paths;
+  for (const NumberPath& path : all_numbers(xml.list->sublist("Scene"), asked)) {
+    recorded.numbers.push_back(path.text());
+    obstacles.push_back(obstacle(path, simulation, asked, xml, load_case));
+    if (obstacles.back().empty()) paths.push_back(path);
+  }
   if (const std::vector<std::size_t> columns = columns_meant(of.quantities, asked.of); !columns.empty())
     record(simulation.gradients(
-               {of.quantities, columns, scene_numbers(simulation, asked, xml, load_case), asked.by_element}),
+               {of.quantities, columns, scene_numbers(simulation, paths, xml, load_case), asked.by_element}),
            recorded);
   std::vector<std::string> names;
   for (std::size_t i = 1; i <= of.points.size(); ++i) names.push_back(kCriticalLoad + std::to_string(i));
@@ -313,15 +346,16 @@ RecordedGradients gradients_at(const Simulation& simulation, const GradientParam
         throw InputError("it did not come; critical points on the path: " + std::to_string(names.size()));
       load_factor = of.points[i].load_factor;
       const Simulation there = simulation.at(of.points[i].state, load_factor);
-      const std::vector<SceneNumber> numbers = scene_numbers(there, asked, xml, load_case);
+      const std::vector<SceneNumber> numbers = scene_numbers(there, paths, xml, load_case);
       record(there.gradients(of.points[i], {"critical point " + std::to_string(i + 1), numbers, asked.by_element}),
              recorded);
     } catch (const InputError& error) {
-      const std::vector<double> none(recorded.numbers.size(), std::numeric_limits<double>::quiet_NaN());
+      const std::vector<double> none(paths.size(), std::numeric_limits<double>::quiet_NaN());
       recorded.quantities.push_back({name, load_factor, none});
       recorded.quantities.back().note = error.what();
     }
   }
+  for (RecordedGradient& one : recorded.quantities) leave_out(obstacles, one);
   return recorded;
 }
 
