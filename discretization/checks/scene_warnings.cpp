@@ -108,7 +108,8 @@ std::string warned_place(const std::string& list, const std::string& name) {
 // Geometry.
 
 // Coordinates that people type agree to six digits where they are meant to be the same.
-constexpr double kSamePlace = 1e-6;  // of the size of the structure
+constexpr double kSamePlace = 1e-6;            // of the size of the structure
+constexpr double kMostRoundingOfPlace = 1e-9;  // of that size: below what Newton's method and meshes leave as a rule
 // Walking along all members takes time in proportion to this number; beyond it the search is left out.
 constexpr double kMostSteps = 3e6;
 constexpr int kProjections = 8;  // each squares the error of a point's foot on a smooth curve, lines need one
@@ -217,9 +218,22 @@ void add_points_on_members(const SceneSurvey& survey, WarningList& list) {
   for (std::size_t i = 0; i < survey.curves.size(); ++i) add_points_on(i, survey, grid, step, list);
 }
 
+/// Lengths are differences of coordinates, which have sixteen digits.
+void add_far_origin(const SceneSurvey& survey, WarningList& list) {
+  double farthest = 0.0;
+  for (const Point& point : survey.scene.points)
+    for (const double x : point.position) farthest = std::max(farthest, std::abs(x));
+  const double rounding = std::numeric_limits<double>::epsilon() * farthest;
+  if (rounding > kMostRoundingOfPlace * survey.size)
+    list.add("scenes", "Points: coordinates up to " + rounded(farthest, 3) + " are rounded to about " +
+                           rounded(rounding / survey.size, 2) +
+                           " of the size of the structure, and so are lengths; an origin near it keeps all digits");
+}
+
 /// Connections that were probably meant but are not there: points that all but coincide, members that lie on each
 /// other, points that lie on a member which does not know them.
 void add_geometry_warnings(const SceneSurvey& survey, WarningList& list) {
+  add_far_origin(survey, list);
   add_close_points(survey, list);
   add_equal_members(survey, list);
   add_points_on_members(survey, list);

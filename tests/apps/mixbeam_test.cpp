@@ -596,6 +596,22 @@ TEST_F(Mixbeam, ABarThatIsOnlyStretchedBalances) {
   expect_in(wrong.out, {"DO NOT BALANCE: forces 1.0e+00"});
 }
 
+/// Coordinates of 1e8 have eight digits of a length of one, those of 1e6 ten.
+TEST_F(Mixbeam, WarnsOfAnOriginFarAway) {
+  const auto checked = [this](const std::string& place) {
+    return run({"check", write_scene(R"(Scene:
+  Sections: {rod: {EA: 1e4, GA2: 1e3, GA3: 1e3, GIt: 1, EI2: 1, EI3: 1}}
+  Points: {foot: [)" + place + R"(, 0, 0], head: [)" +
+                                     place + R"(, 0, 1]}
+  Members: {rod: {Start: foot, End: head, Section: rod, Order: 3, Elements: 3}}
+  Supports: {foot: {Point: foot}}
+  Point Loads: {p: {Point: head, Force: [1, 0, 0]}}
+)")});
+  };
+  expect_in(checked("1e8").out, {"coordinates up to 1e+08 are rounded to about 2.2e-08 of the size of the structure"});
+  EXPECT_EQ(checked("1e6").out.find("are rounded to about"), std::string::npos);
+}
+
 TEST_F(Mixbeam, StableMayBeExpected) {
   const std::string output = (folder_ / "results").string();
   const auto code_of = [&](const std::string& load, const std::string& value) {
