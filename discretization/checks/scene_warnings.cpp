@@ -35,6 +35,10 @@ struct SceneSurvey {
   const Section& section_of(const Member& member) const { return *sections.at(member.section); }
   /// Reference length of the member's shortest and longest element.
   std::array<double, 2> element_lengths(std::size_t member) const;
+  /// Whether the member's elements are the program's choice, of which a user need not be warned.
+  bool is_divided_by_program(const Member& member) const {
+    return !member.keeps_elements && (scene.accuracy || !names_mesh);
+  }
   /// Length of the element at the start (0) or end (1) of the member.
   double end_element_length(std::size_t member, int end) const;
 
@@ -43,6 +47,7 @@ struct SceneSurvey {
   std::unordered_map<std::string, const Section*> sections;
   std::vector<ReferenceCurve> curves;  ///< of the members
   double size = 0.0;                   ///< diagonal of the box around all points, or the longest member if that is more
+  bool names_mesh = false;             ///< some member that bends keeps an order or elements
 };
 
 /// Warnings in the order in which they were found, those of a kind cut off after the first few.
@@ -77,6 +82,8 @@ SceneSurvey::SceneSurvey(const Scene& surveyed) : scene(surveyed), names(surveye
     curves.push_back(
         make_reference_curve(member, names.position(member.start_point), names.position(member.end_point)));
     size = std::max(size, curves.back().length);
+    const bool bends = std::isfinite(section_of(member).bending_stiffness[0]);
+    names_mesh = names_mesh || (bends && (member.keeps_order || member.keeps_elements));
   }
 }
 
@@ -463,6 +470,7 @@ constexpr double kMostGyrationOfElement = 20.0;  // elements much shorter than t
 constexpr double kMostElementRatio = 100.0;      // of neighbours: the longer one decides about the accuracy
 constexpr int kManyUnknowns = 1'000'000;         // order times elements of one member
 constexpr int kFewElementsOfOrderOne = 4;
+constexpr double kMostTurn = 12.6;           // twist, or angle of an arc: two turns of a member
 constexpr double kMostAngleOfElement = 1.6;  // pi/2: beyond, one element describes more than a quarter of a circle
 // The range that scenes.md states ("Ratios are free in wide ranges"): softer parts are lost in the rounding of the
 // rest.
@@ -531,6 +539,13 @@ void add_division_warnings(const SceneSurvey& survey, WarningList& list) {
   for (std::size_t i = 0; i < survey.scene.members.size(); ++i) {
     const Member& member = survey.scene.members[i];
     const std::string at = warned_place("Members", member.name);
+    if (survey.is_divided_by_program(member)) {
+      const double turn =
+          std::abs(member.twist) + (member.curve.shape == CurveShape::circular_arc ? member.curve.angle : 0.0);
+      if (turn > kMostTurn)
+        list.add("members with a large angle", at + "turns by " + number(turn) + " radian; usually degrees");
+      continue;
+    }
     if (member.order * static_cast<double>(member.elements) > kManyUnknowns)
       list.add("members with many elements", at + std::to_string(member.elements) + " elements of order " +
                                                  std::to_string(member.order) +
@@ -561,6 +576,7 @@ void add_neighbour_warnings(const SceneSurvey& survey, WarningList& list) {
   std::unordered_map<std::string, Range> at_point;
   for (std::size_t i = 0; i < survey.scene.members.size(); ++i) {
     const Member& member = survey.scene.members[i];
+    if (survey.is_divided_by_program(member)) continue;
     for (int end = 0; end < 2; ++end) {
       Range& range = at_point[end == 0 ? member.start_point : member.end_point];
       const double length = survey.end_element_length(i, end);

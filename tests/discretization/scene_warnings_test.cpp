@@ -15,7 +15,9 @@ namespace {
 Section steel() { return {"steel", 7.85e8, {2.7e8, 2.7e8}, 3.8e5, {4.9e5, 4.9e5}}; }
 
 Member line(const std::string& name, const std::string& start, const std::string& end, int elements = 4) {
-  return {name, start, end, {}, "steel", 2, elements};
+  Member member{name, start, end, {}, "steel", 2, elements};
+  member.keeps_elements = true;
+  return member;
 }
 
 /// An L of two rods of 5 m with a force of 1 kN at its end.
@@ -135,6 +137,32 @@ TEST(SceneWarnings, OfElements) {
   ASSERT_EQ(many.size(), 4U);  // of each member: shorter than thick, many
   expect_in(many[0], {"elements of length 8.33e-06", "more elements than needed"});
   expect_in(many[2], {"600000 elements of order 2"});
+}
+
+/// Elements that the program chooses are no slip of the user.
+TEST(SceneWarnings, OfElementsThatAreChosenThereIsNothingToSay) {
+  const auto leave_mesh = [](Scene& s) {
+    for (Member& member : s.members) member.keeps_elements = false;
+  };
+  expect_none([&](Scene& s) {
+    leave_mesh(s);
+    s.members[0].elements = 500;
+    s.members[1].stations = {0, 0.009, 0.02, 0.03, 1};
+  });
+  expect_warning({"Members / arm", "45 radian", "degrees"}, [&](Scene& s) {
+    leave_mesh(s);
+    s.members[1].twist = 45;
+  });
+  expect_warning({"Members / arm", "1 element(s) turns by 3 radian"},
+                 [&](Scene& s) { s.members[1].twist = 3, s.members[1].elements = 1; });
+  for (const bool has_accuracy : {false, true})
+    expect_none([&](Scene& s) {
+      leave_mesh(s);
+      s.members[1].twist = 3;
+      s.members[1].elements = 1;
+      s.members[0].keeps_elements = has_accuracy;
+      if (has_accuracy) s.accuracy = 1e-4;
+    });
 }
 
 TEST(SceneWarnings, OfForgottenConnections) {
@@ -285,6 +313,7 @@ TEST(SceneWarnings, OfNarrowFormulasOfAnyKind) {
     for (const std::string& text : warnings(with_bump(wide))) ADD_FAILURE() << kind << text;
     Scene chosen = with_bump(narrow);
     chosen.accuracy = 1e-6;
+    for (Member& member : chosen.members) member.keeps_elements = false;
     for (const std::string& text : warnings(chosen)) ADD_FAILURE() << kind << text;
   }
 }
