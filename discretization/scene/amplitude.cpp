@@ -1,12 +1,15 @@
 #include "discretization/scene/amplitude.hpp"
 
 #include "discretization/scene/load_cases.hpp"
+#include "discretization/text/number_text.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
+#include <tuple>
 #include <utility>
+#include <vector>
 
 namespace mixbeam {
 
@@ -173,6 +176,10 @@ Course course_of(const std::string& formula, int stages) {
   return known[{formula, stages}] = CourseFinder(Expression(formula, {"t"}), stages).find();
 }
 
+/// Loads are along one line to this share of the largest component; a sum whose range is a smaller share of those of
+/// its parts may be rounding; each different one costs the samples of a formula, 2 ms for each stage.
+constexpr double kAlongOneLine = 1e-12, kLeastSum = 1e-6;
+constexpr size_t kMostSums = 20;
 /// By what all amplitudes may differ from a straight line, over their ranges, to be one.
 constexpr double kPlain = 1e-12;
 constexpr int kPlainSamples = 64;
@@ -220,15 +227,71 @@ double Amplitude::slope(double load_factor) const {
   return (f(-2 * h) - 8 * f(-h) + 8 * f(h) - f(2 * h)) / (12 * h);
 }
 
+namespace {
+
+/// An amplitude in words, that of a ramp too.
+std::string formula_of(const std::string& amplitude, Stage stage, Stage stages) {
+  if (!amplitude.empty()) return amplitude;
+  std::string ramp = "t-" + std::to_string(stage - 1);
+  if (stage > 1) ramp = "max(0," + ramp + ")";
+  return stage < stages ? "min(1," + ramp + ")" : ramp;
+}
+
+}  // namespace
+
 std::string centrifugal_growth(const RotatingFrame& frame, Stage stages) {
-  std::string growth = frame.amplitude;
-  if (growth.empty()) growth = "t-" + std::to_string(frame.stage - 1);
-  if (frame.amplitude.empty() && frame.stage > 1) growth = "max(0," + growth + ")";
-  if (frame.amplitude.empty() && frame.stage < stages) growth = "min(1," + growth + ")";
-  return "(" + growth + ")^2";
+  return "(" + formula_of(frame.amplitude, frame.stage, stages) + ")^2";
 }
 
 namespace {
+
+/// Loads with one place act alike but for their vectors.
+using Place = std::tuple<std::string, std::string, LoadFrame, std::string, bool, bool, std::array<double, 2>>;
+Place place_of(const PointLoad& load) {
+  return {load.point, load.member, load.frame, load.load_case, false, false, {-1.0, -1.0}};
+}
+Place place_of(const DistributedLoad& load) {
+  return {load.member, "", load.frame, load.load_case, load.is_projected, load.is_weight, load.range};
+}
+
+/// Amplitudes by stage and formula, and the size with which each of them acts.
+using Growths = std::map<std::pair<Stage, std::string>, double>;
+
+/// The loads along one line at one place: it is the sum of their amplitudes that turns back.
+struct Together {
+  std::array<double, 6> way{};  ///< of the first, its largest component 1
+  Growths growths{};
+
+  /// Takes a load that is along the line; false: it is not.
+  bool take(const std::pair<Stage, std::string>& growth, const std::array<double, 6>& load) {
+    const size_t largest = std::max_element(way.begin(), way.end(), is_smaller) - way.begin();
+    const double size = load[largest];
+    for (size_t i = 0; i < way.size(); ++i)
+      if (!(std::abs(load[i] - size * way[i]) <= kAlongOneLine * std::abs(size))) return false;
+    growths[growth] += size;
+    return true;
+  }
+  static bool is_smaller(double a, double b) { return std::abs(a) < std::abs(b); }
+};
+
+/// False where there are so many lines that no more are looked for.
+bool take(std::vector<Together>& lines, const std::pair<Stage, std::string>& growth,
+          const std::array<double, 6>& load) {
+  for (Together& line : lines)
+    if (line.take(growth, load)) return true;
+  const double largest = *std::max_element(load.begin(), load.end(), Together::is_smaller);
+  if (largest == 0.0 || lines.size() >= kMostSums) return false;
+  lines.emplace_back();
+  for (size_t i = 0; i < load.size(); ++i) lines.back().way[i] = load[i] / largest;
+  return lines.back().take(growth, load);
+}
+
+std::string sum_of(const Growths& growths, Stage stages) {
+  std::string sum;
+  for (const auto& [growth, size] : growths)
+    sum += (sum.empty() ? "(" : "+(") + shortest(size) + ")*(" + formula_of(growth.second, growth.first, stages) + ")";
+  return sum;
+}
 
 /// The formula of what grows; empty: a ramp.
 template <class Load>
@@ -236,6 +299,56 @@ const std::string& growth_of(const Load& load, Stage) {
   return load.amplitude;
 }
 std::string growth_of(const RotatingFrame& frame, Stage stages) { return centrifugal_growth(frame, stages); }
+
+/// Adds what acts by itself to `alone`, the rest to the sums of its place.
+template <class Load, class Kind>
+void add_to(std::map<Place, std::vector<Together>>& places, std::set<std::pair<Stage, std::string>>& alone,
+            const Load& load, const Kind&, Stage stages) {
+  const std::pair<Stage, std::string> growth{load.stage, growth_of(load, stages)};
+  if constexpr (std::is_same_v<Load, PointLoad> || std::is_same_v<Load, DistributedLoad>) {
+    std::array<double, 6> vectors{};
+    size_t next = 0;
+    bool is_constant = true;
+    Kind::for_each_vector(load, [&](const Vector3& vector, const Formulas* formula, VectorRole) {
+      for (size_t i = 0; i < 3; ++i) {
+        vectors[next++] = vector[i];
+        is_constant = is_constant && (formula == nullptr || (*formula)[i].empty());
+      }
+    });
+    if (!is_constant || !take(places[place_of(load)], growth, vectors)) alone.insert(growth);
+  } else if (Kind::acts(load)) {
+    alone.insert(growth);
+  }
+}
+
+/// The different amplitudes of a scene, where those of loads along one line at one place are summed: parts of it may
+/// grow on while the load turns back. All of them where sums are many, or nearly vanish and turn as rounding does.
+std::set<std::pair<Stage, std::string>> with_sums(const Scene& scene, std::set<std::pair<Stage, std::string>> all) {
+  std::map<Place, std::vector<Together>> places;
+  std::set<std::pair<Stage, std::string>> result;
+  for_each_acting(scene, [&](const auto& load, auto kind) { add_to(places, result, load, kind, scene.stages); });
+  std::set<Growths> seen;
+  for (const auto& [place, lines] : places)
+    for (const Together& line : lines) {
+      Growths growths;
+      for (const auto& [growth, size] : line.growths)
+        if (size != 0.0) growths.emplace(growth, size);
+      if (growths.size() == 1) result.insert(growths.begin()->first);
+      if (growths.size() < 2) continue;
+      const double first = growths.begin()->second;
+      double parts = 0.0;
+      for (auto& [growth, size] : growths) {
+        size /= first;
+        parts += std::abs(size) * course_of(formula_of(growth.second, growth.first, scene.stages), scene.stages).range;
+      }
+      if (!seen.insert(growths).second) continue;
+      if (seen.size() > kMostSums) return all;
+      const std::string sum = sum_of(growths, scene.stages);
+      if (course_of(sum, scene.stages).range < kLeastSum * parts) return all;
+      result.insert({1, sum});
+    }
+  return result;
+}
 
 }  // namespace
 
@@ -245,6 +358,7 @@ LoadClock::LoadClock(const Scene& scene) : stages_(scene.stages) {
     if (kind.acts(load)) different.insert({load.stage, growth_of(load, scene.stages)});
   });
   if (std::all_of(different.begin(), different.end(), [](const auto& d) { return d.second.empty(); })) return;
+  if (different.size() > 1) different = with_sums(scene, std::move(different));
   std::vector<LoadTurn> all;
   for (const auto& [stage, formula] : different) {
     const Course course = formula.empty() ? Course{{}, 1.0} : course_of(formula, scene.stages);

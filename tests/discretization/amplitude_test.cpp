@@ -107,6 +107,38 @@ TEST(LoadClock, MakesRampsOfFormulas) {
   EXPECT_NEAR(amplitude(pieces[1].from), 0.25, kOfInversion);
 }
 
+// A ramp against a formula along one line turns back where their sum does, sqrt(1/3) here; across each other, or at two
+// points, both go on.
+TEST(LoadClock, SumsLoadsAlongOneLine) {
+  constexpr double kSmooth = 6e-8;  // a peak is flat
+  Scene scene;
+  scene.point_loads.resize(2);
+  scene.point_loads[0] = {"tip", {0.0, -0.5, 0.0}};
+  scene.point_loads[1] = {"tip", {0.0, 0.5, 0.0}};
+  scene.point_loads[1].amplitude = "t^3";
+  const auto turns = [&] {
+    std::vector<double> inside;
+    const LoadClock clock(scene);
+    for (const LoadTurn& turn : clock.turns())
+      if (turn.before > 0.0 && turn.after < 1.0) inside.push_back(turn.before);
+    return inside;
+  };
+  ASSERT_EQ(turns().size(), 1u);
+  EXPECT_NEAR(turns()[0], std::sqrt(1.0 / 3.0), kSmooth);
+  EXPECT_FALSE(LoadClock(scene).have_several());
+  scene.point_loads.push_back({"tip", {1.0, 0.0, 0.0}});  // along another line
+  EXPECT_EQ(turns().size(), 1u);
+  scene.point_loads.pop_back();
+  scene.point_loads[1].force[2] = 1e-3;
+  EXPECT_TRUE(turns().empty());
+  scene.point_loads[1].force[2] = 0.0;
+  scene.point_loads[1].point = "middle";
+  EXPECT_TRUE(turns().empty());
+  scene.point_loads[1] = {"tip", {0.0, 0.5, 0.0}};
+  scene.point_loads[1].amplitude = "t*1.0";
+  EXPECT_TRUE(turns().empty());  // nothing is left but rounding
+}
+
 // Loads that cancel each other at both ends of a piece do not beyond it: t and t^2 go on at the rates that they have at
 // its ends in the parameter (t + t^2) / 2: 2 and 0, 2 / 3 and 4 / 3.
 TEST(LoadClock, GoesOnWhereLoadsCancel) {
