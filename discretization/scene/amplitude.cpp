@@ -183,6 +183,8 @@ constexpr size_t kMostSums = 20;
 /// By what all amplitudes may differ from a straight line, over their ranges, to be one.
 constexpr double kPlain = 1e-12;
 constexpr int kPlainSamples = 64;
+/// Load factors beyond a stage up to which its formulas are looked at.
+constexpr double kStrays = 1.0;
 /// A history is looked at in so many parts of a step.
 constexpr int kParts = 8;
 /// What it leaves a straight line by, over its length, before a step along that line is another one.
@@ -375,14 +377,16 @@ LoadClock::LoadClock(const Scene& scene) : stages_(scene.stages) {
   }
 }
 
-/// Whether all amplitudes change at constant rates.
+/// Whether all amplitudes change at constant rates, formulas also where a path may stray, and the differences of their
+/// slopes reach: there a ramp goes on by itself.
 bool LoadClock::is_plain(double from, double to) const {
   for (const Distinct& one : amplitudes_) {
-    const double first = one.amplitude.at(from), change = one.amplitude.at(to) - first;
+    const double beyond = one.formula.empty() ? 0.0 : kStrays, begin = from - beyond, length = to - from + 2.0 * beyond;
+    const double first = one.amplitude.at(begin), change = one.amplitude.at(begin + length) - first;
     const double allowed = kPlain * std::max(one.range, std::abs(first));
     for (int i = 1; i < kPlainSamples; ++i) {
       const double share = static_cast<double>(i) / kPlainSamples;
-      if (!(std::abs(one.amplitude.at(from + share * (to - from)) - first - share * change) <= allowed)) return false;
+      if (!(std::abs(one.amplitude.at(begin + share * length) - first - share * change) <= allowed)) return false;
     }
   }
   return true;

@@ -139,6 +139,24 @@ TEST(LoadClock, SumsLoadsAlongOneLine) {
   EXPECT_TRUE(turns().empty());  // nothing is left but rounding
 }
 
+// A pulse of the second stage starts with a corner at the end of the first one, which must not know of it.
+TEST(LoadClock, KeepsCornersAtTheEndsOfAStageOut) {
+  Scene scene;
+  scene.stages = 2;
+  scene.point_loads.resize(2);
+  const auto slope_at_end = [&](const std::string& formula) {
+    scene.point_loads[1].amplitude = formula;
+    const auto clock = std::make_shared<LoadClock>(scene);
+    Amplitude amplitude(1, 2, formula);
+    amplitude.follow(clock);
+    clock->run(clock->pieces(1).at(0));
+    return amplitude.slope(1.0);
+  };
+  EXPECT_EQ(slope_at_end("max(0, sin(pi*(t-1)))*(t>1)"), 0.0);
+  EXPECT_NEAR(slope_at_end("2*t"), 2.0, 1e-11);
+  EXPECT_GT(Amplitude(1, 2, "max(0, sin(pi*(t-1)))*(t>1)").slope(1.0), 1.0);  // without the clock
+}
+
 // Loads that cancel each other at both ends of a piece do not beyond it: t and t^2 go on at the rates that they have at
 // its ends in the parameter (t + t^2) / 2: 2 and 0, 2 / 3 and 4 / 3.
 TEST(LoadClock, GoesOnWhereLoadsCancel) {
