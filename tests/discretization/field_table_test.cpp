@@ -36,8 +36,17 @@ TEST_F(FieldTables, ArePolynomialsOfElements) {
   EXPECT_EQ(scene.eigenstrains[0].end_turns[1], (Vector3{0, 0, 0.1}));
 }
 
+/// An element may begin where the one before it ends, with another value.
+TEST_F(FieldTables, HoldBothEndsOfElements) {
+  const Scene scene = read("element,s,1,2,3\n1,0,0,0,0\n1,1,2,0,0\n2,1,5,0,0\n2,2,7,0,0\n");
+  const FieldTable& table = *scene.eigenstrains.at(0).curvature_table;
+  EXPECT_NEAR(table.at(0.75)[0], 1.5, kRounding);
+  EXPECT_NEAR(table.at(1.25)[0], 5.5, kRounding);
+}
+
 TEST_F(FieldTables, AreRefusedWithTheirPlace) {
   const std::string head = "element,s,1,2,3\n";
+  refused(head + "1,0.5,0,0,0\n1,0.5,0,0,0\n", {"t.csv:3:", "growing arc lengths"});
   refused(head + "1,0.5,0,0,0\n1,0.2,0,0,0\n", {"t.csv:3:", "growing arc lengths"});
   refused(head + "1,2.5,0,0,0\n", {"t.csv:2:", "value 2.5", "2"});
   refused(head + "1,0.5,0,x,0\n", {"t.csv:2:"});

@@ -153,8 +153,10 @@ TEST(Eigenstrains, AreRead) {
   EXPECT_DOUBLE_EQ(axial({1.5, 0.3}), 5e-4);
   expect_refused(eigenstrain("Member: ring, Temperature: 50"), {"E / Expansion Coefficient", "missing"});
   expect_refused(eigenstrain("Member: ring"), {"strains nothing"});
-  expect_refused(eigenstrain("Member: ring, Strain: [-1, 0, 0]"), {"E / Strain", "leaves no length"});
-  EXPECT_EQ(tripod_with(eigenstrain("Member: ring, Strain: [-0.9, 0, 0]")).eigenstrains[0].strain[0], -0.9);
+  expect_refused(eigenstrain("Member: ring, Strain: [-1, 0, 0]"), {"E / Strain", "an axial strain of -1", "no length"});
+  expect_refused(eigenstrain("Member: ring, Temperature: -2e5, Expansion Coefficient: 1e-5"),
+                 {"E / Temperature", "-2"});
+  EXPECT_NO_THROW(tripod_with(eigenstrain("Member: ring, Strain: [-2, 0, 0], Amplitude: 0.1*t")));
   expect_refused(eigenstrain("Member: rings, Strain: [1, 0, 0]"), {"did you mean \"ring\"?"});
 }
 

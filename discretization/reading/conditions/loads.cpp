@@ -404,9 +404,10 @@ void ConditionReader::read_eigenstrains() {
     check_field(list, "Strain", members, strain.strain_formula, place);
     check_field(list, "Curvature", members, strain.curvature_formula, place);
     add_temperature(strain, place);
-    if (strain.strain[0] <= -1.0 && strain.amplitude.empty())
+    const bool counts_whole = strain.amplitude.empty() && strain.load_case.empty();
+    if (counts_whole && strain.strain_formula[0].empty() && strain.strain[0] <= -1.0)
       throw place[strain.temperature ? "Temperature" : "Strain"].error(
-          "the axial strain is " + shortest(strain.strain[0]) + ", which leaves no length; allowed: more than -1");
+          "gives an axial strain of " + shortest(strain.strain[0]) + "; allowed: above -1, where no length is left");
     const Formulas axial = strain.strain_formula, bending = strain.curvature_formula;
     for (const Member* member : members) {
       strain.member = member->name;
@@ -434,12 +435,14 @@ std::shared_ptr<const FieldTable> ConditionReader::read_field_table(const List& 
   std::string element;
   table.for_each([&](const CsvRecord& record) {
     const double s = imported_number(table, record, "s");
-    const bool is_after = result.pieces.empty() || s > result.pieces.back().s.back();
+    const bool begins = result.pieces.empty() || table.cell(record, "element") != element;
+    const double before = result.pieces.empty() ? -1.0 : result.pieces.back().s.back();
+    const bool is_after = s > before || (begins && s == before);
     if (!is_after || !(s >= 0.0) || !(s <= length * (1.0 + kStationTolerance)))
       throw table.error(
           record, "s",
           "value " + shortest(s) + "; allowed: growing arc lengths from 0 to that of the member, " + shortest(length));
-    if (result.pieces.empty() || table.cell(record, "element") != element) result.pieces.emplace_back();
+    if (begins) result.pieces.emplace_back();
     element = table.cell(record, "element");
     FieldTable::Piece& piece = result.pieces.back();
     if (piece.s.size() == kMostOfPiece)
