@@ -1,5 +1,6 @@
 #include "nonlinear/path/step_judge.hpp"
 
+#include "discretization/mesh/element_view.hpp"
 #include "discretization/text/number_text.hpp"
 #include "nonlinear/linear/linear_solver.hpp"
 #include "nonlinear/newton/thresholds.hpp"
@@ -72,6 +73,20 @@ bool turns_at_limits(const PathPiece& piece, const std::vector<CriticalPoint>& p
   return true;
 }
 
+/// Whether the axis of an element is turned inside out: a member that is pushed past its other end in one step. Where
+/// eigenstrains act, and in coupled and tapered sections, compliance alone does not tell.
+bool is_inverted(const Model& model, const State& state) {
+  if (!model.scene().eigenstrains.empty()) return false;
+  double largest = 0.0;
+  for_each_element(model.structure(), &state.views, [&](const ElementView& element) {
+    if (element.block().general_section) return;
+    const int points = axial_points(element.order(), element.block().force_integration);
+    for (int q = 0; q < points; ++q)
+      largest = std::max(largest, -element.force(q)[0] * element.section().force_compliance[0]);
+  });
+  return maximum_over_ranks(*model.map()->getComm(), largest) >= 1.0;
+}
+
 /// A last station of a stage belongs to that stage: its tangent must not be that of the loads to come.
 double within_stage(double load_factor, double stage_end) {
   return std::min(load_factor, std::nextafter(stage_end, stage_end - 1.0));
@@ -97,6 +112,8 @@ const std::vector<JudgeLine>& judge_table() {
       // from both ends
       {[](S s, T) { return s.counts_change; }, Then::refuse,
        "stability changes within the step: the path is followed by its length"},
+      // straight and stable at both ends, whatever it buckles at in between; a soft spring goes on all the same
+      {[](S s, T) { return s.inverts; }, Then::halve},
       {[](S s, T) { return !s.has_tangents; }, Then::accept},
       {[](S s, T) { return !s.loads_move; }, Then::accept, "", &Signs::motion, Side::at_most, no_motion},
       {always, Then::refuse, turn_back, &Signs::motion, Side::at_most, no_motion},
@@ -305,6 +322,7 @@ StepSigns StepJudge::signs_of_ends(const PathPiece& piece, const StepTest& test,
     signs.turn_cosine = cosine_where_loads_turn(piece);
     return signs;
   }
+  signs.inverts = depth == path_limit.most_halvings && is_inverted(problem_->model, piece.end.state);
   for (const Part& part : parts_of(piece)) {
     if (!part.starts_still) signs.first = lower(signs.first, part.first);
     if (!test.may_stiffen || !part.ends_stiff) signs.last = lower(signs.last, part.last);

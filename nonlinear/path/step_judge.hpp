@@ -48,6 +48,7 @@ inline constexpr StepTest kPathStep{0.85, 0.85, true, false}, kTracedStep{0.95, 
 /// What a step shows. Cosines are those of angles with the chord, the least among the parts that move.
 struct StepSigns {
   bool counts_change = false;    ///< from end to end, where they must not
+  bool inverts = false;          ///< the axis of an element is shortened by more than its length at the end
   bool has_tangents = true;      ///< at both ends
   double motion = 1.0;           ///< of the step
   bool loads_move = false;       ///< the structure within a step whose ends lie together

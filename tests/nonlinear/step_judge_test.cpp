@@ -33,6 +33,7 @@ std::vector<Case> cases() {
   const double nan = std::nan("");
   return {
       {Consequence::refuse, [](S& s) { s.counts_change = true; }},
+      {Consequence::halve, [](S& s) { s.inverts = true; }},
       {Consequence::accept, [](S& s) { s.has_tangents = false; }},
       {Consequence::accept, [](S& s) { s.motion = 0.0; }},
       {Consequence::refuse, [](S& s) { s.motion = 0.0, s.loads_move = true; }},
