@@ -63,7 +63,7 @@ TEST(Balance, OfAStructureFarFromTheOrigin) {
   scene.point_loads = {dead_load("tip", {3, -20, 50}, {1, 2, -3})};
   const Balance balance = solved(scene).balance();
   EXPECT_LT(balance.force_error, kBalanced);
-  EXPECT_LT(balance.moment_error, 1e-3 * kBalanced);
+  EXPECT_LT(balance.moment_error, 1e-2 * kBalanced);
 }
 
 /// Couples along a member: their sum, and a sum of moments that large displacements do not spoil.
