@@ -703,6 +703,24 @@ TEST_F(Mixbeam, AControlledDisplacementNeedsALoad) {
   EXPECT_EQ(run({"check", write_scene(loaded)}).exit_code, kOk);
 }
 
+/// A strip of length one whose hinged ends are pushed past each other bends into a loop: 29.38 EI at the end, by
+/// elliptic integrals. It used to end straight and turned inside out, in one step that was stable by its numbers.
+TEST_F(Mixbeam, EndsThatArePushedPastEachOtherBendTheMember) {
+  const std::string scene = R"yaml(Scene:
+  Sections: {rod: {EA: 1e8, Shear Rigid: true, GIt: 1, EI2: 1, EI3: 5}}
+  Points: {a: [0, 0, 0], b: [0, 0, 1]}
+  Members: {rod: {Start: a, End: b, Order: 5, Elements: 8, Second Axis: [0, 1, 0]}}
+  Supports:
+    a: {Point: a, Fixed Rotation: [x, z]}
+    b: {Point: b, Fixed Rotation: [x, z], Prescribed Displacement: [0, 0, -1.2]}
+Analysis: {Branch: positive}
+Expected: {push: {Quantity: reaction force, Point: b, Component: z, Value: -VALUE, Relative Tolerance: 1e-5, Source: elastica}}
+)yaml";
+  const std::string output = (folder_ / "results").string();
+  EXPECT_EQ(run({"run", write_scene(changed(scene, "VALUE", "29.38259871")), "--output", output}).exit_code, kOk);
+  EXPECT_EQ(run({"run", write_scene(changed(scene, "VALUE", "1.2e8")), "--output", output}).exit_code, kCheckFailed);
+}
+
 /// What a support fixes cannot grow to a target.
 TEST_F(Mixbeam, AControlledDisplacementIsFree) {
   const auto controlled = [&](const std::string& point, const std::string& component) {
