@@ -184,6 +184,97 @@ TEST_P(Vibration, RecoversAsTheTangent) {
   }
 }
 
+/// Some columns of momenta, or of rows of stresses, against the way of one: random motions of the vertices.
+struct ColumnSample {
+  static constexpr int kCount = 6;  // more than lanes, and no multiple of them
+  VibratingSample made;
+  int momenta, stresses, element;
+  std::vector<double> given, moved, out;
+  std::vector<const double*> places;
+  MomentumColumns of;
+
+  ColumnSample(const SampleBlock& samples, bool has_spins) : made(samples), element(samples.element_row(0)) {
+    made.vibrating = allocate_vibrating_block(samples.block, made.vibrating.mass, has_spins);
+    allocate_columns(made.vibrating, samples.structure);
+    evaluate_vibration(made.vibrating, samples.structure, samples.state, 0.7, VibrationUse::columns, made.tangent);
+    momenta = made.vibrating.momenta();
+    stresses = static_cast<int>(made.vibrating.capped.extent(0));
+    given = random_motion(momenta * kCount, 21);
+    moved = random_motion(12 * kCount, 22);
+    out.resize(given.size());
+    for (int j = 0; j < kCount; ++j) places.push_back(&moved[12 * j]);
+    of = {kCount,    static_cast<size_t>(momenta), momenta, KernelView<int*>("place", element + 1), given.data(),
+          out.data()};
+    of.ends = KernelView<double**>("ends", element + 1, 12 * kCount);
+    of.moved = places.data();
+    of.stresses = stresses;
+    of.excess = KernelView<double**>("excess", element + 1, stresses * kCount);
+  }
+
+  /// Interior rows of column j, and those of the vertices beside them.
+  KernelView<double*> rows(int j, const KernelView<double* [12]>& ends) const {
+    const KernelView<double*> interior("rows", made.samples.interior_row(0) + made.samples.increments());
+    const KernelView<double**> own("momenta", element + 1, momenta);
+    for (int i = 0; i < momenta && of.forces != nullptr; ++i) own(element, i) = given[momenta * j + i];
+    rows_of_momenta(made.vibrating, own, interior, ends);
+    for (int i = 0; i < stresses && of.forces == nullptr; ++i)
+      interior(made.samples.interior_row(0) + made.vibrating.capped(i)) = of.excess(element, stresses * j + i);
+    return interior;
+  }
+  /// Both passes; `d` takes ends, momenta and excess rows.
+  void compare(Difference& d) const {
+    std::vector<KernelView<double*>> all;
+    condense_columns(made.vibrating, of);
+    for (int j = 0; j < kCount; ++j) {
+      const KernelView<double* [12]> ends("ends", element + 1);
+      all.push_back(rows(j, ends));
+      condense_rows(made.vibrating, all.back(), ends);
+      for (int i = 0; i < 12; ++i) d.add(i / 3 % 2, of.ends(element, 12 * j + i), ends(element, i));
+    }
+    recover_columns(made.vibrating, of);
+    for (int j = 0; j < kCount; ++j) {
+      std::vector<double> motion(moved.begin() + 12 * j, moved.begin() + 12 * (j + 1));
+      const KernelView<const double* [6]> vertex(motion.data(), 2);
+      const KernelView<double*> found("found", all[j].extent(0)), excess("excess", all[j].extent(0));
+      const KernelView<double**> own("momenta", element + 1, momenta);
+      recover_motion(made.vibrating, all[j], vertex, found);
+      momenta_of(made.vibrating, vertex, found, own);
+      excess_rows(made.vibrating, found, excess);
+      for (int i = 0; i < momenta; ++i) d.add(2, out[momenta * j + i], own(element, i));
+      for (int i = 0; i < stresses; ++i)
+        d.add(3, of.excess(element, stresses * j + i), excess(made.samples.interior_row(0) + made.vibrating.capped(i)));
+    }
+  }
+};
+
+TEST_P(Vibration, ColumnsAreOnesOfTheirOwn) {
+  const SampleBlock plain({random_sample({GetParam(), ForceIntegration::both_reduced, 23})});
+  SectionConstants& section = plain.structure.sections(plain.block.section(0));
+  for (const int i : {0, 2}) {
+    section.force_cap_compliance[i] = 0.5 * section.force_compliance[i];
+    section.tangent_force_stiffness[i] = 1.0 / (1.5 * section.force_compliance[i]);
+  }
+  ElementSample follower = random_sample({GetParam(), ForceIntegration::axial_reduced, 24});
+  add_fields(follower.element, bit(LineField::follower_force) | bit(LineField::follower_couple), 25);
+  GeneralSample general = general_sample(GetParam(), 26);
+  set_rigid(general.law, {0, 4});
+  for (const SampleBlock& samples : {plain, SampleBlock({follower}, true), general_block(general, 1e4, 1e4)})
+    for (const bool has_spins : {true, false}) {
+      ColumnSample columns(samples, has_spins);
+      Difference of_momenta, of_stresses;
+      columns.compare(of_momenta);
+      EXPECT_LE(of_momenta.relative(), kElimination);
+      columns.of.forces = nullptr;
+      if (columns.stresses > 0) columns.compare(of_stresses);
+      EXPECT_LE(of_stresses.relative(), kElimination);
+      columns.of.forces = columns.given.data();
+      columns.made.vibrating.passed(0, 0) *= 1.01;  // the twin
+      Difference wrong;
+      columns.compare(wrong);
+      EXPECT_GT(wrong.relative(), kElimination);
+    }
+}
+
 /// Of (shift M) alone the condensed form of a rigid translation is its mass; interiors at rest have no negative pivot,
 /// far above their own frequencies all of them that carry mass.
 TEST_P(Vibration, InteriorsBecomeNegativeAboveTheirFrequencies) {
