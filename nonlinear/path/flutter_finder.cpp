@@ -6,6 +6,7 @@
 #include "nonlinear/stability/vibration.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -18,7 +19,7 @@ constexpr int kLeastModes = 6, kLeastDamped = 4;
 /// Imaginary part over the size beyond which omega^2 is complex: values that are equal differ by the root of rounding.
 constexpr double kComplex = 1e-6;
 /// Rate of growth over the size of the exponent beyond which a motion grows: as kComplex; of damped ones rounding of
-/// Sample::growth().
+/// Sample::largest_growth().
 constexpr double kGrows = 0.5 * kComplex, kDampedGrows = 1e-13;
 /// Complex values within this of each other, or of the conjugate, meet together.
 constexpr double kTogether = 1e-4;
@@ -29,8 +30,6 @@ constexpr double kLocated = 1e-13;
 constexpr int kMostSamples = 90, kMostHalvings = 20;
 
 bool is_complex(const std::complex<double>& squared) { return std::abs(squared.imag()) > kComplex * std::abs(squared); }
-/// Of `high`, where values between two samples are interpolated.
-double share_at(double here, double low, double high) { return high == low ? 1.0 : (here - low) / (high - low); }
 bool lies_between(double x, double a, double b) { return x > std::min(a, b) && x < std::max(a, b); }
 
 }  // namespace
@@ -72,15 +71,10 @@ int FlutterFinder::Sample::growing() const {
 }
 
 /// What is computed is 1 / s, with the rounding of the largest: that of the least exponent.
-double FlutterFinder::Sample::growth(size_t i) const {
-  double least = HUGE_VAL;
-  for (const std::complex<double>& rate : rates) least = std::min(least, std::abs(rate));
-  return rates[i].real() * least / std::norm(rates[i]);
-}
-
 double FlutterFinder::Sample::largest_growth() const {
-  double largest = -HUGE_VAL;
-  for (size_t i = 0; i < rates.size(); ++i) largest = std::max(largest, growth(i));
+  double least = HUGE_VAL, largest = -HUGE_VAL;
+  for (const std::complex<double>& rate : rates) least = std::min(least, std::abs(rate));
+  for (const std::complex<double>& rate : rates) largest = std::max(largest, rate.real() * least / std::norm(rate));
   return largest;
 }
 
@@ -143,88 +137,58 @@ std::optional<FlutterFinder::Sample> FlutterFinder::first_complex(Sample& low, S
   return std::nullopt;
 }
 
-/// Secants that keep the bracket (rule of false position, Illinois).
+/// Secants that keep the bracket (rule of false position, Illinois), of the discriminant, or of the largest rate of
+/// damped motions, which passes zero; halves where they are slow: mass damping alone is flat, then a root.
 std::optional<CriticalPoint> FlutterFinder::locate(Sample low, Sample high) {
   const int at_low = low.complex_values();
-  Cluster cluster = cluster_of(high);
-  double of_low = cluster.discriminant(low), of_high = cluster.discriminant(high);
-  double here = high.load_factor, change = HUGE_VAL;
-  std::optional<bool> replaced_high;  // an end that stays twice counts half
-  for (int i = 0; i < kMostSamples; ++i) {
-    const bool is_bracket = of_low > 0.0 && of_high < 0.0;
-    const double middle = 0.5 * (low.load_factor + high.load_factor);
-    double next =
-        is_bracket ? high.load_factor - of_high * (high.load_factor - low.load_factor) / (of_high - of_low) : middle;
-    if (!lies_between(next, low.load_factor, high.load_factor)) next = middle;
-    change = std::abs(next - here);
-    here = next;
-    if (change <= kLocated * std::abs(here) || next == low.load_factor || next == high.load_factor) break;
-    std::optional<Sample> sample = between(low, here);
-    if (!sample || sample->squared.size() < cluster.first + cluster.count) return std::nullopt;
-    const bool is_high = sample->complex_values() > at_low, stays = replaced_high == is_high;
-    replaced_high = is_high;
-    if (is_high) {
-      high = std::move(*sample);
-      const Cluster seen = cluster_of(high);
-      if (seen.first != cluster.first || seen.count != cluster.count) {
-        cluster = seen;
-        of_low = cluster.discriminant(low);
-      } else if (stays) {
-        of_low *= 0.5;
-      }
-      of_high = cluster.discriminant(high);
-    } else {
-      low = std::move(*sample);
-      of_low = cluster.discriminant(low);
-      if (stays) of_high *= 0.5;
-    }
-  }
-  CriticalPoint point{CriticalKind::flutter,     here,       at_low / 2,
-                      high.complex_values() / 2, high.state, high.modes[cluster.first]};
-  point.modes = static_cast<int>(cluster.count);
-  point.error = change;
-  const double share = share_at(here, low.load_factor, high.load_factor);
-  point.omega = std::sqrt(std::abs((1.0 - share) * cluster.mean(low) + share * cluster.mean(high)));
-  return point;
-}
-
-/// Of damped motions the largest rate of growth passes zero.
-std::optional<CriticalPoint> FlutterFinder::locate_damped(Sample low, Sample high) {
-  double of_low = low.largest_rate(), of_high = high.largest_rate(), here = high.load_factor, change = HUGE_VAL;
-  double width_before = HUGE_VAL;
+  if (low.rates.empty() || high.rates.empty()) return std::nullopt;
+  Cluster cluster = damped_ ? Cluster{} : cluster_of(high);
+  double here = high.load_factor, change = HUGE_VAL, width_before = HUGE_VAL;
+  std::array<double, 2> weight{1.0, 1.0};  // an end that stays twice counts half
   std::optional<bool> replaced_high;
   for (int i = 0; i < kMostSamples; ++i) {
-    double next = high.load_factor - of_high * (high.load_factor - low.load_factor) / (of_high - of_low);
+    const auto value = [&](const Sample& sample) {
+      return damped_ ? sample.largest_rate() : -cluster.discriminant(sample);
+    };
+    const double of_low = weight[0] * value(low), of_high = weight[1] * value(high);
     const double width = std::abs(high.load_factor - low.load_factor);
-    const bool halves = i % 2 == 1 && width > 0.5 * width_before;  // mass damping alone: flat, then a root
+    const bool halves = i % 2 == 1 && width > 0.5 * width_before;
     if (i % 2 == 1) width_before = width;
-    if (halves || !lies_between(next, low.load_factor, high.load_factor))
+    double next = high.load_factor - of_high * (high.load_factor - low.load_factor) / (of_high - of_low);
+    if (halves || !(of_low < 0.0 && of_high > 0.0) || !lies_between(next, low.load_factor, high.load_factor))
       next = 0.5 * (low.load_factor + high.load_factor);
     change = halves ? width : std::abs(next - here);
     here = next;
     if (change <= kLocated * std::abs(here) || next == low.load_factor || next == high.load_factor) break;
     std::optional<Sample> sample = between(low, here);
-    if (!sample) return std::nullopt;
-    const double rate = sample->largest_rate();
-    const bool grows = rate > 0.0;
-    (grows ? of_high : of_low) = rate;
-    if (replaced_high == grows) (grows ? of_low : of_high) *= 0.5;  // the end that stays
-    replaced_high = grows;
-    (grows ? high : low) = std::move(*sample);
+    if (!sample || sample->rates.size() < std::max<size_t>(1, cluster.first + cluster.count)) return std::nullopt;
+    const bool is_high = damped_ ? sample->largest_rate() > 0.0 : sample->complex_values() > at_low;
+    weight[is_high] = 1.0;
+    weight[!is_high] *= replaced_high == is_high ? 0.5 : 1.0;
+    replaced_high = is_high;
+    (is_high ? high : low) = std::move(*sample);
+    if (!damped_) cluster = cluster_of(high);
   }
-  if (high.rates.empty()) return std::nullopt;
-  const size_t most = high.most_growing();
-  CriticalPoint point{CriticalKind::flutter, here, 0, 1, high.state, high.modes[most]};
+  const double width = high.load_factor - low.load_factor,
+               share = width == 0.0 ? 1.0 : (here - low.load_factor) / width;
+  const auto between_ends = [share](auto at, auto next) { return (1.0 - share) * at + share * next; };
+  const size_t mode = damped_ ? high.most_growing() : cluster.first;
+  CriticalPoint point{CriticalKind::flutter, here, at_low / 2, high.complex_values() / 2, high.state, high.modes[mode]};
   point.error = change;
-  const double share = share_at(here, low.load_factor, high.load_factor);
-  point.omega = (1.0 - share) * low.rates[low.most_growing()].imag() + share * high.rates[most].imag();
+  if (damped_) {
+    point.negative_before = 0, point.negative_after = 1;
+    point.omega = between_ends(low.rates[low.most_growing()].imag(), high.rates[mode].imag());
+  } else {
+    point.modes = static_cast<int>(cluster.count);
+    point.omega = std::sqrt(std::abs(between_ends(cluster.mean(low), cluster.mean(high))));
+  }
   return point;
 }
 
 /// On the way from a state to one about which more motions grow.
 std::optional<CriticalPoint> FlutterFinder::entered(Sample low, const Sample& high) {
   if (damped_)
-    return low.largest_growth() <= kDampedGrows && high.largest_growth() > kDampedGrows ? locate_damped(low, high)
+    return low.largest_growth() <= kDampedGrows && high.largest_growth() > kDampedGrows ? locate(low, high)
                                                                                         : std::nullopt;
   if (low.squared.size() != high.squared.size() || high.growing() <= low.growing()) return std::nullopt;
   std::optional<Sample> end = first_complex(low, high);

@@ -36,9 +36,8 @@ class FlutterFinder {
 
     int complex_values() const;
     int growing() const;            ///< motions
-    double growth(size_t i) const;  ///< rate, over that whose rounding would be one
-    double largest_growth() const;
-    size_t most_growing() const;  ///< of the largest rate
+    double largest_growth() const;  ///< rate, over that whose rounding would be one
+    size_t most_growing() const;    ///< of the largest rate
     double largest_rate() const { return rates.empty() ? 0.0 : rates[most_growing()].real(); }
   };
   /// Those that meet: neighbours among the frequencies.
@@ -54,7 +53,6 @@ class FlutterFinder {
   static Cluster cluster_of(const Sample& sample);
   std::optional<Sample> first_complex(Sample& low, Sample high);
   std::optional<CriticalPoint> locate(Sample low, Sample high);
-  std::optional<CriticalPoint> locate_damped(Sample low, Sample high);
 
   Teuchos::RCP<BeamProblem> problem_;
   ModesParameters asked_;
