@@ -61,11 +61,9 @@ ModeTracks::Table ModeTracks::likenesses(const std::vector<Motion>& now, const s
   return table;
 }
 
-/// Place in `before` of the motion that each mode continues, the most like first; -1: none. In a frame that turns a
-/// frequency may pass zero, and its motion goes on the other way round.
-std::vector<int> ModeTracks::continued(const std::vector<Motion>& now, const std::vector<Motion>& before) {
-  std::vector<int> place(now.size(), -1);
-  std::vector<char> taken(before.size());
+/// Places, counted from `first` on, among `before` of those that modes without a number continue, the most like first.
+/// In a frame that turns a frequency may pass zero, and its motion goes on the other way round.
+void ModeTracks::find(const std::vector<Motion>& before, int first, std::vector<Motion>& now, std::vector<int>& place) {
   for (const bool reversed : {false, true}) {
     const Table table = likenesses(now, before, reversed);
     for (int mode = 0; mode >= 0;) {
@@ -73,46 +71,33 @@ std::vector<int> ModeTracks::continued(const std::vector<Motion>& now, const std
       mode = -1;
       int motion = -1;
       for (std::size_t i = 0; i < now.size(); ++i)
-        for (std::size_t j = 0; j < before.size() && place[i] < 0; ++j) {
+        for (std::size_t j = 0; j < before.size() && now[i].track < 1; ++j) {
           const double distance = std::abs(std::sqrt(now[i].squared) - std::sqrt(before[j].squared));
           const bool is_as_like = table[i][j] >= most - kEquallyLike && distance < nearest;
-          if (taken[j] || !(table[i][j] > most + kEquallyLike || is_as_like)) continue;
+          const bool is_taken = std::find(place.begin(), place.end(), first + static_cast<int>(j)) != place.end();
+          if (is_taken || !(table[i][j] > most + kEquallyLike || is_as_like)) continue;
           most = std::max(most, table[i][j]);
           nearest = distance;
           mode = static_cast<int>(i);
           motion = static_cast<int>(j);
         }
       if (mode < 0) continue;
-      place[mode] = motion;
-      taken[motion] = 1;
+      place[mode] = first + motion;
+      now[mode].track = before[motion].track;
     }
   }
-  return place;
 }
 
-/// Modes without a number that are like a motion that has been absent.
-void ModeTracks::take_up_absent(std::vector<Motion>& now) const {
-  std::vector<Motion> unlike;
-  std::vector<Motion*> of;
-  for (Motion& motion : now)
-    if (motion.track < 1) {
-      unlike.push_back(motion);
-      of.push_back(&motion);
+void ModeTracks::keep(std::vector<Motion> now) {
+  std::vector<Motion> absent;
+  for (std::vector<Motion>* motions : {&before_, &absent_})
+    for (Motion& motion : *motions) {
+      const auto is_same = [&](const Motion& other) { return other.track == motion.track; };
+      if (absent.size() < now.size() && std::none_of(now.begin(), now.end(), is_same))
+        absent.push_back(std::move(motion));
     }
-  if (absent_.empty() || unlike.empty()) return;
-  const std::vector<int> place = continued(unlike, absent_);
-  for (std::size_t i = 0; i < place.size(); ++i)
-    if (place[i] >= 0) of[i]->track = absent_[place[i]].track;
-}
-
-void ModeTracks::keep_absent(const std::vector<Motion>& now) {
-  const auto is_there = [&](const Motion& motion) {
-    return std::any_of(now.begin(), now.end(), [&](const Motion& other) { return other.track == motion.track; });
-  };
-  absent_.erase(std::remove_if(absent_.begin(), absent_.end(), is_there), absent_.end());
-  for (Motion& motion : before_)
-    if (!is_there(motion)) absent_.push_back(std::move(motion));
-  if (absent_.size() > now.size()) absent_.erase(absent_.begin(), absent_.end() - now.size());
+  absent_ = std::move(absent);
+  before_ = std::move(now);
 }
 
 std::vector<int> ModeTracks::follow(std::vector<VibrationMode>& modes, const std::vector<int>& known) {
@@ -124,29 +109,26 @@ std::vector<int> ModeTracks::follow(std::vector<VibrationMode>& modes, const std
     for (std::vector<double>& part : motion.momenta)
       for (double& x : part) x /= std::sqrt(sum);
   }
-  std::vector<int> place = continued(now, before_);
-  for (std::size_t i = 0; i < now.size(); ++i)
-    now[i].track = i < known.size() ? known[i] : place[i] >= 0 ? before_[place[i]].track : 0;
-  take_up_absent(now);
-  for (std::size_t i = 0; i < now.size(); ++i) {
-    if (now[i].track < 1) now[i].track = ++tracks_;
-    const auto continues = [&](const Motion& motion) { return motion.track == now[i].track; };
-    const auto found = std::find_if(before_.begin(), before_.end(), continues);
-    place[i] = found == before_.end() ? -1 : static_cast<int>(found - before_.begin());
+  std::vector<int> place(now.size(), -1), tracks;
+  for (std::size_t i = 0; i < std::min(known.size(), now.size()); ++i) {
+    now[i].track = known[i];
+    for (std::size_t j = 0; j < before_.size() && known[i] > 0; ++j)
+      if (before_[j].track == known[i]) place[i] = static_cast<int>(j);
+  }
+  const int present = static_cast<int>(before_.size());
+  find(before_, 0, now, place);
+  find(absent_, present, now, place);
+  for (Motion& motion : now) {
+    if (motion.track < 1) motion.track = ++tracks_;
+    tracks.push_back(motion.track);
   }
   // Where frequencies cross in this very state its modes are mixed: those of the state before remain.
   const auto with = shared_frequencies(now), with_before = shared_frequencies(before_);
-  std::vector<char> crosses(now.size());
+  const auto was_present = [&](std::size_t i) { return place[i] >= 0 && place[i] < present; };
   for (std::size_t i = 0; i < now.size(); ++i)
-    for (std::size_t k = 0; k < now.size(); ++k)
-      if (with[i][k] && place[i] >= 0 && place[k] >= 0 && !with_before[place[i]][place[k]]) crosses[i] = 1;
-  std::vector<int> tracks;
-  for (std::size_t i = 0; i < now.size(); ++i) {
-    if (crosses[i]) now[i].momenta = before_[place[i]].momenta;
-    tracks.push_back(now[i].track);
-  }
-  keep_absent(now);
-  before_ = std::move(now);
+    for (std::size_t k = 0; k < now.size() && was_present(i); ++k)
+      if (with[i][k] && was_present(k) && !with_before[place[i]][place[k]]) now[i].momenta = before_[place[i]].momenta;
+  keep(std::move(now));
   return tracks;
 }
 

@@ -27,12 +27,11 @@ class ModeTracks {
   using Table = std::vector<std::vector<double>>;
   static double likeness(const Motion& a, const Motion& b, bool reversed);
   static Table likenesses(const std::vector<Motion>& now, const std::vector<Motion>& before, bool reversed);
-  static std::vector<int> continued(const std::vector<Motion>& now, const std::vector<Motion>& before);
-  void take_up_absent(std::vector<Motion>& now) const;
-  void keep_absent(const std::vector<Motion>& now);
+  static void find(const std::vector<Motion>& before, int first, std::vector<Motion>& now, std::vector<int>& place);
+  void keep(std::vector<Motion> now);
 
   std::vector<Motion> before_{};
-  std::vector<Motion> absent_{};  ///< as they were last, the latest behind; no more than there are modes
+  std::vector<Motion> absent_{};  ///< as they were last, the latest first; no more than there are modes
   int tracks_;                    ///< numbers given so far
 };
 
