@@ -16,6 +16,8 @@ namespace {
 constexpr double kRigid = std::numeric_limits<double>::infinity();
 /// Beside what bends.
 constexpr double kStiff = 1e6;
+/// A body at the end, and a beam with shear and rotary inertia.
+constexpr double kBody = 1.0, kBodyInertia = 0.1, kShear = 100.0, kInertia = 0.005;
 /// Relative errors of omega^2 that rounding leaves; a rate is told of errors above a hundred times this.
 constexpr double kRounding = 2e-12;
 /// A rate of 2 k, less what coarse meshes miss.
@@ -38,10 +40,11 @@ struct Reference {
 /// A rod, how many of its modes are computed, and those that are compared.
 struct Case {
   std::string name;
-  Scene scene;
   int modes = 0, rigid = 0;  ///< the latter: that come first, with omega zero
   bool in_plane = true;
   std::vector<Reference> references{};
+  void (*change)(Scene& cantilever) = nullptr;
+  Scene scene{};
 };
 
 /// Roots of f in ascending order, from sign changes on a fine grid.
@@ -86,12 +89,6 @@ Support hinge(const std::string& point, bool slides) {
   return support_of(point, {!slides, true, true}, {true, true, false});
 }
 
-template <class Change>
-Scene changed(Scene scene, const Change& change) {
-  change(scene);
-  return scene;
-}
-
 std::vector<Reference> bending(const std::vector<double>& beta, const std::vector<Tabulated>& tabulated) {
   std::vector<Reference> all;
   for (size_t i = 0; i < beta.size(); ++i)
@@ -100,85 +97,54 @@ std::vector<Reference> bending(const std::vector<double>& beta, const std::vecto
   return all;
 }
 
-void add_bending_by_supports(const Scene& cantilever, std::vector<Case>& cases) {
-  const auto cosines = [](double sign, double from, int count) {
-    return roots([sign](double x) { return std::cos(x) + sign / std::cosh(x); }, from, count);
-  };
-  cases.push_back({"cantilever", cantilever, 3, 0, true,
-                   bending(cosines(1.0, 1.0, 3), {{2e-3, 8e-6, 8e-10, 7e-13}, {}, {1e-1, 2e-3, 1e-5, 7e-8}})});
-  cases.push_back({"clamped at both ends",
-                   changed(cantilever,
-                           [](Scene& s) {
-                             s.supports.push_back(support_of("end", {true, true, true}, {true, true, true}));
-                           }),
-                   2, 0, true, bending(cosines(-1.0, 4.0, 2), {{}, {1e-1, 2e-3, 1e-5, 7e-8}})});
-  cases.push_back({"hinged",
-                   changed(cantilever,
-                           [](Scene& s) {
-                             s.supports = {hinge("start", false), hinge("end", true)};
-                           }),
-                   2, 0, true, bending({kPi, 2.0 * kPi}, {})});
-  cases.push_back({"free", changed(cantilever, [](Scene& s) { s.supports.clear(); }), 5, 3, true,
-                   bending(cosines(-1.0, 4.0, 2), {})});
+void clamp_end(Scene& s) { s.supports.push_back(support_of("end", {true, true, true}, {true, true, true})); }
+void hinge_ends(Scene& s) { s.supports = {hinge("start", false), hinge("end", true)}; }
+void free_ends(Scene& s) { s.supports.clear(); }
+void stretch(Scene& s) {
+  s.sections[0].axial_stiffness = 1.0;
+  s.sections[0].bending_stiffness = {kStiff, kStiff};
 }
-
-void add_other_motions(const Scene& cantilever, std::vector<Case>& cases) {
-  const double axial = 0.25 * kPi * kPi;
-  const Tabulated of_axial{3e-3, 2e-6, 6e-10, 9e-14};
-  cases.push_back({"axial",
-                   changed(cantilever,
-                           [](Scene& s) {
-                             s.sections[0].axial_stiffness = 1.0;
-                             s.sections[0].bending_stiffness = {kStiff, kStiff};
-                           }),
-                   1,
-                   0,
-                   true,
-                   {{"axial 1", axial, of_axial}}});
-  cases.push_back({"torsion",
-                   changed(cantilever,
-                           [](Scene& s) {
-                             s.sections[0].rotary_inertia = {1.0, 0.5, 0.5};
-                             s.sections[0].bending_stiffness = {kStiff, kStiff};
-                           }),
-                   1,
-                   0,
-                   false,
-                   {{"torsion 1", axial, of_axial}}});
-  cases.push_back({"body at the end",
-                   changed(cantilever,
-                           [](Scene& s) {
-                             s.point_masses.push_back({"end", 1.0, {0.1, 0.1, 0.1}});
-                           }),
-                   2, 0, true,
-                   bending(roots([](double x) { return with_body(x, 1.0, 0.1); }, 0.2, 2),
-                           {{6e-4, 1e-6, 4e-11, 2e-14}, {5e-3, 7e-6, 6e-9, 2e-12}})});
+void twist(Scene& s) {
+  s.sections[0].rotary_inertia = {1.0, 0.5, 0.5};
+  s.sections[0].bending_stiffness = {kStiff, kStiff};
 }
-
-void add_shear(const Scene& cantilever, std::vector<Case>& cases) {
-  constexpr double kShear = 100.0, kInertia = 0.005;
-  Case timoshenko_beam{"hinged, Timoshenko",
-                       changed(cantilever,
-                               [](Scene& s) {
-                                 s.supports = {hinge("start", false), hinge("end", true)};
-                                 s.sections[0].shear_stiffness = {kShear, kShear};
-                                 s.sections[0].rotary_inertia = {kInertia, 0.0, kInertia};
-                               }),
-                       14,
-                       0,
-                       true,
-                       {{"n = 1", timoshenko(1, kShear, kInertia)[0]},
-                        {"n = 3", timoshenko(3, kShear, kInertia)[0]},
-                        {"second spectrum, n = 1", timoshenko(1, kShear, kInertia)[1]},
-                        {"omega^2 = GA/J", kShear / kInertia}}};
-  cases.push_back(timoshenko_beam);
+void add_body(Scene& s) { s.point_masses.push_back({"end", kBody, {kBodyInertia, kBodyInertia, kBodyInertia}}); }
+void shear(Scene& s) {
+  hinge_ends(s);
+  s.sections[0].shear_stiffness = {kShear, kShear};
+  s.sections[0].rotary_inertia = {kInertia, 0.0, kInertia};
 }
 
 std::vector<Case> cases_of(const Scene& cantilever) {
-  std::vector<Case> cases;
-  add_bending_by_supports(cantilever, cases);
-  add_other_motions(cantilever, cases);
-  add_shear(cantilever, cases);
+  const auto cosines = [](double sign, double from, int count) {
+    return roots([sign](double x) { return std::cos(x) + sign / std::cosh(x); }, from, count);
+  };
+  const auto body = [](double x) { return with_body(x, kBody, kBodyInertia); };
+  const auto beams = [](int n) { return timoshenko(n, kShear, kInertia); };
+  const double axial = 0.25 * kPi * kPi;
+  std::vector<Case> cases{
+      {"cantilever", 3, 0, true,
+       bending(cosines(1.0, 1.0, 3), {{2e-3, 8e-6, 8e-10, 7e-13}, {}, {1e-1, 2e-3, 1e-5, 7e-8}})},
+      {"clamped at both ends", 2, 0, true, bending(cosines(-1.0, 4.0, 2), {{}, {1e-1, 2e-3, 1e-5, 7e-8}}), clamp_end},
+      {"hinged", 2, 0, true, bending({kPi, 2.0 * kPi}, {}), hinge_ends},
+      {"free", 5, 3, true, bending(cosines(-1.0, 4.0, 2), {}), free_ends},
+      {"axial", 1, 0, true, {{"axial 1", axial, {3e-3, 2e-6, 6e-10, 9e-14}}}, stretch},
+      {"torsion", 1, 0, false, {{"torsion 1", axial, {3e-3, 2e-6, 6e-10, 9e-14}}}, twist},
+      {"body at the end", 2, 0, true,
+       bending(roots(body, 0.2, 2), {{6e-4, 1e-6, 4e-11, 2e-14}, {5e-3, 7e-6, 6e-9, 2e-12}}), add_body},
+      {"hinged, Timoshenko",
+       14,
+       0,
+       true,
+       {{"n = 1", beams(1)[0]},
+        {"n = 3", beams(3)[0]},
+        {"second spectrum, n = 1", beams(1)[1]},
+        {"omega^2 = GA/J", kShear / kInertia}},
+       shear}};
+  for (Case& one : cases) {
+    one.scene = cantilever;
+    if (one.change != nullptr) one.change(one.scene);
+  }
   return cases;
 }
 
