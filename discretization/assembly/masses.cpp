@@ -44,9 +44,17 @@ bool has_rotary_inertia(const ElementBlock& block, const KernelView<double**>& m
 
 }  // namespace
 
+void require_plane(const Model& model) {
+  if (!model.plane_of_scene())
+    throw InputError(
+        "\"In Plane\" of the list \"Modes\": the scene keeps to no plane; allowed: scenes that lie in one with their "
+        "loads and supports, whose sections have an axis along its normal, without tapers and coupled sections");
+}
+
 Masses::Masses(const Model& model, bool in_plane) : model_(&model), in_plane_(in_plane) {
   const Structure& structure = model.structure();
   bodies_ = vertex_bodies(model.scene(), model.mesh(), structure);
+  if (in_plane) require_plane(model);
   int most = 0;
   for (const ElementBlock& block : structure.blocks) {
     const KernelView<double**> mass("mixbeam::vibration::mass", block.count, kMassNumbers * (block.order + 1));
@@ -96,18 +104,8 @@ void Masses::take_damping() {
 
 std::vector<double> Masses::damped_strains_of(const MixedVector& motion) const {
   if (strain_count_ == 0) return {};
-  const KernelView<const double* [6]> vertex = model_->local_increment(motion);
-  for (const VibratingBlock& block : blocks_) strains_of(block, vertex, motion.interior(), strains_);
-  std::vector<double> all(strain_count_, 0.0);
-  for (const VibratingBlock& block : blocks_)
-    for (int e = 0; e < block.block.count; ++e) {
-      const ElementView element(model_->structure(), block.block, e);
-      if (!element.is_owned()) continue;
-      const double beta = damping_[element.mesh_element()][1];
-      double* out = &all[static_cast<size_t>(strain_stride_) * element.mesh_element()];
-      for (int i = 0; i < block.layout().stresses(); ++i) out[i] = beta * strains_(element.local(), i);
-    }
-  sum_over_ranks(*model_->map()->getComm(), all.data(), all.size());
+  std::vector<double> all = rows_of_elements(MotionRow::strain, model_->local_increment(motion), motion);
+  for (size_t i = 0; i < all.size(); ++i) all[i] *= damping_[i / strain_stride_][1];
   return all;
 }
 
@@ -253,15 +251,30 @@ Tangent::InteriorCount Masses::interior_count() const {
 
 std::vector<double> Masses::momenta_of(const State& state, const MixedVector& motion) const {
   const KernelView<const double* [6]> vertex = model_->local_increment(motion);
-  for (const VibratingBlock& block : blocks_) mixbeam::momenta_of(block, vertex, motion.interior(), of_elements_);
-  std::vector<double> all(count_, 0.0);
-  for (const VibratingBlock& block : blocks_)
+  std::vector<double> all = rows_of_elements(MotionRow::momentum, vertex, motion);
+  const size_t elements = all.size();
+  all.resize(count_, 0.0);
+  take_momenta_of_bodies(state, vertex, all.data());
+  sum_over_ranks(*model_->map()->getComm(), all.data() + elements, count_ - elements);
+  return all;
+}
+
+/// Rows of the mesh elements of all ranks, a stride each.
+std::vector<double> Masses::rows_of_elements(MotionRow row, const KernelView<const double* [6]>& vertex,
+                                             const MixedVector& motion) const {
+  const bool are_momenta = row == MotionRow::momentum;
+  const KernelView<double**>& of_elements = are_momenta ? of_elements_ : strains_;
+  const size_t stride = of_elements.extent(1);
+  std::vector<double> all(stride * model_->structure().mesh_elements, 0.0);
+  for (const VibratingBlock& block : blocks_) {
+    rows_of_motion(block, row, vertex, motion.interior(), of_elements);
     for (int e = 0; e < block.block.count; ++e) {
       const ElementView element(model_->structure(), block.block, e);
-      if (!element.is_owned()) continue;
-      std::copy_n(&of_elements_(element.local(), 0), block.momenta(), &all[place_(element.local())]);
+      const int count = are_momenta ? block.momenta() : block.layout().stresses();
+      if (element.is_owned())
+        std::copy_n(&of_elements(element.local(), 0), count, &all[stride * element.mesh_element()]);
     }
-  take_momenta_of_bodies(state, vertex, all.data());
+  }
   sum_over_ranks(*model_->map()->getComm(), all.data(), all.size());
   return all;
 }

@@ -8,6 +8,9 @@
 
 namespace mixbeam {
 
+/// Throws InputError where a scene whose modes keep to a plane has none.
+void require_plane(const Model& model);
+
 /// Momenta of all ranks in one vector: those of each element of the mesh in turn, then those of the bodies. All
 /// functions but equations() are collective.
 class Masses {
@@ -72,6 +75,8 @@ class Masses {
   void hold_vertices() const;
   void gather_vertices(const std::vector<double*>& rows, const KernelView<const double**>& of) const;
   void add_rows_of_bodies(const State& state, const double* momenta, const KernelView<double*>& vertex) const;
+  std::vector<double> rows_of_elements(MotionRow row, const KernelView<const double* [6]>& vertex,
+                                       const MixedVector& motion) const;
   void take_momenta_of_bodies(const State& state, const KernelView<const double* [6]>& vertex, double* momenta) const;
   void take_coriolis(const EvaluationPoint& at);
   void add_coriolis(const double* momenta, std::vector<double>& forces) const;

@@ -308,6 +308,16 @@ void load_ends(const VibratingBlock& vibrating, const KernelView<const double* [
     for (int i = 0; i < 6; ++i) ends[6 * end + i] = vertex(vibrating.block.vertices(e, end), i);
 }
 
+/// All motions of an element; returns its stresses.
+const double* load_motions(const VibratingBlock& vibrating, int e, const VibrationLayout& layout,
+                           const KernelView<const double* [6]>& vertex, const KernelView<const double*>& increment,
+                           double* motions) {
+  const double* stress = increment.data() + vibrating.block.increments_at()(e);
+  std::copy_n(stress + layout.stresses(), layout.interior(), motions);
+  load_ends(vibrating, vertex, e, motions + layout.interior());
+  return stress;
+}
+
 /// Rows of all motions with the stresses eliminated: dN = S^-1 (D dx + r) leaves f - D^T S^-1 r.
 KOKKOS_FORCEINLINE_FUNCTION void eliminate_stresses(const VibratingBlock& vibrating, int e,
                                                     const VibrationLayout& layout, const double* rows,
@@ -410,33 +420,18 @@ void evaluate_vibration(const VibratingBlock& vibrating, const StructureViews& s
   });
 }
 
-namespace {
-
-/// Rows of a matrix of each element times its motions.
-void rows_times_motion(const VibratingBlock& vibrating, const KernelView<double**>& matrix, bool are_stresses,
-                       const KernelView<const double* [6]>& vertex, const KernelView<const double*>& interior,
-                       const KernelView<double**>& to) {
-  for_each_of("mixbeam::vibration::momenta", vibrating, [=](int e, const VibrationLayout layout) {
+void rows_of_motion(const VibratingBlock& vibrating, MotionRow row, const KernelView<const double* [6]>& vertex,
+                    const KernelView<const double*>& interior, const KernelView<double**>& to) {
+  const bool are_strains = row == MotionRow::strain;
+  const KernelView<double**>& matrix = are_strains ? vibrating.strain : vibrating.momentum;
+  for_each_of("mixbeam::vibration::rows", vibrating, [=](int e, const VibrationLayout layout) {
     double motions[kMostMotions];
-    std::copy_n(interior.data() + vibrating.block.increments_at()(e) + layout.stresses(), layout.interior(), motions);
-    load_ends(vibrating, vertex, e, motions + layout.interior());
-    const int rows = are_stresses ? layout.stresses() : vibrating.momenta();
+    load_motions(vibrating, e, layout, vertex, interior, motions);
+    const int rows = are_strains ? layout.stresses() : vibrating.momenta();
     double* out = &to(vibrating.block.first_element + e, 0);
     std::fill_n(out, rows, 0.0);
     add_product(&matrix(e, 0), rows, layout.motions(), layout.motions(), motions, out);
   });
-}
-
-}  // namespace
-
-void momenta_of(const VibratingBlock& vibrating, const KernelView<const double* [6]>& vertex,
-                const KernelView<const double*>& interior, const KernelView<double**>& momenta) {
-  rows_times_motion(vibrating, vibrating.momentum, false, vertex, interior, momenta);
-}
-
-void strains_of(const VibratingBlock& vibrating, const KernelView<const double* [6]>& vertex,
-                const KernelView<const double*>& interior, const KernelView<double**>& strains) {
-  rows_times_motion(vibrating, vibrating.strain, true, vertex, interior, strains);
 }
 
 void rows_of_momenta(const VibratingBlock& vibrating, const KernelView<double**>& momenta,
@@ -602,20 +597,34 @@ void recover_columns(const VibratingBlock& vibrating, const MomentumColumns& of)
                       [](const auto& columns) { columns.recover(); });
 }
 
+namespace {
+
+/// Equations of one element without inertia, with the true compliance.
+struct StiffnessEquations {
+  const double* stress;
+  double motions[kMostMotions], strains[kMostStresses], forces[kMostMotions] = {};  ///< D dx - S dN; D^T dN + H dx
+
+  StiffnessEquations(const VibratingBlock& vibrating, int e, const VibrationLayout& layout,
+                     const KernelView<const double* [6]>& vertex, const KernelView<const double*>& increment)
+      : stress(load_motions(vibrating, e, layout, vertex, increment, motions)) {
+    const int n = layout.motions(), m = layout.stresses();
+    of_element(vibrating, vibrating.own, e).multiply(stress, strains);
+    for (int s = 0; s < m; ++s) strains[s] = -strains[s];
+    add_product(&vibrating.strain(e, 0), m, n, n, motions, strains);
+    add_transposed_product(&vibrating.strain(e, 0), m, n, n, stress, forces);
+    add_product(&vibrating.geometric(e, 0), n, n, n, motions, forces);
+  }
+};
+
+}  // namespace
+
 void stiffness_forms(const VibratingBlock& vibrating, const KernelView<const double* [6]>& vertex,
                      const KernelView<const double*>& increment, const KernelView<double*>& forms) {
   for_each_of("mixbeam::vibration::forms", vibrating, [=](int e, const VibrationLayout layout) {
-    const int n = layout.motions();
-    const double* stress = increment.data() + vibrating.block.increments_at()(e);
-    double motions[kMostMotions], strain[kMostStresses] = {}, by_stress[kMostStresses], sum = 0.0;
-    std::copy_n(stress + layout.stresses(), layout.interior(), motions);
-    load_ends(vibrating, vertex, e, motions + layout.interior());
-    add_product(&vibrating.strain(e, 0), layout.stresses(), n, n, motions, strain);
-    of_element(vibrating, vibrating.own, e).multiply(stress, by_stress);
-    for (int s = 0; s < layout.stresses(); ++s) sum += stress[s] * (2.0 * strain[s] - by_stress[s]);
-    double bent[kMostMotions] = {};
-    add_product(&vibrating.geometric(e, 0), n, n, n, motions, bent);
-    for (int i = 0; i < n; ++i) sum += motions[i] * bent[i];
+    const StiffnessEquations own(vibrating, e, layout, vertex, increment);
+    double sum = 0.0;
+    for (int s = 0; s < layout.stresses(); ++s) sum += own.stress[s] * own.strains[s];
+    for (int i = 0; i < layout.motions(); ++i) sum += own.motions[i] * own.forces[i];
     forms(vibrating.block.first_element + e) = sum;
   });
 }
@@ -627,24 +636,15 @@ void add_equations(const VibratingBlock& vibrating, const KernelView<const doubl
     const ElementTables<order.value> tables(vibrating.block.force_integration);
     const VibrationLayout layout{order.value, tables.force_points};
     Kokkos::parallel_for("mixbeam::vibration::equations", Range(0, vibrating.block.count), [=](int e) {
-      const int n = layout.motions();
-      const double* stress = increment.data() + vibrating.block.increments_at()(e);
-      double motions[kMostMotions], strains[kMostStresses] = {}, by_stress[kMostStresses], forces[kMostMotions] = {};
-      std::copy_n(stress + layout.stresses(), layout.interior(), motions);
-      load_ends(vibrating, vertex, e, motions + layout.interior());
-      add_product(&vibrating.strain(e, 0), layout.stresses(), n, n, motions, strains);
-      of_element(vibrating, vibrating.own, e).multiply(stress, by_stress);
+      const StiffnessEquations own(vibrating, e, layout, vertex, increment);
       double* out = rows.data() + vibrating.block.increments_at()(e);
       for (int s = 0; s < layout.stresses(); ++s) {
         const int q = s / 3;
         const double length = vibrating.block.reference(e, 0);
-        const double weight = q < layout.force_points ? 0.5 * length * tables.force_weight[q] : 1.0;
-        out[s] += (strains[s] - by_stress[s]) / weight;
+        out[s] += own.strains[s] / (q < layout.force_points ? 0.5 * length * tables.force_weight[q] : 1.0);
       }
-      add_transposed_product(&vibrating.strain(e, 0), layout.stresses(), n, n, stress, forces);
-      add_product(&vibrating.geometric(e, 0), n, n, n, motions, forces);
-      for (int i = 0; i < layout.interior(); ++i) out[layout.stresses() + i] += forces[i];
-      for (int i = 0; i < 12; ++i) vertex_rows(vibrating.block.first_element + e, i) = forces[layout.interior() + i];
+      for (int i = 0; i < layout.interior(); ++i) out[layout.stresses() + i] += own.forces[i];
+      std::copy_n(own.forces + layout.interior(), 12, &vertex_rows(vibrating.block.first_element + e, 0));
     });
   });
 }

@@ -91,13 +91,11 @@ void centrifugal_energies(const ElementBlock& block, const FrameViews& frame, co
 void coriolis_matrices(const ElementBlock& block, const FrameViews& frame, const StateViews& state,
                        const KernelView<double**>& matrices);
 
-/// Momenta (local element, VibratingBlock::momenta() at least) = G dx of motions of vertices (vertex, 6) and
-/// interiors (increments).
-void momenta_of(const VibratingBlock& vibrating, const KernelView<const double* [6]>& vertex,
-                const KernelView<const double*>& interior, const KernelView<double**>& momenta);
-/// Strains (local element, VibrationLayout::stresses() at least) = D dx.
-void strains_of(const VibratingBlock& vibrating, const KernelView<const double* [6]>& vertex,
-                const KernelView<const double*>& interior, const KernelView<double**>& strains);
+/// G dx, VibratingBlock::momenta() of an element, or D dx, VibrationLayout::stresses(), of motions of vertices
+/// (vertex, 6) and interiors (increments): (local element, as many at least).
+enum class MotionRow { momentum, strain };
+void rows_of_motion(const VibratingBlock& vibrating, MotionRow row, const KernelView<const double* [6]>& vertex,
+                    const KernelView<const double*>& interior, const KernelView<double**>& to);
 /// Rows G^T times momenta: of interiors, and of both vertices of each local element (element, 12).
 void rows_of_momenta(const VibratingBlock& vibrating, const KernelView<double**>& momenta,
                      const KernelView<double*>& interior, const KernelView<double* [12]>& vertex);
@@ -112,7 +110,7 @@ void condense_columns(const VibratingBlock& vibrating, const MomentumColumns& of
 /// Momenta of the motions that belong to those of the vertices, and the excess rows of their stresses where there is a
 /// cap.
 void recover_columns(const VibratingBlock& vibrating, const MomentumColumns& of);
-/// (2 dN . D dx - dN . S dN + dx . H dx) of each local element, S the true compliance: stationary at a mode.
+/// 2 dN . D dx - dN . S dN + dx . H dx of each local element, S the true compliance: stationary at a mode.
 void stiffness_forms(const VibratingBlock& vibrating, const KernelView<const double* [6]>& vertex,
                      const KernelView<const double*>& increment, const KernelView<double*>& forms);
 /// Adds the linearised equations of a static block to interior rows as evaluate_residual() stores them (those of N are

@@ -1,5 +1,6 @@
 #include "nonlinear/run/simulation.hpp"
 
+#include "discretization/assembly/masses.hpp"
 #include "discretization/state/member_stresses.hpp"
 #include "discretization/text/result_names.hpp"
 #include "kernels/execution/execution_space.hpp"
@@ -56,6 +57,7 @@ Simulation::Simulation(std::shared_ptr<const Scene> scene, const SolverParameter
   if (parameters.threads > 0) set_number_of_threads(parameters.threads);
   problem_ = Teuchos::rcp(new BeamProblem(std::move(scene), comm, parameters));
   state_ = problem_->model.reference_state();
+  if (parameters.analysis.modes.in_plane) require_plane(problem_->model);
 }
 
 const LoadPathResult& Simulation::run(const PathObserver& observer, const PathControl& control) {

@@ -28,23 +28,14 @@ constexpr double kFastCorrection = 1e-3;
 /// Rounding of a solve beyond which it is refined, and refused: share of the sum of the terms of a row.
 constexpr double kRefined = 1e-14, kRefused = 1e-9;
 
-bool takes_plane(const Model& model, bool in_plane) {
-  if (in_plane && !model.plane_of_scene())
-    throw InputError(
-        "\"In Plane\" of the list \"Modes\": the scene keeps to no plane; allowed: scenes that lie in one with their "
-        "loads and supports, whose sections have an axis along its normal, without tapers and coupled sections");
-  return in_plane;
-}
-
 }  // namespace
 
 VibrationOperator::VibrationOperator(const Model& model, const State& state, double load_factor, bool in_plane)
     : model_(model),
       state_(state),
-      in_plane_(takes_plane(model, in_plane)),
       residual_(model_.create_vector()),
       point_(mixed_residual(model_, state, load_factor, residual_)),
-      masses_(model_, in_plane_),
+      masses_(model_, in_plane),
       system_(model_, masses_.body_vertices()),
       unknowns_(model_, system_.remaining()),
       remaining_(system_.matrix()->getRowMap()) {}

@@ -77,7 +77,6 @@ class VibrationOperator {
 
   const Model& model_;
   State state_;
-  bool in_plane_;
   MixedVector residual_;
   EvaluationPoint point_;
   Masses masses_;

@@ -74,7 +74,7 @@ TEST_P(Vibration, MomentaAreThoseOfTheMotion) {
   const Motion moved(made.samples, motion);
   const KernelView<double**> momenta("momenta", made.samples.block.first_element + 1,
                                      made.vibrating.layout().velocities());
-  momenta_of(made.vibrating, moved.vertex, moved.interior, momenta);
+  rows_of_motion(made.vibrating, MotionRow::momentum, moved.vertex, moved.interior, momenta);
   std::vector<double> xi(k + 1), weight(k + 1);
   gauss_rule(k + 1, xi.data(), weight.data());
   Difference d;
@@ -99,7 +99,7 @@ TEST_P(Vibration, RowsAreTheTransposeOfMomenta) {
   const Motion moved(made.samples, motion), rows(made.samples, motion);
   const KernelView<double**> momenta("momenta", element + 1, count);
   const KernelView<double* [12]> ends("ends", element + 1);
-  momenta_of(made.vibrating, moved.vertex, moved.interior, momenta);
+  rows_of_motion(made.vibrating, MotionRow::momentum, moved.vertex, moved.interior, momenta);
   double left = 0.0, right = 0.0;
   for (int i = 0; i < count; ++i) left += std::exchange(momenta(element, i), p[i]) * p[i];
   rows_of_momenta(made.vibrating, momenta, rows.interior, ends);
@@ -238,7 +238,7 @@ struct ColumnSample {
       const KernelView<double*> found("found", all[j].extent(0)), excess("excess", all[j].extent(0));
       const KernelView<double**> own("momenta", element + 1, momenta);
       recover_motion(made.vibrating, all[j], vertex, found);
-      momenta_of(made.vibrating, vertex, found, own);
+      rows_of_motion(made.vibrating, MotionRow::momentum, vertex, found, own);
       excess_rows(made.vibrating, found, excess);
       for (int i = 0; i < momenta; ++i) d.add(2, out[momenta * j + i], own(element, i));
       for (int i = 0; i < stresses; ++i)
