@@ -109,14 +109,17 @@ template <int N>
 KOKKOS_INLINE_FUNCTION void subtract_full(const ElementsAtVertices& elements, const LargestParts& sizes, Real* left,
                                           Real* size) {
   using Layout = TangentLayout<N>;
-  Real k[Layout::kFull], at[2 * N];
-  gather_lanes(elements.tangent, Layout::kFull, k);
+  Real k[Layout::kFull / 2], at[2 * N];
+  const double* rows[kLanes];
+  for (int lane = 0; lane < kLanes; ++lane)
+    rows[lane] = elements.tangent[lane] + (elements.ends_here[lane] != 0 ? Layout::kFull / 2 : 0);
+  gather_lanes(rows, Layout::kFull / 2, k);
   gather_lanes(elements.start, N, at);
   gather_lanes(elements.end, N, at + N);
   for (int r = 0; r < N; ++r) {
     Real force = 0.0, bound = 0.0;
     for (int c = 0; c < 2 * N; ++c) {
-      const Real entry = select(elements.ends_here, k[2 * N * (N + r) + c], k[2 * N * r + c]);
+      const Real& entry = k[2 * N * r + c];
       force += entry * at[c];
       bound += fabs(entry) * (c % N < Layout::kMoved ? sizes.moved : sizes.turned);
     }

@@ -194,6 +194,7 @@ void LineFields::add_source(const Mesh& mesh, Structure& structure, const Source
   for (size_t i = 0; i < local.elements.size(); ++i) {
     const int e = field.elements(i) = local.elements[i];
     block.field_row(e, static_cast<int>(source.kind)) = 0;  // number_rows gives the true row
+    block.kinds_of_fields |= 1U << static_cast<int>(source.kind);
     const MeshElement& element = mesh.elements[structure.local_element_to_mesh[block.first_element + e]];
     const double middle = mesh.arc_length(element, 0.0);
     const double first = mesh.arc_length(element, -1.0) / length, last = mesh.arc_length(element, 1.0) / length;

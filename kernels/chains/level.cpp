@@ -39,21 +39,18 @@ struct StepLinks {
 /// Copies full matrices, or their symmetric parts.
 template <int N, ChainKind kind>
 KOKKOS_INLINE_FUNCTION Link<N, kind> load_full(const StepLinks& links, const double* const* matrix) {
-  const double* block[2][2][kLanes];  // rows of one end, columns of the other
-  for (int lane = 0; lane < kLanes; ++lane) {
-    const int at[2] = {links.backward[lane] ? N : 0, links.backward[lane] ? 0 : N};
-    for (int row = 0; row < 2; ++row)
-      for (int column = 0; column < 2; ++column) block[row][column][lane] = matrix[lane] + 2 * N * at[row] + at[column];
-  }
+  Real numbers[4 * N * N];
+  gather_lanes(matrix, 4 * N * N, numbers);
+  Real::Mask turned{};
+  for (int lane = 0; lane < kLanes; ++lane) turned[lane] = links.backward[lane] ? -1 : 0;
+  const bool some_turned = any<kLanes>(turned);
+  const auto number = [&](int row, int column, int i, int j) {
+    const Real& x = numbers[2 * N * (N * row + i) + N * column + j];
+    return some_turned ? select(turned, numbers[2 * N * (N * (1 - row) + i) + N * (1 - column) + j], x) : x;
+  };
   const auto entry = [&](int row, int column, int i, int j) {
-    const double* const* const blocks = block[row][column];
-    const Real x = Real::gathered([=](int lane) { return blocks[lane][2 * N * i + j]; });
-    if constexpr (kind != ChainKind::symmetric_part) {
-      return x;
-    } else {
-      const double* const* const mirrored = block[column][row];
-      return Real(0.5) * (x + Real::gathered([=](int lane) { return mirrored[lane][2 * N * j + i]; }));
-    }
+    const Real x = number(row, column, i, j);
+    return kind == ChainKind::symmetric_part ? Real(0.5) * (x + number(column, row, j, i)) : x;
   };
   Link<N, kind> m;
 #pragma GCC unroll 6

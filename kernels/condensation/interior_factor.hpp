@@ -198,41 +198,124 @@ KOKKOS_FORCEINLINE_FUNCTION void solve_in_lanes(const ReducedSystem<K, Pack<W>>&
       }
 }
 
-/// Solves systems side by side that need not be symmetric, in the lanes of `wanted`: response, condensed system and
-/// signs of the others stay. Without pivoting, but for the lanes that need it: entries of L U may be twice as large as
-/// those of a positive definite matrix can be, |l_ik u_kj| <= 2 sqrt(a_ii a_jj). `signs`: null, or W of them.
+/// c -= a b
+template <class Real>
+KOKKOS_FORCEINLINE_FUNCTION void subtract_product(const Mat3<Real>& a, const Mat3<Real>& b, Mat3<Real>& c) {
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) c(i, j) = c(i, j) - a(i, 0) * b(0, j) - a(i, 1) * b(1, j) - a(i, 2) * b(2, j);
+}
+
+/// Interior of a system without symmetry = L U by blocks of three, without pivoting, in lanes, in its place: L, of unit
+/// diagonal, below and U above the diagonal, which holds one over that of U.
 template <int K, int W>
-KOKKOS_FUNCTION __attribute__((noinline)) void solve_general_in_lanes(const FullSystem<K, Pack<W>>& system,
-                                                                      const typename Pack<W>::Mask& wanted,
-                                                                      InteriorResponse<K, Pack<W>>& response,
-                                                                      VertexSystem<Pack<W>>& condensed,
-                                                                      InteriorSigns* signs) {
+class GeneralFactor {
   using Real = Pack<W>;
-  constexpr int n = FullSystem<K>::kInteriorSize, all = FullSystem<K>::kSize;
-  constexpr double kGrowth = 4.0;
-  FullSystem<K, Real> a = system;
-  typename Real::Mask suspicious = Real(0.0) > Real(0.0);
-  for (int k = 0; k < n; ++k) {
-    suspicious |= ~(a.matrix[k][k] > kSmallestPivot * fabs(system.matrix[k][k]));
-    const Real inverse = Real(1.0) / a.matrix[k][k];
-    for (int i = k + 1; i < all; ++i) {
-      const Real l = a.matrix[i][k] * inverse;
-      if (i < n) {
-        const Real most = kGrowth * fabs(system.matrix[i][i]);
-        suspicious |= ~(l * a.matrix[i][k] <= most);
-        suspicious |= ~(a.matrix[k][i] * a.matrix[k][i] * inverse <= most);
+  static constexpr int kInterior = ReducedBlocks<K>::kInterior, kCount = ReducedBlocks<K>::kCount;
+
+ public:
+  typename Real::Mask suspicious;  ///< as in InteriorFactor; also those whose factors grow
+
+  /// Leaves L^-1 rhs in the place of the right-hand side, and the condensed system behind the interior.
+  KOKKOS_FORCEINLINE_FUNCTION explicit GeneralFactor(FullSystem<K, Real>& system)
+      : suspicious(Real(0.0) > Real(0.0)), a_(system) {
+    Real size[3 * kInterior];
+    for (int i = 0; i < 3 * kInterior; ++i) size[i] = fabs(a_.matrix[i][i]);
+    for (int I = 0; I < kCount; ++I) {
+      Vec3<Real> rest = load_vector(a_.rhs + 3 * I);
+      for (int J = 0; J < kCount; ++J) {
+        const int smaller = I < J ? I : J, last = smaller < kInterior ? smaller : kInterior;
+        Mat3<Real> block = a_.block(I, J);
+        for (int k = 0; k < last; ++k) subtract_product(a_.block(I, k), a_.block(k, J), block);
+        if (I == J && I < kInterior) factor_diagonal(&size[3 * I], block);
+        if (I < J && I < kInterior) solve_left(a_.block(I, I), block);
+        if (I > J && J < kInterior) solve_right(a_.block(J, J), block);
+        a_.set_block(I, J, block);
+        if (J < I && J < kInterior) subtract_product(block, load_vector(a_.rhs + 3 * J), rest);
       }
-      for (int j = k + 1; j < all; ++j) a.matrix[i][j] -= l * a.matrix[k][j];
-      a.rhs[i] -= l * a.rhs[k];
+      const Mat3<Real> l = a_.block(I, I);
+      for (int i = 1; i < 3 && I < kInterior; ++i)
+        for (int k = 0; k < i; ++k) rest[i] -= l(i, k) * rest[k];
+      store_vector(rest, a_.rhs + 3 * I);
     }
-    a.rhs[k] = a.rhs[k] * inverse;
-    for (int j = k + 1; j < all; ++j) a.matrix[k][j] = a.matrix[k][j] * inverse;
+    watch_growth(size);
   }
-  for (int i = n - 1; i >= 0; --i)
-    for (int j = i + 1; j < n; ++j) {
-      for (int c = n; c < all; ++c) a.matrix[i][c] -= a.matrix[i][j] * a.matrix[j][c];
-      a.rhs[i] -= a.matrix[i][j] * a.rhs[j];
+
+  /// H_ii^-1 [H_ir | R_i] in the place of the columns of the vertices and of the right-hand side.
+  KOKKOS_FORCEINLINE_FUNCTION void solve() const {
+    for (int I = kInterior - 1; I >= 0; --I) {
+      const Mat3<Real> u = a_.block(I, I);
+      for (int c = kInterior; c < kCount; ++c) {
+        Mat3<Real> x = a_.block(I, c);
+        for (int k = I + 1; k < kInterior; ++k) subtract_product(a_.block(I, k), a_.block(k, c), x);
+        for (int i = 2; i >= 0; --i)
+          for (int j = 0; j < 3; ++j) {
+            for (int k = i + 1; k < 3; ++k) x(i, j) -= u(i, k) * x(k, j);
+            x(i, j) *= u(i, i);
+          }
+        a_.set_block(I, c, x);
+      }
+      Vec3<Real> x = load_vector(a_.rhs + 3 * I);
+      for (int k = I + 1; k < kInterior; ++k) subtract_product(a_.block(I, k), load_vector(a_.rhs + 3 * k), x);
+      for (int i = 2; i >= 0; --i) {
+        for (int k = i + 1; k < 3; ++k) x[i] -= u(i, k) * x[k];
+        x[i] *= u(i, i);
+      }
+      store_vector(x, a_.rhs + 3 * I);
     }
+  }
+
+ private:
+  FullSystem<K, Real>& a_;
+
+  KOKKOS_FORCEINLINE_FUNCTION void factor_diagonal(const Real* size, Mat3<Real>& m) {
+    for (int k = 0; k < 3; ++k) {
+      suspicious |= ~(m(k, k) > kSmallestPivot * size[k]);
+      m(k, k) = Real(1.0) / m(k, k);
+      for (int i = k + 1; i < 3; ++i) {
+        m(i, k) *= m(k, k);
+        for (int j = k + 1; j < 3; ++j) m(i, j) -= m(i, k) * m(k, j);
+      }
+    }
+  }
+  /// L^-1 x
+  KOKKOS_FORCEINLINE_FUNCTION static void solve_left(const Mat3<Real>& l, Mat3<Real>& x) {
+    for (int i = 1; i < 3; ++i)
+      for (int k = 0; k < i; ++k)
+        for (int j = 0; j < 3; ++j) x(i, j) -= l(i, k) * x(k, j);
+  }
+  /// x U^-1
+  KOKKOS_FORCEINLINE_FUNCTION static void solve_right(const Mat3<Real>& u, Mat3<Real>& x) {
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) {
+        for (int k = 0; k < j; ++k) x(i, j) -= x(i, k) * u(k, j);
+        x(i, j) *= u(j, j);
+      }
+  }
+  /// Entries of L U may be twice as large as those of a positive definite matrix can be, |l_ik u_kj| <= 2 sqrt(a_ii
+  /// a_jj).
+  KOKKOS_FORCEINLINE_FUNCTION void watch_growth(const Real* size) {
+    constexpr double kGrowth = 4.0;
+    for (int i = 0; i < 3 * kInterior; ++i)
+      for (int k = 0; k < i; ++k) {
+        const Real &l = a_.matrix[i][k], &u = a_.matrix[k][i], &inverse = a_.matrix[k][k];
+        suspicious |= ~(l * l <= kGrowth * size[i] * inverse);
+        suspicious |= ~(u * u * inverse <= kGrowth * size[i]);
+      }
+  }
+};
+
+/// Solves systems side by side that need not be symmetric, in the lanes of `wanted`: response, condensed system and
+/// signs of the others stay. Without pivoting, but for the lanes that need it. `system()` makes the systems; `signs`:
+/// null, or W of them.
+template <int K, int W, class System>
+KOKKOS_FORCEINLINE_FUNCTION void solve_general_in_lanes(const System& system, const typename Pack<W>::Mask& wanted,
+                                                        InteriorResponse<K, Pack<W>>& response,
+                                                        VertexSystem<Pack<W>>& condensed, InteriorSigns* signs) {
+  using Real = Pack<W>;
+  constexpr int n = FullSystem<K>::kInteriorSize;
+  FullSystem<K, Real> a = system();
+  const GeneralFactor<K, W> factor(a);
+  factor.solve();
   const auto take = [&wanted](const Real& x, Real& to) { to = select(wanted, x, to); };
   for (int i = 0; i < n; ++i) {
     for (int c = 0; c < 9; ++c) take(-a.matrix[i][n + c], response.by[i / 3][c / 3](i % 3, c % 3));
@@ -245,8 +328,8 @@ KOKKOS_FUNCTION __attribute__((noinline)) void solve_general_in_lanes(const Full
   for (int lane = 0; lane < W; ++lane) {
     if (wanted[lane] == 0) continue;
     if (signs != nullptr) signs[lane] = {};  // pivots above zero
-    if (suspicious[lane] == 0) continue;
-    const FullSystem<K> one(system, [lane](const Real& x) { return x[lane]; });
+    if (factor.suspicious[lane] == 0) continue;
+    const FullSystem<K> one(system(), [lane](const Real& x) { return x[lane]; });
     solve_one_lane(one, lane, response, condensed);
     if (signs != nullptr) signs[lane] = interior_signs(one, false);
   }

@@ -88,6 +88,16 @@ struct FullSystem {
       rhs[i] = number(system.rhs[i]);
     }
   }
+  KOKKOS_FORCEINLINE_FUNCTION Mat3<Real> block(int row, int column) const {
+    Mat3<Real> m;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) m(i, j) = matrix[3 * row + i][3 * column + j];
+    return m;
+  }
+  KOKKOS_FORCEINLINE_FUNCTION void set_block(int row, int column, const Mat3<Real>& m) {
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) matrix[3 * row + i][3 * column + j] = m(i, j);
+  }
   KOKKOS_INLINE_FUNCTION void add(int row, int column, const Real& factor, const Mat3<Real>& m) {
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) matrix[3 * row + i][3 * column + j] += factor * m(i, j);

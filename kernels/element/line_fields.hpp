@@ -6,40 +6,50 @@
 
 namespace mixbeam {
 
-/// In the rows of slope_j, j >= first: u = mean of both vertices + h/2 sum_{j >= 0} slope_j B_j, in the element frame.
+/// Sums of a force over the points, by shape functions.
 template <int K, class Real>
-KOKKOS_INLINE_FUNCTION void add_force_work(const Real& weight, const Real& length, const Vec3<Real>& force,
-                                           const double* bubble, int first, ElementGradient<K, Real>& g) {
-  for (int j = first; j < K; ++j) g.slope[j] += (-0.5 * length * weight * bubble[j]) * force;
-}
+struct ForceSums {
+  int first_bubble;
+  Vec3<Real> whole{{Real(0.0), Real(0.0), Real(0.0)}}, tilted = whole;  ///< by weight and weight * xi
+  Vec3<Real> bubble[K];                                                 ///< by weight * B_j
 
-/// Virtual work f . du of a dead force f (spatial).
+  KOKKOS_FORCEINLINE_FUNCTION explicit ForceSums(int first) : first_bubble(first) {
+    for (int j = 0; j < K; ++j) bubble[j] = whole;
+  }
+  KOKKOS_FORCEINLINE_FUNCTION void add(int q, const ElementTables<K>& tables, const Vec3<Real>& force) {
+    const double weight = tables.moment_weight[q];
+    whole += weight * force;
+    tilted += (weight * tables.moment_xi[q]) * force;
+    for (int j = first_bubble; j < K; ++j) bubble[j] += (weight * tables.moment_bubble[q][j]) * force;
+  }
+};
+
+/// Virtual work f . du of a dead force f (spatial): u = mean of both vertices + h/2 sum_{j >= 0} slope_j B_j, in the
+/// element frame, of which the first bubble is that of the vertices.
 template <int K, class Real>
 KOKKOS_INLINE_FUNCTION void add_dead_force(const Real* values, const ElementKinematics<K, Real>& kinematics,
                                            const ElementTables<K>& tables, ElementGradient<K, Real>& g) {
-  for (int q = 0; q <= K; ++q) {
-    const Vec3<Real> force = load_vector(values + 3 * q);
-    const Real w = 0.5 * kinematics.length * tables.moment_weight[q];
-    const double xi = tables.moment_xi[q];
-    g.vertex_force[0] += (-0.5 * w * (1.0 - xi)) * force;
-    g.vertex_force[1] += (-0.5 * w * (1.0 + xi)) * force;
-    if constexpr (K > 1)
-      add_force_work(w, kinematics.length, transpose_times(kinematics.triad, force), tables.moment_bubble[q], 1, g);
-  }
+  ForceSums<K, Real> sums(1);
+  for (int q = 0; q <= K; ++q) sums.add(q, tables, load_vector(values + 3 * q));
+  const Real half = 0.5 * kinematics.length;
+  g.vertex_force[0] += (-0.5 * half) * (sums.whole - sums.tilted);
+  g.vertex_force[1] += (-0.5 * half) * (sums.whole + sums.tilted);
+  for (int j = 1; j < K; ++j) g.slope[j] += (-half * half) * transpose_times(kinematics.triad, sums.bubble[j]);
 }
 
 /// Virtual work f . du of f = Lambda_E F, F material.
 template <int K, class Real>
 KOKKOS_INLINE_FUNCTION void add_follower_force(const Real* values, const ElementKinematics<K, Real>& kinematics,
                                                const ElementTables<K>& tables, ElementGradient<K, Real>& g) {
+  ForceSums<K, Real> sums(0);
   for (int q = 0; q <= K; ++q) {
     const PointRotation<K, Real> rotation(kinematics.relative_rotation(tables.moment_legendre[q]));
-    const Vec3<Real> force = rotation.exp * load_vector(values + 3 * q);
-    const Real w = 0.5 * kinematics.length * tables.moment_weight[q];
-    const Vec3<Real> half = (-0.5 * w) * (kinematics.triad * force);
-    for (int end = 0; end < 2; ++end) g.vertex_force[end] += half;
-    add_force_work(w, kinematics.length, force, tables.moment_bubble[q], 0, g);
+    sums.add(q, tables, rotation.exp * load_vector(values + 3 * q));
   }
+  const Real half = 0.5 * kinematics.length;
+  const Vec3<Real> on_each_end = (-0.5 * half) * (kinematics.triad * sums.whole);
+  for (int end = 0; end < 2; ++end) g.vertex_force[end] += on_each_end;
+  for (int j = 0; j < K; ++j) g.slope[j] += (-half * half) * sums.bubble[j];
 }
 
 /// Virtual work c . dtheta_E of a dead couple c (spatial), dtheta_E = w + T(psi) dpsi in the element frame.

@@ -75,6 +75,7 @@ struct ElementBlock {
   /// (element of the block, LineField): first row of that field in StructureViews::field_value, -1 where there is none;
   /// empty when no element of the block has any
   KernelView<int* [kLineFields]> field_row;
+  unsigned kinds_of_fields = 0;  ///< bit of each LineField that some element of the block has
 
   ElementPlaces unknowns_at() const { return {interior_offset, static_cast<size_t>(interior.unknowns())}; }
   ElementPlaces increments_at() const { return {increment_offset, static_cast<size_t>(interior.increments())}; }

@@ -111,6 +111,7 @@ struct ElementPack {
                                                                     Real (*numbers)[3 * kForcePoints],
                                                                     ElementFields<Real>& fields) {
     for (int i = 0; i < kLineFields; ++i) {
+      if ((gather.block.kinds_of_fields >> i & 1U) == 0) continue;
       bool some_have_it = false;
       for (const int e : rows.row) some_have_it = some_have_it || gather.block.field_row(e, i) >= 0;
       if (!some_have_it) continue;
@@ -183,11 +184,13 @@ struct TangentLoop {
                   pack.section, own_gradient());
     InteriorSigns signs[kCount];
     MeanRows<K, Real> mean_rows;
-    solve_in_lanes(element.system, element.response, element.condensed, counts() ? signs : nullptr);
     const bool has_potential = !pack.fields.have_no_potential();
+    const typename Real::Mask unsymmetric = without_potential(pack.lanes, !has_potential);
+    if (any<W>(~unsymmetric))
+      solve_in_lanes(element.system, element.response, element.condensed, counts() ? signs : nullptr);
     if (!has_potential) {
       const Kinematics copy = kinematics;  // only this one has its address taken
-      solve_with_fields(pack.lanes, pack.fields, copy, element, mean_rows, counts() ? signs : nullptr);
+      solve_with_fields(unsymmetric, pack.fields, copy, element, mean_rows, counts() ? signs : nullptr);
     }
     for (int lane = 0; counts() && lane < pack.lanes.active; ++lane) store_signs(pack.lanes.row[lane], signs[lane]);
     const auto response_of = [&](int e) { return to.response.data() + gather.response_of(e); };
@@ -195,7 +198,7 @@ struct TangentLoop {
       pack.lanes.store(numbers, first, count, response_of);
     };
     element.store_response(gather.block.interior, pack.section, store);
-    store_condensed(pack.lanes, kinematics, element, has_potential ? nullptr : &mean_rows);
+    store_condensed(pack.lanes, kinematics, element, unsymmetric, has_potential ? nullptr : &mean_rows);
   }
 
  private:
@@ -218,46 +221,58 @@ struct TangentLoop {
     to.interior_negative(gather.block.first_element + e) = signs.uncertain ? kUncertainCount : signs.negative;
   }
   KOKKOS_FORCEINLINE_FUNCTION void store_condensed(const RowsInLanes<W>& lanes, const Kinematics& kinematics,
-                                                   const Condensed& element, const MeanRows<K, Real>* mean_rows) const {
-    Real tangent[kSymmetricTangent], residual[12];
-    symmetric_tangent(element.condensed.matrix, kinematics.triad, kinematics.length, tangent);
+                                                   const Condensed& element, const typename Real::Mask& unsymmetric,
+                                                   const MeanRows<K, Real>* mean_rows) const {
+    Real residual[12];
     const Vec3<Real>* gradient = element.condensed.gradient;
     store_vertex_rows(gradient[0], gradient[1], gradient[2], element.gradient, kinematics, residual);
-    if (to.condensed_tangent.extent(1) == kSymmetricTangent)
+    if (to.condensed_tangent.extent(1) == kSymmetricTangent) {
+      Real tangent[kSymmetricTangent];
+      symmetric_tangent(element.condensed.matrix, kinematics.triad, kinematics.length, tangent);
       lanes.store(tangent, 0, kSymmetricTangent, [&](int e) { return tangent_of(e); });
-    else
-      store_full(lanes, Kinematics(kinematics), element, tangent, mean_rows, residual);
+    } else {
+      store_full(lanes, Kinematics(kinematics), element, ~unsymmetric, mean_rows, residual);
+    }
     lanes.store(residual, 0, 12, [&](int e) { return residual_of(e); });
   }
   /// For a structure of which some element has no potential. `mean_rows`: null where none of these has none.
   KOKKOS_FUNCTION __attribute__((noinline)) void store_full(const RowsInLanes<W>& lanes, const Kinematics& kinematics,
-                                                            const Condensed& element, const Real* symmetric,
+                                                            const Condensed& element,
+                                                            const typename Real::Mask& symmetric,
                                                             const MeanRows<K, Real>* mean_rows, Real* residual) const {
     Real tangent[kFullTangent];
-    expand_symmetric_tangent<kSpatialDofs>(symmetric, tangent);
     if (mean_rows != nullptr) {
-      Real general[kFullTangent];
-      full_tangent(element.condensed.matrix, kinematics.triad, kinematics.length, general);
-      if (mean_rows->used) mean_rows->expand(element.response, kinematics, general, residual);
-      const typename Real::Mask mask = without_potential(lanes);
-      for (int i = 0; i < kFullTangent; ++i) tangent[i] = select(mask, general[i], tangent[i]);
+      full_tangent(element.condensed.matrix, kinematics.triad, kinematics.length, tangent);
+      if (mean_rows->used) mean_rows->expand(element.response, kinematics, tangent, residual);
+    }
+    if (any<W>(symmetric)) {
+      Real packed[kSymmetricTangent], expanded[kFullTangent];
+      symmetric_tangent(element.condensed.matrix, kinematics.triad, kinematics.length, packed);
+      expand_symmetric_tangent<kSpatialDofs>(packed, expanded);
+      for (int i = 0; i < kFullTangent; ++i)
+        tangent[i] = mean_rows == nullptr ? expanded[i] : select(symmetric, expanded[i], tangent[i]);
     }
     lanes.store(tangent, 0, kFullTangent, [&](int e) { return tangent_of(e); });
   }
-  KOKKOS_INLINE_FUNCTION typename Real::Mask without_potential(const RowsInLanes<W>& lanes) const {
-    typename Real::Mask mask{};
-    for (int lane = 0; lane < kCount; ++lane) mask[lane] = gather.fields(lanes.row[lane]).have_no_potential() ? -1 : 0;
+  /// Lanes whose element has no potential; none where none can be.
+  KOKKOS_FORCEINLINE_FUNCTION typename Real::Mask without_potential(const RowsInLanes<W>& lanes, bool some) const {
+    typename Real::Mask mask = Real(0.0) > Real(0.0);
+    for (int lane = 0; lane < kCount && some; ++lane)
+      mask[lane] = gather.fields(lanes.row[lane]).have_no_potential() ? -1 : 0;
     return mask;
   }
-  /// Elements with line fields that have no potential are solved once more, with their unsymmetric part.
-  KOKKOS_FUNCTION __attribute__((noinline)) void solve_with_fields(const RowsInLanes<W>& lanes,
+  /// Elements with line fields that have no potential are solved with their unsymmetric part.
+  KOKKOS_FUNCTION __attribute__((noinline)) void solve_with_fields(const typename Real::Mask& wanted,
                                                                    const ElementFields<Real>& fields,
                                                                    const Kinematics& kinematics, Condensed& element,
                                                                    MeanRows<K, Real>& mean_rows,
                                                                    InteriorSigns* signs) const {
-    FullSystem<K, Real> system(element.system, [](const Real& x) { return x; });
-    add_field_tangent(fields, kinematics, gather.tables, system, mean_rows);
-    solve_general_in_lanes<K, W>(system, without_potential(lanes), element.response, element.condensed, signs);
+    const auto system = [&] {
+      FullSystem<K, Real> full(element.system, [](const Real& x) { return x; });
+      add_field_tangent(fields, kinematics, gather.tables, full, mean_rows);
+      return full;
+    };
+    solve_general_in_lanes<K, W>(system, wanted, element.response, element.condensed, signs);
   }
 };
 

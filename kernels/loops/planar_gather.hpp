@@ -160,6 +160,7 @@ struct PlanarGather {
   /// Zeros where an element has no such field; false where none has.
   KOKKOS_INLINE_FUNCTION bool load_field(const Rows& lanes, LineField kind, Real* values) const {
     const int column = static_cast<int>(kind);
+    if ((block.kinds_of_fields >> column & 1U) == 0) return false;
     bool some_have_it = false;
     for (const int e : lanes.row) some_have_it = some_have_it || block.field_row(e, column) >= 0;
     if (!some_have_it) return false;

@@ -294,7 +294,7 @@ TEST(SolveInLanes, WithoutSymmetry) {
     VertexSystem<Lanes> condensed;
     condensed.gradient[0][0] = 7.0;
     InteriorSigns signs[kLanes];
-    solve_general_in_lanes<2, kLanes>(system, wanted, response, condensed, signs);
+    solve_general_in_lanes<2, kLanes>([&] { return system; }, wanted, response, condensed, signs);
     EXPECT_EQ(condensed.gradient[0][0][0], 7.0);
     for (int lane = 1; lane < kLanes; ++lane) {
       const FullSystem<2> one(system, [lane](const Lanes& x) { return x[lane]; });

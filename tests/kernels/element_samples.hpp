@@ -331,6 +331,7 @@ class SampleBlock {
     const auto fill = [&](LineField kind, const LinearField& field) {
       const int row = (e * kLineFields + static_cast<int>(kind)) * kMostPoints;
       block.field_row(e, static_cast<int>(kind)) = field.is_zero() ? -1 : row;
+      block.kinds_of_fields |= field.is_zero() ? 0U : 1U << static_cast<int>(kind);
       if (kind == LineField::eigenstrain) {
         fill_values(field, axial, row);
         if (axial != shear) fill_values(field, shear, row + axial);
