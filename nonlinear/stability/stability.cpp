@@ -159,45 +159,40 @@ NearestEigenvalue nearest_eigenvalue(const Tangent& tangent,
 
 /// As asymmetry(), of the rows of this rank that chains eliminate, in the units of IndependentUnknowns.
 double asymmetry_of_chains(const CondensedSystem& chains, const Tangent& tangent) {
-  const Model& model = tangent.model();
-  const Structure& structure = model.structure();
+  constexpr int n = kVertexDofs;
+  const Structure& structure = tangent.model().structure();
   const KernelView<double**> tangents = tangent.elements().condensed_tangent;
   if (tangents.extent(1) != kFullTangent) return 0.0;
-  const Adjacency adjacency = model.adjacency();
+  const Adjacency adjacency = tangent.model().adjacency();
   const double bending = structure.bending_reference / structure.length;
-  std::vector<double> diagonal(static_cast<size_t>(kVertexDofs) * structure.owned_vertices, 0.0), unit(diagonal.size());
   const std::vector<double> lengths = vertex_lengths(structure);
-  const auto block = [&](int e, int row, int column, int i, int j) {
-    return tangents(e, 2 * kVertexDofs * (kVertexDofs * row + i) + kVertexDofs * column + j);
-  };
-  for (size_t row = 0; row < diagonal.size(); ++row) {
-    const int v = static_cast<int>(row) / kVertexDofs, i = static_cast<int>(row) % kVertexDofs;
-    for (int a = adjacency.start(v); a < adjacency.start(v + 1); ++a)
-      diagonal[row] += block(adjacency.element(a, 0), adjacency.element(a, 1), adjacency.element(a, 1), i, i);
-    unit[row] = (i < 3 ? structure.length : 1.0) / std::sqrt(bending * lengths[v] / structure.length);
-    diagonal[row] = std::max(1.0, std::abs(diagonal[row]) * unit[row] * unit[row]);
-  }
+  std::vector<double> weights(static_cast<size_t>(n) * structure.owned_vertices);
   double largest = 0.0;
-  const auto note = [&](double skew, size_t row, size_t column) {
-    largest =
-        std::max(largest, std::abs(skew) * unit[row] * unit[column] / std::sqrt(diagonal[row] * diagonal[column]));
-  };
+  for (int v = 0; v < structure.owned_vertices; ++v) {
+    double sum[n][n] = {}, *weight = &weights[static_cast<size_t>(n) * v];
+    for (int a = adjacency.start(v); a < adjacency.start(v + 1); ++a) {
+      const double* block = &tangents(adjacency.element(a, 0), (2 * n + 1) * n * adjacency.element(a, 1));
+      for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) sum[i][j] += block[2 * n * i + j];
+    }
+    const double unit = 1.0 / std::sqrt(bending * lengths[v] / structure.length);
+    for (int i = 0; i < n; ++i) {
+      const double own = i < 3 ? structure.length * unit : unit;
+      weight[i] = own / std::sqrt(std::max(1.0, std::abs(sum[i][i]) * own * own));
+      for (int j = 0; j < i && chains.is_eliminated(v); ++j)
+        largest = std::max(largest, std::abs(sum[i][j] - sum[j][i]) * weight[i] * weight[j]);
+    }
+  }
   for_each_element(structure, [&](const ElementView& element) {
-    const int ends[2] = {element.vertex(0), element.vertex(1)}, e = element.local();
-    const bool eliminated[2] = {chains.is_eliminated(ends[0]), chains.is_eliminated(ends[1])};
-    for (int i = 0; i < kVertexDofs && (eliminated[0] || eliminated[1]); ++i)
-      for (int j = 0; j < kVertexDofs; ++j)
-        note(block(e, 0, 1, i, j) - block(e, 1, 0, j, i), vertex_row(ends[0], i), vertex_row(ends[1], j));
-    for (int end = 0; end < 2; ++end)
-      for (int i = 0; eliminated[end] && i < kVertexDofs; ++i)
-        for (int j = 0; j < i; ++j) {
-          double skew = 0.0;
-          for (int a = adjacency.start(ends[end]); a < adjacency.start(ends[end] + 1); ++a) {
-            const int at = adjacency.element(a, 1);
-            skew += block(adjacency.element(a, 0), at, at, i, j) - block(adjacency.element(a, 0), at, at, j, i);
-          }
-          note(skew, vertex_row(ends[end], i), vertex_row(ends[end], j));
-        }
+    const int a = element.vertex(0), b = element.vertex(1);
+    if (!chains.is_eliminated(a) && !chains.is_eliminated(b)) return;
+    const double *k = &tangents(element.local(), 0), *of_a = &weights[vertex_row(a, 0)],
+                 *of_b = &weights[vertex_row(b, 0)];
+    double most = 0.0;
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j)
+        most = std::max(most, std::abs(k[2 * n * i + n + j] - k[2 * n * (n + j) + i]) * of_a[i] * of_b[j]);
+    largest = std::max(largest, most);
   });
   return largest;
 }
@@ -449,15 +444,16 @@ Stability::RootResult Stability::factorized_beside_chains(const Seen& look, bool
 }
 
 /// None where the signs of pivots cannot be relied on, next to a critical point.
-std::optional<StabilityResult> Stability::inertia_with_chains(const Look& look) {
-  const RootResult root = factorized_beside_chains(look.seen());
+std::optional<StabilityResult> Stability::inertia_with_chains(const Seen& look) {
+  const RootResult root = factorized_beside_chains(look);
   if (!root.is_reliable || root.is_near_zero || root.result.null > 0 || look.interior.uncertain) return std::nullopt;
   if (!root.result.symmetric) {
     // The determinant tells one negative eigenvalue from none, but not two.
     if (root.result.asymmetry > stability_limit.nearly_conservative || root.of_symmetric_part < 2 ||
         root.of_symmetric_part > stability_limit.most_divergent)
       return root.result;
-    return spectrum(look.state(), look.load_factor(), root.of_symmetric_part + stability_limit.more_modes).stability;
+    const EvaluationPoint& point = look.tangent.point();
+    return spectrum(point.state, point.load_factor, root.of_symmetric_part + stability_limit.more_modes).stability;
   }
   DofVector remaining_b(chains_->matrix()->getRowMap()), remaining_x(chains_->matrix()->getRowMap());
   const IndependentUnknowns& remaining = *unknowns_beside_chains_;
@@ -482,11 +478,17 @@ std::optional<StabilityResult> Stability::count_by(Linearization& at) {
   const bool by_solves = at.solver().counts_by_solves();
   if (tangent.is_planar() || !at.failure().empty()) return std::nullopt;
   const Tangent::InteriorCount interior = tangent.interior_count();
-  if (interior.uncertain || (!by_solves && !at.solver().negative_eigenvalues())) return std::nullopt;
-  if (tangent.cap().cuts_off && !by_solves && *at.solver().negative_eigenvalues() + interior.negative > 0)
-    return std::nullopt;
+  if (interior.uncertain) return std::nullopt;
   const EvaluationPoint& point = tangent.point();
   const double stress = stress_of(problem_.model, magnitude_of(problem_.model, point.state, point.load_factor));
+  if (!by_solves && !at.solver().negative_eigenvalues()) {
+    if (tangent.cap().cuts_off || problem_.tries_iteration()) return std::nullopt;
+    std::optional<StabilityResult> result = inertia_with_chains({tangent, interior, stability_limit.zero * stress});
+    if (result) result->end_angle = largest_end_angle(problem_.model, point).angle;
+    return result;
+  }
+  if (tangent.cap().cuts_off && !by_solves && *at.solver().negative_eigenvalues() + interior.negative > 0)
+    return std::nullopt;
   const double near_zero = stability_limit.near_zero * stress * relative_length(problem_.model);
   const NearestEigenvalue nearest = nearest_eigenvalue(
       tangent, [&](const DofVector& b, DofVector& x) { at.solve_vertices(b, x); },
@@ -546,7 +548,7 @@ StabilityResult Stability::count(const State& state, double load_factor) {
   if (easy) return *easy;
   std::optional<Look> look = evaluate_tangent(state, load_factor, stability_limit.cap_of_count);
   const double end_angle = largest_end_angle(problem_.model, look->tangent.point()).angle;
-  std::optional<StabilityResult> result = inertia_with_chains(*look);
+  std::optional<StabilityResult> result = inertia_with_chains(look->seen());
   look.reset();  // its arrays are used again
   for (int modes = stability_limit.first_null; !result; modes *= 2) {
     const StabilityResult seen = spectrum(state, load_factor, modes).stability;

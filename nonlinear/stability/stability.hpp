@@ -93,8 +93,9 @@ enum class How {
   /// One factorisation, most of it that of chains, in parallel. Where an eigenvalue may be zero the nearest ones are
   /// computed, by spectrum(). Unsymmetric: the sign of the determinant alone.
   inertia,
-  /// Newton's own factors, if they can tell and no eigenvalue may be zero: no joints, slanting supports or loads
-  /// without potential; where a cap cuts off some stiffness, no negative eigenvalue.
+  /// Newton's own tangent, if it can tell and no eigenvalue may be zero: by its factors or, with joints, slanting
+  /// supports and loads without potential, as How::inertia. Where a cap cuts off some stiffness, by factors without a
+  /// negative eigenvalue.
   factors,
   /// Where tangents are too large for factors: by conjugate gradients from an arbitrary vector, which meet negative
   /// curvature or converge. `negative` is zero, or at least one is negative.
@@ -171,7 +172,7 @@ class Stability {
   static RootResult completed(RootResult root, const RootCopy& copy, const Seen& look, long of_chains);
   RootResult factorized_beside_chains(const Seen& look);
   RootResult factorized_beside_chains(const Seen& look, bool symmetric_part, double asymmetry);
-  std::optional<StabilityResult> inertia_with_chains(const Look& look);
+  std::optional<StabilityResult> inertia_with_chains(const Seen& look);
   StabilityResult inertia(const Look& look, double shift = 0.0);
   InertiaSolver& solver(const StabilityResult& result);
   StabilityResult count(const State& state, double load_factor);

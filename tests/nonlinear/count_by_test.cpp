@@ -197,9 +197,10 @@ TEST(CountBy, UnloadedStructuresAreCounted) {
   EXPECT_EQ(StabilityFixture(column(2, 6, {loose})).count(0.0).verdict(), Verdict::neutral);
 }
 
-/// What the factors do not tell is left to the count that takes its own.
-TEST(CountBy, SaysNothingWhereTheFactorsDoNot) {
-  const Scene plain = compressed_lattice(1.0, 1);
+/// Where factors do not tell, chains of the same tangent do, as in the count that takes its own; but where a cap cuts
+/// off some stiffness.
+TEST(CountBy, ChainsOfTheTangentWhereItsFactorsDoNotTell) {
+  const Scene plain = compressed_lattice(1.0, 1), small = lattice(3, 1, 2);  // the latter by KLU2
   ASSERT_TRUE(Counted(plain).by_factors(0.5));
   Scene follower = plain;
   for (PointLoad& load : follower.point_loads) {
@@ -207,9 +208,19 @@ TEST(CountBy, SaysNothingWhereTheFactorsDoNot) {
     for (const Member& member : follower.members)
       if (member.end_point == load.point) load.member = member.name;
   }
-  EXPECT_FALSE(Counted(follower).by_factors(0.5));
-  Scene small = lattice(3, 1, 2);  // by KLU2
-  EXPECT_FALSE(Counted(small).by_factors(0.5));
+  for (const Scene& scene : {follower, small}) {
+    Counted counted(scene);
+    const State state = counted.fixture.equilibrium(0.5);
+    const std::optional<StabilityResult> found = counted.by_factors(state, 0.5);
+    const StabilityResult own = *counted.fixture.stability().ask({state, 0.5}, How::inertia);
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->negative, own.negative);
+    EXPECT_EQ(found->sign, own.sign);
+    EXPECT_EQ(found->symmetric, own.symmetric);
+  }
+  Scene rigid = small;
+  for (Section& section : rigid.sections) section.axial_stiffness = HUGE_VAL;
+  EXPECT_FALSE(Counted(rigid).by_factors(0.5));
 }
 
 }  // namespace count_by_test
