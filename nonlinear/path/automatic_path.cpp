@@ -280,6 +280,9 @@ class AutomaticPath {
       length = to_goal;
       const PathDirection guess = scaled(here_.tangent, to_goal);
       result = goal_.correct(corrector_, here_, goal_.value(), &guess, path_limit.most_iterations_along_path);
+      if (!result.converged && !goal_.is_controlled())  // the cap of at_load() shifts critical loads by 1e-5
+        result = corrector_.on_row({here_.state, here_.load_factor + guess.load, &guess.x},
+                                   goal_.row(here_.load_factor, rest), path_limit.most_iterations_along_path);
       return result.converged;
     }
     const PathDirection guess = scaled(here_.tangent, step);

@@ -1,7 +1,6 @@
 #include "nonlinear/path/critical_point_finder.hpp"
 
 #include "nonlinear/path/branch.hpp"
-#include "nonlinear/path/thresholds.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -128,7 +127,7 @@ CriticalPointFinder::Sample CriticalPointFinder::sample(double at, Asked asked) 
   Sample result{at, {found.state, found.load_factor, {scaled(guess, 0.0).x, std::nan("")}}};
   if (asked != Asked::state)
     result.station = judge_.station(found.state, found.load_factor, &piece_.moved, asked == Asked::count);
-  if (measure_.motion(piece_.moved.x) > path_limit.no_motion && result.station.has_tangent() &&
+  if (!straight_ && result.station.has_tangent() &&
       measure_.cosine(result.station.tangent.x, piece_.moved.x) < path_limit.least_cosine)
     throw NotLocated("the path leaves the direction of the step: another one may have been met");
   if (asked == Asked::count && !result.station.stability) throw NotLocated("the eigenvalues could not be counted");
@@ -140,7 +139,7 @@ CriticalPointFinder::Sample CriticalPointFinder::sample(double at, Asked asked) 
 /// Whether the tangents of samples beside a critical point are those of one smooth path: an imperfect structure turns
 /// aside there, and the other side of its corner belongs to another path.
 void CriticalPointFinder::require_smoothness(const Station& a, const Station& b) const {
-  if (measure_.motion(piece_.moved.x) <= path_limit.no_motion || !a.has_tangent() || !b.has_tangent()) return;
+  if (straight_ || !a.has_tangent() || !b.has_tangent()) return;
   if (measure_.cosine(a.tangent.x, b.tangent.x) < path_limit.smooth_cosine)
     throw NotLocated("the path turns aside close to a critical point: it is that of another path");
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "nonlinear/path/step_judge.hpp"
+#include "nonlinear/path/thresholds.hpp"
 #include "nonlinear/stability/stability.hpp"
 
 #include <algorithm>
@@ -34,6 +35,7 @@ class CriticalPointFinder {
         model_(judge.problem()->model),
         piece_(piece),
         chord_(measure_.length(piece.moved)),
+        straight_(judge.missed(piece) <= path_limit.magnified_rounding),
         separates_(std::abs(piece.end.stability->negative - piece.start.stability->negative) <= kMostSeparated) {
     known_.push_back({0.0, scaled(piece.moved, 0.0)});
     known_.push_back({1.0, scaled(piece.moved, 1.0)});
@@ -105,6 +107,7 @@ class CriticalPointFinder {
   const Model& model_;
   const PathPiece& piece_;
   double chord_;
+  bool straight_;   ///< to rounding: tangents have no directions of their own
   bool separates_;  ///< its critical points are few enough to be located one by one
   std::vector<Known> known_;
   int samples_ = 0;  ///< taken

@@ -71,6 +71,7 @@ void PathGoal::require_motion(double start, const Station& here, const std::stri
 ControlRow PathGoal::row(double load_start, double change) const {
   MixedVector weights = model_.create_vector();
   weights.fill(0.0);
+  if (!is_controlled()) return {weights, 1.0, load_start, change};
   const int local = model_.structure().partition.place(vertex_of(model_.mesh(), control_->point));
   if (local >= 0) weights.vertex()(kVertexDofs * local + control_->component) = 1.0 / model_.structure().length;
   return {weights, 0.0, load_start, change};

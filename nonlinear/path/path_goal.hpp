@@ -32,7 +32,7 @@ class PathGoal {
                     int most_iterations) const;
   /// Throws GaveUp where what is controlled has not moved from `start`: following the path further is of no use.
   void require_motion(double start, const Station& here, const std::string& until) const;
-  /// The controlled displacement moves by `change`.
+  /// The controlled displacement, or else the load factor, moves by `change`.
   ControlRow row(double load_start, double change) const;
 
  private:

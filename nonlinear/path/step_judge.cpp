@@ -120,6 +120,8 @@ const std::vector<JudgeLine>& judge_table() {
       {[](S s, T) { return s.loads_turn && std::isnan(s.turn_cosine); }, Then::refuse, kBends},
       {turn, Then::refuse, turn_back, &Signs::turn_cosine, Side::below, straight},
       {turn, Then::accept},
+      // next to a critical point angles are those of rounding
+      {always, Then::accept, "", &Signs::missed, Side::at_most, [](S, T) { return path_limit.magnified_rounding; }},
       {always, Then::refuse, kBends, &Signs::first, Side::below, smallest},
       {always, Then::refuse, kBends, &Signs::last, Side::below, [](S, T t) { return t.least_cosine_at_end; }},
       {always, Then::halve, "", &Signs::last, Side::below, smallest},
@@ -272,6 +274,15 @@ PathDirection StepJudge::cubic(const PathPiece& piece, double at) const {
   return result;
 }
 
+double StepJudge::missed(const PathPiece& piece) const {
+  const auto from = [&](const PathDirection& tangent) {
+    PathDirection left = scaled(piece.moved, 1.0);
+    left.x.update(-piece.moved.load / tangent.load, tangent.x, 1.0);
+    return measure_.motion(left.x);
+  };
+  return std::min(from(piece.start.tangent), from(piece.end.tangent));
+}
+
 StepJudge::Part StepJudge::whole(const PathPiece& piece) const {
   const MixedVector &chord = piece.moved.x, &start = piece.start.tangent.x, &end = piece.end.tangent.x;
   return Part(piece, measure_.motion(chord, chord), measure_.motion(chord, start), measure_.motion(chord, end),
@@ -330,6 +341,7 @@ StepSigns StepJudge::signs_of_ends(const PathPiece& piece, const StepTest& test,
     signs.starts_still = signs.starts_still || part.starts_still;
     signs.dips = signs.dips || part.load_dips(test);
   }
+  if (!(signs.least >= path_limit.straight)) signs.missed = missed(piece);
   signs.turns = (piece.start.tangent.load > 0.0) != (piece.end.tangent.load > 0.0);
   signs.turns_unseen = signs.turns && !may_turn(piece, test);
   return signs;

@@ -101,6 +101,9 @@ struct PathThresholds {
   double nearly_largest = 0.9;
   /// A motion smaller than this is rounding: the displacements of a structure are known to about 1e-13 of its length.
   double no_motion = 1e-12;
+  /// So is what a step that ends next to a critical point misses its tangent by: the nearly singular tangent magnifies
+  /// what Newton's method leaves, to 3e-9 at the point itself, and its rate to anything.
+  double magnified_rounding = 1e-7;
   // Motion and ways.
   /// Weight of the load factor in lengths: a path whose stage moves the structure by less than this share of its size
   /// is measured by its load, all others by their motion.

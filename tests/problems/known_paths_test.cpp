@@ -882,6 +882,17 @@ void add_counts(std::vector<KnownPath>& table) {
   for (const bool planar : {false, true})
     table.push_back({planar ? "StepToEulersLoad" : "StepToEulersLoadInSpace", thrust_column(2.0 * kEuler, 0.0, planar),
                      halves, primary({{0.5, bifurcation, planar ? 1 : 2}}, kDigits)});
+  // On an axis of no direction of the coordinates: next to the critical load rounding is motion.
+  for (const double share : {1.0 - 1e-5, 1.0 - 1e-6, 1.0 + 1e-6}) {
+    Scene turned = thrust_column(0.0, 0.0, false, 4, 8);
+    const Vector3 axis = {1.0 / std::sqrt(14.0), 2.0 / std::sqrt(14.0), 3.0 / std::sqrt(14.0)};
+    turned.points.back().position = axis;
+    const double thrust = -share * kEuler;
+    turned.point_loads[0].force = {thrust * axis[0], thrust * axis[1], thrust * axis[2]};
+    Answer beside = primary({}, 1e-7);
+    if (share > 1.0) beside.critical = {{1.0 / share, bifurcation, 2}}, beside.negative = 2;
+    table.push_back({"EndsAt" + std::to_string(share) + "OfEulersLoad", turned, {}, beside});
+  }
   table.push_back({"BucklesInsideItsElement",
                    sliding_clamps(60.0, 8, 1),
                    {},
