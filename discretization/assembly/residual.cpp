@@ -37,6 +37,7 @@ ResidualScales residual_scales(const StateMagnitude& state, double length, doubl
   const double amplitude = std::min(1.0, std::max({state.rotation, state.displacement / length, state.eigenstrain}));
   scales.rotation = std::max(amplitude, noise);
   scales.strain = std::max(amplitude, noise);
+  scales.rotation_noise = noise;
   scales.displacement_noise = noise * std::min(state.displacement, kLargestDisplacement * length);
   scales.length = length;
   scales.amplitude = amplitude;
@@ -133,6 +134,7 @@ void scale_vertex_rows(const Model& model, const ResidualScales& scales, bool in
           row[3 + c] *= held[3 + c] != 0 ? 1.0 : moment;
         }
       });
+  model.constraints().scale_springs(scales, inverse, rows);
 }
 
 void scale_rows(const Model& model, const ResidualScales& scales, bool inverse, MixedVector& rows) {

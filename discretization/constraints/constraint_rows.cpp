@@ -594,6 +594,16 @@ void ConstraintRows::set(const State& state, double load_factor, const KernelVie
   for (const VertexSupport& support : supports_) set_support_rows(support, state, load_factor, rows);
 }
 
+void ConstraintRows::scale_springs(const ResidualScales& scales, bool inverse, const KernelView<double*>& rows) const {
+  for (const VertexJoint& joint : joints_) {
+    if (joint.kind == JointKind::ball) continue;
+    const bool turns = joint.kind == JointKind::hinge;
+    const double noise = joint.stiffness * (turns ? scales.rotation_noise : scales.displacement_noise);
+    const double factor = std::max(1.0, noise / (turns ? scales.moment : scales.force));
+    rows(vertex_row(joint.slave, turns ? 5 : 2)) *= inverse ? factor : 1.0 / factor;
+  }
+}
+
 void ConstraintRows::set_slopes(double load_factor, const KernelView<double*>& rows) const {
   for (const VertexSupport& support : supports_) set_support_slopes(support, load_factor, rows);
 }

@@ -6,6 +6,7 @@
 #include "discretization/mesh/mixed_vector.hpp"
 #include "discretization/scene/amplitude.hpp"
 #include "discretization/scene/joined_ends.hpp"
+#include "kernels/element/row_scales.hpp"
 
 #include <vector>
 
@@ -143,6 +144,9 @@ class ConstraintRows {
   void project(const State& state, const KernelView<double*>& rows) const;
   /// Springs and constraints of a state, after project().
   void set(const State& state, double load_factor, const KernelView<double*>& rows) const;
+  /// Divides rows of springs between members, which are scaled as others, by how far the rounding of what they join
+  /// exceeds that scale, or multiplies them where `inverse`.
+  void scale_springs(const ResidualScales& scales, bool inverse, const KernelView<double*>& rows) const;
   /// Derivatives of the constraints with respect to the load factor, after project().
   void set_slopes(double load_factor, const KernelView<double*>& rows) const;
 

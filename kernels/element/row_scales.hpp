@@ -14,8 +14,8 @@ struct ResidualScales {
   double rotation = 1.0;   ///< M rows: a relative rotation
   double length = 1.0;     ///< rows of prescribed displacements
   double amplitude = 1.0;  ///< how far the structure has moved: strain and rotation before they allow for rounding
-  /// Error of a strain over a length by the rounding of displacements, divided by the tolerance.
-  double displacement_noise = 0.0;
+  /// Errors by rounding, divided by the tolerance, of a rotation and of a displacement (a strain over a length).
+  double rotation_noise = 0.0, displacement_noise = 0.0;
 
   // Rows of one element of length h: integrals over it, so that short and long elements of a mesh must not share one
   // scale, which would be below the rounding errors of the longest or far above those of the others.

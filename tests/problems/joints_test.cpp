@@ -136,6 +136,23 @@ TEST(Joints, SliderOnABentBeam) {
   EXPECT_TRUE(agrees(to_array(offset), to_array(along * axis), 1e-10));
 }
 
+/// Of any stiffness: rounding of what it joins, times the stiffness, is no force that must vanish. 1e3 is not rigid.
+TEST(Joints, StiffSpringIsARigidConnection) {
+  const auto end = [](JointKind kind, double stiffness) {
+    Scene scene = cantilever(section(1e4, 5e3, 80, 100), 2.0, 3, 4);
+    scene.points.push_back({"end", {3, 0.5, 0.2}});
+    scene.members.push_back(line("rod", "tip", "end", 3, 2));
+    if (stiffness > 0.0) scene.joints = {joint(kind, "tip", {"rod"}, {1, 2, 3}, stiffness)};
+    scene.point_loads = {dead_load("end", {80, -60, 30})};
+    return solved(scene).displacement("end");
+  };
+  for (const JointKind kind : {JointKind::hinge, JointKind::slider}) {
+    const Vector3 rigid = end(kind, 0.0);
+    for (const double stiffness : {1e15, 1e20}) EXPECT_TRUE(agrees(end(kind, stiffness), rigid, 1e-11));
+    EXPECT_FALSE(agrees(end(kind, 1e3), rigid, 1e-3));
+  }
+}
+
 /// Four bars: crank AB turned by a clamp, coupler BC, rocker CD. Nothing bends, and C is where the circles about B and
 /// D meet.
 TEST(Joints, FourBarLinkage) {
