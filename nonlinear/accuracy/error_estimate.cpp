@@ -284,9 +284,9 @@ State polished(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters&
   return solve.residual() <= most ? solve.state() : state;
 }
 
-Teuchos::RCP<BeamProblem> richer_problem(const BeamProblem& problem, const SolverParameters& parameters, bool halved) {
+Teuchos::RCP<BeamProblem> richer_problem(const BeamProblem& problem, const SolverParameters& parameters) {
   const Model& model = problem.model;
-  return Teuchos::rcp(new BeamProblem(richer_scene(model, halved ? 0 : more_orders(model.scene().members)).scene,
+  return Teuchos::rcp(new BeamProblem(richer_scene(model, more_orders(model.scene().members)).scene,
                                       model.map()->getComm(), parameters));
 }
 

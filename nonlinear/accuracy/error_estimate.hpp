@@ -56,9 +56,8 @@ std::vector<double> shares_of_members(const Model& model, const State& state, do
 State polished(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, const State& state,
                double load_factor);
 
-/// The same scene in the richer space, or with every element halved. Throws InputError.
-Teuchos::RCP<BeamProblem> richer_problem(const BeamProblem& problem, const SolverParameters& parameters,
-                                         bool halved = false);
+/// The same scene in the richer space. Throws InputError.
+Teuchos::RCP<BeamProblem> richer_problem(const BeamProblem& problem, const SolverParameters& parameters);
 
 /// `state` after one Newton step in which the closed forms of layers (end_layers.hpp) turn the vertices in place of
 /// what the elements there make of them. Throws LinearSolverError. Collective.

@@ -228,13 +228,9 @@ std::vector<RecordedBucklingMode> Simulation::buckling_modes(int count, int poin
       recorded.push_back({mode.eigenvalue, sample_own_motion(scene(), model(), mode.mode, points_per_element),
                           mode.error, mode.converged});
     if (recorded.empty() || !estimates_error(parameters_.analysis, model().mesh().elements.size())) return recorded;
-    // A pencil of condensed tangents that is not corrected, under loads without a potential, errs with h^4 at any
-    // order.
-    const bool is_confirmed =
-        std::all_of(recorded.begin(), recorded.end(), [](const auto& one) { return one.confirmed; });
     std::vector<EigenMode> finer;
     if (base.load_factor_ == 0.0) {
-      finer = linear_buckling(*richer_problem(*problem_, parameters_, !is_confirmed), count);
+      finer = linear_buckling(*richer_problem(*problem_, parameters_), count);
     } else if (const ErrorEstimate there = base.estimate_error(); there.exists()) {
       finer = linear_buckling(*there.richer, count, there.richer_state, base.load_factor_);
     }

@@ -18,6 +18,9 @@ namespace {
 /// Each repetition gains as much as the cap is above the forces at work, five digits: three reach rounding.
 constexpr int kRefinements = 3;
 
+/// Of the load factor, in which the slope of line loads is seen: a ramp's to all digits.
+constexpr double kSlopeStep = 1.0 / 1024.0;
+
 /// A structure in equilibrium, undeformed or under the loads of its first stages, with the stresses of its linear
 /// response to the loads that follow. Load factors count from that of the state on. Throws LinearSolverError when the
 /// structure is not stable there.
@@ -38,23 +41,46 @@ class StressedStructure {
     keep_stresses();
     unknowns_.reduce(tangent_at(reference_));
     factorize();
-    stiffness_ = symmetric_values(unknowns_.matrix());
   }
   StressedStructure(const StressedStructure&) = delete;
   StressedStructure& operator=(const StressedStructure&) = delete;
 
  protected:
   /// All tangents have the cap of the reference state: else their differences would be those of their caps.
-  Tangent tangent_at(const State& state, double load_factor = 0.0) {
-    return Tangent(model_, point_at(state, load_factor), cap_, {true, true});
+  /// `line_loads`, `other_loads`: their load factors. Those of lines grow as at first.
+  Tangent tangent_at(const State& state, double line_loads = 0.0, double other_loads = 0.0) {
+    EvaluationPoint point = point_at(state, other_loads);
+    if (line_loads != other_loads) {
+      const auto fields = [&](double load_factor) { return point_at(reference_, load_factor).line_fields; };
+      const KernelView<double*[3]> first = fields(0.0), last = fields(kSlopeStep);
+      point.line_fields = KernelView<double* [3]>("mixbeam::line_loads", first.extent(0));
+      for (size_t i = 0; i < first.extent(0); ++i)
+        for (int c = 0; c < 3; ++c)
+          point.line_fields(i, c) = first(i, c) + line_loads / kSlopeStep * (last(i, c) - first(i, c));
+    }
+    return Tangent(model_, point, cap_, {true, true});
   }
   EvaluationPoint point_at(const State& state, double load_factor) {
     EvaluationPoint point = mixed_residual(model_, state, base_ + load_factor, work_);
     point.scales = scales_;
     return point;
   }
-  std::vector<double> stiffness_at(const State& state, double load_factor = 0.0) {
-    return symmetric_values(unknowns_.reduce(tangent_at(state, load_factor)));
+  /// At the stresses and line loads of a load factor, other loads apart: those that follow act on the interiors that
+  /// are condensed, too. About a state that carries stress the stresses to come balance in the motion that they cause,
+  /// not in the state where they are put: what this leaves of moments is the skew part of a stiffness that is symmetric
+  /// along the path.
+  Tangent stiffness_at(double load_factor, std::vector<double>& values) {
+    const State state = state_at(load_factor);
+    std::vector<double> skew;
+    if (base_ != 0.0 && symmetric_) {
+      const SparseMatrix by_stress = unknowns_.reduce(tangent_at(state));
+      skew = symmetric_part(by_stress).value;
+      for (size_t i = 0; i < skew.size(); ++i) skew[i] = by_stress.value[i] - skew[i];
+    }
+    Tangent tangent = tangent_at(state, load_factor);
+    values = unknowns_.reduce(tangent).value;
+    for (size_t i = 0; i < skew.size(); ++i) values[i] -= skew[i];
+    return tangent;
   }
   /// The state with the stresses of a load factor.
   State state_at(double load_factor) { return model_.apply(reference_, response_, load_factor); }
@@ -72,39 +98,39 @@ class StressedStructure {
     return maximum_over_ranks(*model_.map()->getComm(), largest);
   }
 
-  /// K_g = (4 D(t) - D(2t))/3 with central differences D of the internal part; loads are evaluated at factor zero there
-  /// because a ramp has no negative side, and their own part, linear in the factor, comes from the reference state.
+  /// K_g = (4 D(t) - D(2t))/3 with central differences D of stiffness_at(); other loads are evaluated at factor zero
+  /// there because a ramp has no negative side, and their part, linear in the factor, comes from the reference state.
   std::vector<double> geometric_stiffness(double t) {
-    std::vector<double> result(stiffness_.size(), 0.0);
-    const auto add = [&](double factor, const std::vector<double>& k) {
+    std::vector<double> result(matrix_.value.size(), 0.0), k;
+    const auto add = [&](double factor, double load_factor) {
+      stiffness_at(load_factor, k);
       for (size_t i = 0; i < result.size(); ++i) result[i] += factor * k[i];
     };
     for (double sign : {1.0, -1.0}) {
-      add(sign * 4.0 / (6.0 * t), stiffness_at(state_at(sign * t)));
-      add(-sign / (12.0 * t), stiffness_at(state_at(sign * 2.0 * t)));
+      add(sign * 4.0 / (6.0 * t), sign * t);
+      add(-sign / (12.0 * t), sign * 2.0 * t);
     }
     const double load_factor = std::min(t, 1.0);
-    by_loads_ = stiffness_at(reference_, load_factor);
+    by_loads_ = unknowns_.reduce(tangent_at(reference_, 0.0, load_factor)).value;
     for (size_t i = 0; i < by_loads_.size(); ++i) {
-      by_loads_[i] = (by_loads_[i] - stiffness_[i]) / load_factor;
+      by_loads_[i] = (by_loads_[i] - matrix_.value[i]) / load_factor;
       result[i] += by_loads_[i];
     }
     return result;
   }
 
-  /// K at the stresses of a load factor, interiors condensed exactly; loads without a potential apart.
+  /// K at the stresses and loads of a load factor, interiors condensed exactly.
   Tangent tangent_under_stress(double load_factor) {
-    Tangent tangent = tangent_at(state_at(load_factor));
     under_stress_.row_start = matrix_.row_start;
     under_stress_.column = matrix_.column;
-    under_stress_.value = symmetric_values(unknowns_.reduce(tangent));
+    Tangent tangent = stiffness_at(load_factor, under_stress_.value);
     for (size_t i = 0; i < by_loads_.size(); ++i) under_stress_.value[i] += load_factor * by_loads_[i];
     return tangent;
   }
 
   InertiaSolver::Signs factorize_under_stress() {
-    if (moving_solver_ == nullptr)
-      moving_solver_ = std::make_unique<InertiaSolver>(InertiaSolver::Kind::symmetric, under_stress_);
+    const auto kind = pencil_symmetric_ ? InertiaSolver::Kind::symmetric : InertiaSolver::Kind::general;
+    if (moving_solver_ == nullptr) moving_solver_ = std::make_unique<InertiaSolver>(kind, under_stress_);
     return moving_solver_->factorize(under_stress_);
   }
 
@@ -116,8 +142,9 @@ class StressedStructure {
   ResidualScales scales_;
   Cap cap_;
   MixedVector response_, work_;
-  bool symmetric_ = true;  ///< rank 0
-  std::vector<double> stiffness_, by_loads_;
+  bool symmetric_ = true;         ///< without the loads to come
+  bool pencil_symmetric_ = true;  ///< with the stresses and loads to come as well
+  std::vector<double> by_loads_;
   SparseMatrix matrix_, under_stress_;
   std::unique_ptr<InertiaSolver> solver_, moving_solver_;
 
@@ -157,12 +184,9 @@ class StressedStructure {
         throw LinearSolverError(base_ == 0.0 ? "linear buckling needs a structure that is stable without loads"
                                              : "linear buckling needs a state that is stable");
     });
-  }
-
-  /// About a state that carries stress the stresses to come balance in the motion that they cause, not in the state
-  /// where they are put: what this leaves of moments is the skew part of a stiffness that is symmetric along the path.
-  std::vector<double> symmetric_values(const SparseMatrix& matrix) const {
-    return base_ == 0.0 || !symmetric_ ? matrix.value : symmetric_part(matrix).value;
+    int symmetric = symmetric_ ? 1 : 0;
+    unknowns_.root().share(&symmetric, 1, MPI_INT);
+    symmetric_ = symmetric != 0;
   }
 };
 
@@ -186,61 +210,58 @@ class LinearBuckling : private StressedStructure {
     const std::vector<double> geometric = geometric_stiffness(t);
     std::vector<double> inverse_factor;
     std::vector<std::vector<double>> y;
-    int symmetric = 1;
-    double residual = 0.0;  // the largest
     on_root(unknowns_.root(), [&] {
       SparseMatrix prestress = matrix_;
       prestress.value = geometric;
-      symmetric = symmetric_ && asymmetry_of(prestress, t) <= stability_limit.symmetric ? 1 : 0;
+      pencil_symmetric_ = symmetric_ && asymmetry_of(prestress, t) <= stability_limit.symmetric;
       KrylovProblem eigen;
       eigen.unknowns = unknowns_.count();
-      eigen.symmetric = symmetric != 0;
+      eigen.symmetric = pencil_symmetric_;
       eigen.apply = [&](double* block, int columns) { apply(prestress, block, columns); };
       if (eigen.symmetric) eigen.inner = [&](const double* x, double* kx) { matrix_.multiply(x, kx); };
       for (RitzPair& pair : largest_eigenpairs(eigen, count)) {
         if (pair.value == 0.0 || std::abs(pair.imaginary) > stability_limit.real_value * std::abs(pair.value)) continue;
         inverse_factor.push_back(pair.value);
-        residual = std::max(residual, pair.residual);
         y.push_back(std::move(pair.vector));
       }
     });
     int found = static_cast<int>(y.size());
     unknowns_.root().share(&found, 1, MPI_INT);
+    int symmetric = pencil_symmetric_ ? 1 : 0;
     unknowns_.root().share(&symmetric, 1, MPI_INT);
+    pencil_symmetric_ = symmetric != 0;
     inverse_factor.resize(found);
     y.resize(found);
     unknowns_.root().share(inverse_factor.data(), found, MPI_DOUBLE);
     if (found == 0) return {};
-    if (symmetric == 0) {
-      std::vector<EigenMode> result = uncorrected(inverse_factor, y);
-      unknowns_.root().share(&residual, 1, MPI_DOUBLE);
-      for (EigenMode& mode : result) {
-        mode.error = residual;
-        mode.converged = false;
-      }
-      return result;
-    }
-    return refined ? improved(inverse_factor, y) : corrected(inverse_factor, y, t);
+    if (refined) return improved(inverse_factor, y);
+    return pencil_symmetric_ ? corrected(inverse_factor, y, t) : uncorrected(inverse_factor, y);
   }
 
-  /// y . K y at the stresses of a load factor with the true compliance: zero where y is a mode.
-  double energy_at(double load_factor, const std::vector<double>& y) {
+  struct Factor {
+    double value = 0.0, residual = 0.0;
+    std::vector<double> y, left;  ///< modes of the tangent and of its transpose
+    bool confirmed = false;
+  };
+
+  /// left . K y at the stresses of a load factor with the true compliance: zero where these are modes.
+  double energy_at(double load_factor, const Factor& factor) {
     const Tangent tangent = tangent_under_stress(load_factor);
     const double energy = number_of_root(unknowns_.root(), [&] {
-      std::vector<double> force(y.size());
-      under_stress_.multiply(y.data(), force.data());
-      return dot_product(y, force);
+      std::vector<double> force(factor.y.size());
+      under_stress_.multiply(factor.y.data(), force.data());
+      return dot_product(factor.left, force);
     });
-    const MixedVector motion = complete_motion(tangent, unknowns_, y);
-    return energy + cap_compliance_form(model_, cap_, motion, motion);
+    const MixedVector motion = complete_motion(tangent, unknowns_, factor.y);
+    return energy + cap_compliance_form(model_, cap_, complete_motion(tangent, unknowns_, factor.left), motion);
   }
 
-  /// Where energy_at() vanishes, by the secant method; y . K_0 y = 1. It ends where the energy is rounding and falls no
-  /// more: the next secant would lead anywhere.
-  double rayleigh_factor(double first, const std::vector<double>& y) {
-    double a = 0.0, b = first, at_a = 1.0;
+  /// Where energy_at() vanishes, by the secant method; left . K_0 y = 1. It ends where the energy is rounding and falls
+  /// no more: the next secant would lead anywhere.
+  double rayleigh_factor(const Factor& factor) {
+    double a = 0.0, b = factor.value, at_a = 1.0;
     for (int i = 0; i < stability_limit.most_secants; ++i) {
-      const double at_b = energy_at(b, y);
+      const double at_b = energy_at(b, factor);
       if (at_b == at_a) break;
       if (i > 0 && std::abs(at_b) >= std::abs(at_a)) return a;
       const double next = b - at_b * (b - a) / (at_b - at_a);
@@ -253,30 +274,41 @@ class LinearBuckling : private StressedStructure {
   }
 
   /// |K(lambda) y| in units of K_0^-1: the share of the factor by which it may be wrong.
-  double residual_of(double load_factor, const std::vector<double>& y) {
-    tangent_under_stress(load_factor);
+  double residual_of(const Factor& factor) {
+    tangent_under_stress(factor.value);
     return number_of_root(unknowns_.root(), [&] {
-      std::vector<double> force(y.size());
-      under_stress_.multiply(y.data(), force.data());
+      std::vector<double> force(factor.y.size());
+      under_stress_.multiply(factor.y.data(), force.data());
       std::vector<double> moved = force;
       solver_->solve(moved.data(), 1);
       return std::sqrt(std::abs(dot_product(force, moved)));
     });
   }
 
-  /// One step of inverse iteration, y = K^-1 K_0 y, and y . K_0 y = 1; so far beside the factor that modes of a
-  /// multiple one grow alike.
-  void improve(double load_factor, std::vector<double>& y) {
-    tangent_under_stress((1.0 - stability_limit.aside_of_factor) * load_factor);
+  /// One step of inverse iteration, y = K^-1 K_0 y, also of the transpose, and left . K_0 y = 1; so far beside the
+  /// factor that modes of a multiple one grow alike.
+  void improve(Factor& factor) {
+    tangent_under_stress((1.0 - stability_limit.aside_of_factor) * factor.value);
     on_root(unknowns_.root(), [&] {
-      std::vector<double> moved(y.size()), force(y.size());
-      matrix_.multiply(y.data(), moved.data());
+      const auto image = [&](const std::vector<double>& x) {
+        std::vector<double> force(x.size());
+        matrix_.multiply(x.data(), force.data());
+        return force;
+      };
       if (factorize_under_stress().null > 0) return;
+      std::vector<double> moved = image(factor.y);
       moving_solver_->solve(moved.data(), 1);
-      matrix_.multiply(moved.data(), force.data());
-      const double square = dot_product(moved, force);
-      if (!(square > 0.0) || !std::isfinite(square)) return;
-      for (size_t i = 0; i < y.size(); ++i) y[i] = moved[i] / std::sqrt(square);
+      std::vector<double> left = moved;
+      if (!pencil_symmetric_) {
+        left = image(factor.left);
+        moving_solver_->solve(left.data(), 1, true);
+      }
+      const double square = dot_product(left, image(moved)), size = std::sqrt(std::abs(square));
+      if (!(size > 0.0) || !std::isfinite(size)) return;
+      for (size_t i = 0; i < moved.size(); ++i) {
+        factor.y[i] = moved[i] / size;
+        factor.left[i] = left[i] / std::copysign(size, square);
+      }
     });
   }
 
@@ -287,29 +319,24 @@ class LinearBuckling : private StressedStructure {
     return interior.uncertain ? -1 : static_cast<long>(negative) + interior.negative;
   }
 
-  struct Factor {
-    double value = 0.0, residual = 0.0;
-    std::vector<double> y;
-    bool confirmed = false;
-  };
-
   std::vector<EigenMode> improved(const std::vector<double>& inverse_factor,
                                   const std::vector<std::vector<double>>& y) {
     std::vector<Factor> factors;
     for (size_t k = 0; k < y.size(); ++k) {
-      Factor factor{1.0 / inverse_factor[k], 0.0, y[k]};
+      Factor factor{1.0 / inverse_factor[k], 0.0, y[k], y[k]};
+      if (!pencil_symmetric_) improve(factor);  // its left mode is not known yet
       for (int round = 0;; ++round) {
-        factor.value = rayleigh_factor(factor.value, factor.y);
-        factor.residual = residual_of(factor.value, factor.y);
+        factor.value = rayleigh_factor(factor);
+        factor.residual = residual_of(factor);
         if (round == stability_limit.most_rounds || factor.residual <= stability_limit.small_residual) break;
-        improve(factor.value, factor.y);
+        improve(factor);
       }
       factors.push_back(std::move(factor));
     }
     std::stable_sort(factors.begin(), factors.end(),
                      [](const Factor& a, const Factor& b) { return rank(a.value) < rank(b.value); });
-    confirm(factors, 1.0);
-    confirm(factors, -1.0);
+    if (pencil_symmetric_)
+      for (const double sign : {1.0, -1.0}) confirm(factors, sign);
     return modes_of(factors);
   }
 
@@ -399,7 +426,7 @@ class LinearBuckling : private StressedStructure {
     return result;
   }
 
-  /// Not symmetric: the factors stay low by what the cap does, about 1e-5 of them.
+  /// Not symmetric: low by what the cap does, about 1e-5 of them.
   std::vector<EigenMode> uncorrected(const std::vector<double>& inverse_factor,
                                      const std::vector<std::vector<double>>& y) {
     const int m = static_cast<int>(y.size());

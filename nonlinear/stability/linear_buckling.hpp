@@ -19,7 +19,7 @@ namespace mixbeam {
 /// EigenMode::error: residual of the pair, |K(lambda) phi| in units of K(0)^-1 over that of phi, which bounds the share
 /// of the factor by which it may be wrong (its square is the usual size). EigenMode::converged: the residual is small
 /// and the inertia of K on both sides of the factor, or of the cluster it belongs to, confirms it and that none is
-/// missing between it and zero. Follower loads and spatial moments: real factors of the pencil K + lambda K_g alone,
+/// missing between it and zero. Follower loads and spatial moments: real factors, by modes of K and of its transpose,
 /// never confirmed.
 ///
 /// Exact in the limit of small displacements before buckling (columns, frames, beams that are stiff in the plane of the
