@@ -21,7 +21,7 @@ constexpr double kSafety = 1.5;
 constexpr double kRounding = 1e-10;
 
 constexpr const char* kHidden = "an element is longer than the layer in which its end bends, and no formula tells more";
-constexpr const char* kNoNumber = "it is no number in the richer space of the estimate";
+constexpr const char* kNoNumber = "it is no finite number, here or in the richer space of the estimate";
 
 Quantity largest(const std::string& kind, const std::string& member) {
   Quantity quantity;
@@ -185,7 +185,7 @@ std::vector<EstimatedValue> with_errors(const QuantitySet& set, const std::vecto
       if (!(next == before) && !(std::isnan(next) && std::isnan(before))) change += std::abs(next - before);
       before = next;
     }
-    if (!richer.empty() && hidden[i] == 0)
+    if (!richer.empty() && hidden[i] == 0 && std::isfinite(values[i]))
       one.error = change == 0.0 ? 0.0 : kSafety * change + kRounding * std::abs(values[i]);
     if (!one.is_estimated()) one.not_estimated = richer.empty() ? not_estimated : hidden[i] != 0 ? kHidden : kNoNumber;
   }
