@@ -18,7 +18,7 @@ constexpr int kTabulated = 4, kTabulatedElements = 16;
 /// matrix.
 constexpr double kOfPrototype[kTabulated] = {1e-4, 2e-7, 2e-10, 2e-13};
 /// Step of the force, over it, for differences of the equations.
-constexpr double kStep = 0.005;
+constexpr double kStep = 0.0005;
 
 /// Of deflection, shortening and rotation of the end by alpha = P L^2 / EI: elliptic integrals.
 struct Elastica {

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 namespace mixbeam {
 
@@ -237,7 +238,7 @@ DofVector AdjointOperator::held_motion(const StateDerivative& quantity) const {
     for (const VertexJoint& joint : model_.conditions().joints) {  // whose rows the master shares
       if (joint.master != held.vertex) continue;
       if (joint.kind == JointKind::slider && norm(held.moment) > 0.0)
-        throw LinearSolverError("a reaction moment at a slider has no derivative here");
+        throw std::invalid_argument("a reaction moment at a slider has no derivative here");
       add(joint.slave, held.force, held.moment);
     }
   }

@@ -23,6 +23,8 @@ constexpr int kInverseIterationsOfMode = 4;
 /// Motion (largest rotation, or displacement over the length) of the smallest of the differences along a mode: eighth
 /// order leaves 1e-14 of second derivatives, rounding 1e-12.
 constexpr double kDifferenceAlongMode = 1.0 / 64.0;
+constexpr int kStencil = 4;
+constexpr double kFirst[kStencil] = {4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0};
 constexpr double kSecond[kStencil] = {8.0 / 5.0, -1.0 / 5.0, 8.0 / 315.0, -1.0 / 560.0}, kSecondHere = -205.0 / 72.0;
 /// Share of the stresses, N L^2/EI or M L/EI, that the eigenvalue at a critical point may have: points are located to a
 /// hundredth of it at least.
@@ -42,7 +44,7 @@ constexpr double kSettledBesideModes = 1e-11;
 /// one of them without breaking the symmetry.
 constexpr double kBreaksSymmetry = 1e-7;
 /// Steps of the load factor in differences.
-constexpr double kStepOfLoad = 0.005;
+constexpr double kStepOfLoad = 0.0005;
 
 void add_adjoint(double factor, const Adjoint& other, Adjoint& sum) {
   sum.field.update(factor, other.field, 1.0);
@@ -207,9 +209,10 @@ class CriticalLoad {
     if (request_.by_element) gradient.elements = element_gradients(state_, StateDerivative(model_, state_), left);
     NumberDerivatives derivatives(tangent_->beside(), state_, {});
     derivatives.add(std::move(left), DofVector(model_.map()));
+    std::vector<QuantityGradient> found{gradient};
     for (const SceneNumber& number : request_.numbers)
-      gradient.by_number.push_back(derivatives.by(number).front().value);
-    return {gradient};
+      add_number(number, found, [&] { found[0].by_number.back() = derivatives.by(number).front().value; });
+    return found;
   }
 
   std::vector<QuantityGradient> of_bifurcation() {
@@ -227,16 +230,20 @@ class CriticalLoad {
       found[k].quantity += ", direction " + std::to_string(k);
     }
     if (request_.by_element && m == 1) add_elements(derivatives.adjoint(1), found[0]);
-    for (const SceneNumber& number : request_.numbers) {
-      const Derivatives by = derivatives.by(number);
-      const double imperfection = imperfection_of(by);
-      std::vector<double> values = imperfection == 0.0 ? values_of(by) : std::vector<double>(m, nan_number());
-      for (int k = m == 1 ? 0 : 1; imperfection != 0.0 && k <= (m == 1 ? 0 : m); ++k)
-        found[k].note = "of numbers that break the symmetry, whose imperfection sensitivity is not zero";
-      found[0].by_number.push_back(m == 1 ? values[0] : nan_number());
-      if (m == 1) values[0] = imperfection;
-      for (int k = 0; k < m; ++k) found[k + 1].by_number.push_back(values[k]);
-    }
+    for (const SceneNumber& number : request_.numbers)
+      add_number(number, found, [&] {
+        const Derivatives by = derivatives.by(number);
+        const double imperfection = imperfection_of(by);
+        if (m == 1) found[1].by_number.back() = imperfection;
+        const std::vector<double> values = imperfection == 0.0 ? values_of(by) : std::vector<double>{};
+        for (int k = 0; k < m; ++k) {
+          QuantityGradient& one = found[m == 1 ? 0 : k + 1];
+          if (imperfection == 0.0)
+            one.by_number.back() = values[k];
+          else
+            one.note = "of numbers that break the symmetry, whose imperfection sensitivity is not zero";
+        }
+      });
     return found;
   }
 
@@ -251,8 +258,7 @@ class CriticalLoad {
 
   double step_of_load() const {
     const double to_stage = std::abs(load_factor_ - std::round(load_factor_));
-    return std::min(kStepOfLoad * std::max(1e-3, std::abs(load_factor_)),
-                    to_stage > 0.0 ? to_stage / (kStencil + 1) : 1.0);
+    return std::min(kStepOfLoad * std::max(1e-3, std::abs(load_factor_)), to_stage > 0.0 ? 0.25 * to_stage : 1.0);
   }
 
   /// As large as that of stresses, in the units of SingularTangent::product().
@@ -327,7 +333,7 @@ class CriticalLoad {
     double sum = 0.0, ignored = 0.0;
     for (int side = 0; side < 2; ++side)
       for (int k = 0; k < kStencil; ++k)
-        sum += (side == 0 ? 1.0 : -1.0) * kEighth[k] / along.step *
+        sum += (side == 0 ? 1.0 : -1.0) * kFirst[k] / along.step *
                equations.work(along.motion, rows_beside(model, load_factor, along.states[side][k]), ignored);
     return sum;
   }

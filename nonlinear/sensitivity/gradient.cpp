@@ -34,18 +34,20 @@ class Gradients {
 
   std::vector<QuantityGradient> all() {
     std::vector<QuantityGradient> found;
-    for (const std::size_t column : request_.columns) found.push_back(begin(column));
+    for (std::size_t place = 0; place < request_.columns.size(); ++place) found.push_back(begin(place));
     finish_modes(found);
-    take_sizes();
-    for (const SceneNumber& number : request_.numbers) {
-      if (adjoint_) take_adjoint(number, found);
-      if (!direct_.empty()) take_direct(number, found);
-    }
+    if (motion_) take_sizes();
+    for (const SceneNumber& number : request_.numbers)
+      add_number(number, found, [&] {
+        if (derivatives_) take(derivatives_->by(number), by_adjoint_, found);
+        if (motion_) take_direct(motion_->by(number), found);
+      });
     return found;
   }
 
  private:
   using Moved = NumberDerivatives::Moved;
+  using Derivatives = std::vector<NumberDerivatives::Derivative>;
 
   QuantityState here() const {
     QuantityState at{model_, state_, load_factor_, reactions_, energy_};
@@ -76,38 +78,37 @@ class Gradients {
     return asked;
   }
 
-  void take_adjoint(const SceneNumber& number, std::vector<QuantityGradient>& found) const {
-    const std::vector<NumberDerivatives::Derivative> by = derivatives_->by(number);
-    for (std::size_t i = 0; i < by.size(); ++i) found[by_adjoint_[i]].by_number.push_back(by[i].value);
+  static void take(const Derivatives& by, const std::vector<std::size_t>& places,
+                   std::vector<QuantityGradient>& found) {
+    for (std::size_t i = 0; i < places.size(); ++i) found[places[i]].by_number.back() = by[i].value;
   }
 
-  void take_direct(const SceneNumber& number, std::vector<QuantityGradient>& found) const {
-    const std::vector<double> by = motion_->with_motion(number, sizes_);
-    for (std::size_t i = 0; i < direct_.size(); ++i)
-      found[direct_[i]].by_number.push_back(several_.count(direct_[i]) == 0 ? by[i] : std::nan(""));
-    auto next = by.begin() + static_cast<std::ptrdiff_t>(direct_.size());
-    std::size_t place = request_.columns.size();
+  void take_direct(const Derivatives& by, std::vector<QuantityGradient>& found) const {
+    take(by, direct_, found);
+    for (const std::size_t place : several_) found[place].by_number.back() = std::nan("");
+    std::size_t next = direct_.size(), place = request_.columns.size();
     for (const auto& [column, mode] : directions_) {
       const int m = modes_->together(mode);
-      std::vector<double> form(next, next + m * m), slopes;
-      next += m * m;
+      std::vector<double> form, slopes;
+      for (int k = 0; k < m * m; ++k) form.push_back(by[next++].value);
       small_eigenproblem(form, m);
       for (int k = 0; k < m; ++k) slopes.push_back(form[k * (m + 1)]);
       std::sort(slopes.begin(), slopes.end());
-      for (const double slope : slopes) found[place++].by_number.push_back(slope);
+      for (const double slope : slopes) found[place++].by_number.back() = slope;
     }
   }
 
-  void take_modes(std::size_t column, const std::vector<int>& modes, QuantityGradient& gradient) {
+  void take_modes(std::size_t place, const std::vector<int>& modes, QuantityGradient& gradient) {
     if (!modes_) modes_ = std::make_unique<LastingModes>(problem_, given_, load_factor_, request_.modes);
     for (const int mode : modes) {
+      const bool is_alone = modes_->together(mode) == 1;
       asked_modes_.insert(mode);
-      if (modes_->together(mode) == 1) continue;
+      if (is_alone) continue;
       gradient.note = "of several modes with one frequency, but one for each direction";
-      several_.insert(by_adjoint_.size() + direct_.size());
+      several_.insert(place);
     }
     if (request_.by_element && gradient.note.empty()) gradient.note = "of frequencies by numbers of elements";
-    if (const int mode = request_.quantities.asked(pinned_.columns()[column]).mode;
+    if (const int mode = request_.quantities.asked(pinned_.columns()[request_.columns[place]]).mode;
         mode > 0 && modes_->together(mode) > 1)
       directions_.emplace_back(gradient.quantity, mode);
   }
@@ -131,23 +132,21 @@ class Gradients {
     const std::vector<std::string> units = pinned_.units("L, F");
     for (const std::size_t place : direct_) {
       const std::size_t column = request_.columns[place];
-      sizes_.push_back(std::abs(values_[column]));
-      if (const auto known = size.find(units[column]); known != size.end())
-        sizes_.back() = std::max(sizes_.back(), known->second);
+      const auto known = size.find(units[column]);
+      motion_->add(std::max(std::abs(values_[column]), known == size.end() ? 0.0 : known->second));
     }
     for (const auto& [name, mode] : directions_)
-      for (int k = 0; k < modes_->together(mode) * modes_->together(mode); ++k)
-        sizes_.push_back(modes_->frequency(mode));
+      for (int k = 0; k < modes_->together(mode) * modes_->together(mode); ++k) motion_->add(modes_->frequency(mode));
   }
 
-  QuantityGradient begin(std::size_t column) {
+  QuantityGradient begin(std::size_t place) {
+    const std::size_t column = request_.columns[place];
     const std::string& name = pinned_.columns()[column].name;
-    const std::size_t place = by_adjoint_.size() + direct_.size();
     const bool has_fewer_numbers = !request_.numbers.empty() && request_.numbers.size() < request_.columns.size();
     try {
       const StateDerivative of = pinned_.derivative(column, here(), values_);
       QuantityGradient gradient{name, values_[column]};
-      if (!of.modes().empty()) take_modes(column, of.modes(), gradient);
+      if (!of.modes().empty()) take_modes(place, of.modes(), gradient);
       if (!of.modes().empty() || request_.direct.value_or(has_fewer_numbers && !request_.by_element)) {
         direct_.push_back(place);
         if (!motion_)
@@ -158,13 +157,15 @@ class Gradients {
       if (!derivatives_)
         derivatives_.emplace(adjoint_.emplace(problem_, given_, load_factor_), state_,
                              [this](const Moved& moved) { return values_asked(false, moved); });
-      by_adjoint_.push_back(place);
       Adjoint adjoint = adjoint_->solve(of);
       if (request_.by_element) gradient.elements = element_gradients(state_, of, adjoint);
+      by_adjoint_.push_back(place);
       derivatives_->add(std::move(adjoint), adjoint_->held_motion(of));
       return gradient;
     } catch (const std::invalid_argument& error) {
-      throw InputError("the gradient of \"" + excerpt(name) + "\": " + error.what());
+      const std::string why = "the gradient of \"" + excerpt(name) + "\": " + error.what();
+      if (std::count(request_.of_patterns.begin(), request_.of_patterns.end(), column) == 0) throw InputError(why);
+      return {name, values_[column], {}, {}, why};
     }
   }
 
@@ -184,7 +185,6 @@ class Gradients {
   StrainEnergy energy_;
   std::vector<double> values_;
   QuantitySet pinned_;
-  std::vector<double> sizes_{};                       ///< of direct values, see NumberDerivatives
   std::vector<std::size_t> by_adjoint_{}, direct_{};  ///< places among the columns that are asked for
   std::optional<AdjointOperator> adjoint_{}, tangent_{};
   std::optional<NumberDerivatives> derivatives_{}, motion_{};
@@ -230,6 +230,18 @@ std::vector<ElementDerivatives> element_gradients(const State& state, const Stat
     }
   });
   return gradients;
+}
+
+void add_number(const SceneNumber& number, std::vector<QuantityGradient>& gradients,
+                const std::function<void()>& take) {
+  for (QuantityGradient& one : gradients) one.by_number.push_back(std::numeric_limits<double>::quiet_NaN());
+  try {
+    take();
+  } catch (const InputError& error) {
+    if (!number.is_of_pattern) throw;
+    for (QuantityGradient& one : gradients)
+      if (one.note.empty()) one.note = error.what();
+  }
 }
 
 void require_differentiable(const BeamProblem& problem) {

@@ -38,7 +38,11 @@ struct GradientRequest {
   /// elements. Frequencies always, whose modes `modes` asks for.
   std::optional<bool> direct{};
   ModesParameters modes{};
+  std::vector<std::size_t> of_patterns{};  ///< columns that are left out, with a note, where they have no derivative
 };
+
+/// Adds a derivative to each: NaN where `take`, which finds them, refuses a number that a pattern means.
+void add_number(const SceneNumber& number, std::vector<QuantityGradient>& gradients, const std::function<void()>& take);
 
 /// Throws InputError where gradients are not offered.
 void require_differentiable(const BeamProblem& problem);

@@ -10,19 +10,21 @@ namespace mixbeam {
 
 namespace {
 
-/// Share of the sum of the sizes of all terms by which differences of sixth and of eighth order, whose error with steps
-/// of a few percent is that of rounding, may differ. Kinks and jumps leave ten percent, smooth functions 1e-7 at most;
-/// a step that is too large for a function is made smaller some times.
-constexpr double kSmooth = 1e-6, kSmallerStep = 0.125;
-/// Rounding of rows over their scales, theory (40), of which differences have that over the step.
-constexpr double kRoundingOfRows = 1e-12;
+/// Where the equations are taken, in steps, and factors of central differences of fourth and of second order.
+constexpr int kPlaces = 4;
+constexpr double kPlace[kPlaces] = {1.0, -1.0, 2.0, -2.0};
+constexpr double kFactor[2][kPlaces] = {{2.0 / 3.0, -2.0 / 3.0, -1.0 / 12.0, 1.0 / 12.0}, {0.5, -0.5, 0.0, 0.0}};
+/// Share of the sum of the sizes of all terms by which both may differ; the error of the better one is about the square
+/// of that. Kinks and jumps leave ten percent; a step that is too large for a function is made smaller some times.
+constexpr double kSmooth = 1e-4, kSmallerStep = 0.125;
 constexpr int kMostStepsOfDifference = 3;
+/// Rounding of rows over their scales, theory (40), and of values over their sizes, of which differences have that over
+/// the step.
+constexpr double kRounding = 1e-12;
 constexpr double kSameAxes = 1e-12;  ///< rounding of direction cosines
 /// Share of the sizes of all terms that states, which are known to ten digits, and differences leave of a sum that is
 /// zero.
 constexpr double kNoise = 1e-7;
-/// Rounding of values over their sizes, of which differences have that over the step.
-constexpr double kRoundingOfValues = 1e-12;
 
 }  // namespace
 
@@ -41,10 +43,12 @@ struct NumberDerivatives::Differences {
 };
 
 void NumberDerivatives::add(Adjoint adjoint, DofVector held) {
-  rounding_.push_back(work_of_scales(adjoint));
+  rounding_.push_back(kRounding * work_of_scales(adjoint));
   adjoints_.push_back(std::move(adjoint));
   held_.push_back(std::move(held));
 }
+
+void NumberDerivatives::add(double size) { rounding_.push_back(kRounding * size); }
 
 /// Of rows as large as their scales.
 double NumberDerivatives::work_of_scales(const Adjoint& adjoint) const {
@@ -63,16 +67,12 @@ StateDerivative derivative_of(const Model& model, const State& state, const Stat
   return derivative;
 }
 
-NumberDerivatives::Move NumberDerivatives::move_of(const SceneNumber& number) const {
-  return [&](double more) {
+std::vector<NumberDerivatives::Derivative> NumberDerivatives::by(const SceneNumber& number) const {
+  return by(number.name, number.step, [&](double more) {
     auto moved = std::make_shared<const Model>(number.scene_with(more), model_.map()->getComm(), model_.options());
     require_alike(*moved, number.name);
     return Moved{std::move(moved), operator_.load_factor(), &number, more, &state_};
-  };
-}
-
-std::vector<NumberDerivatives::Derivative> NumberDerivatives::by(const SceneNumber& number) const {
-  return by(number.name, number.step, move_of(number));
+  });
 }
 
 std::vector<NumberDerivatives::Derivative> NumberDerivatives::by_load_factor(double step) const {
@@ -82,29 +82,18 @@ std::vector<NumberDerivatives::Derivative> NumberDerivatives::by_load_factor(dou
   });
 }
 
-void NumberDerivatives::attempt(const std::string& name, double step,
-                                const std::function<bool(double step)>& succeeds) {
-  for (int attempt = 1;; ++attempt, step *= kSmallerStep) {
-    const bool is_last = attempt == kMostStepsOfDifference;
-    try {
-      if (succeeds(step)) return;
-      if (is_last)
-        throw InputError("the gradient with respect to \"" + excerpt(name) +
-                         "\": the equations are no smooth function of this number");
-    } catch (const InputError& error) {
-      if (is_last) throw;
-    }
-  }
-}
-
 std::vector<NumberDerivatives::Derivative> NumberDerivatives::by(const std::string& name, double step,
                                                                  const Move& move) const {
-  std::vector<Derivative> derivatives;
-  attempt(name, step, [&](double h) {
-    derivatives.clear();
-    return pair(differentiate(h, move), h, derivatives);
-  });
-  return derivatives;
+  for (int attempt = 1;; ++attempt, step *= kSmallerStep) {
+    try {
+      std::vector<Derivative> derivatives;
+      if (pair(differentiate(step, move), step, derivatives)) return derivatives;
+      throw InputError("the gradient with respect to \"" + excerpt(name) +
+                       "\": the equations are no smooth function of this number");
+    } catch (const InputError&) {
+      if (attempt == kMostStepsOfDifference) throw;
+    }
+  }
 }
 
 /// x_p = -R_x^-1 R_p with what supports prescribe.
@@ -121,52 +110,32 @@ Adjoint NumberDerivatives::motion_under(const StateRows& rows) const {
   return operator_.solve(derivative_of(model_, state_, rows), &rows.constraints, &imposed);
 }
 
-std::vector<double> NumberDerivatives::with_motion(const SceneNumber& number, const std::vector<double>& sizes) const {
-  const Move move = move_of(number);
-  std::vector<double> derivatives;
-  attempt(number.name, number.step, [&](double h) {
-    StateRows rows(model_);
-    std::vector<std::pair<Moved, int>> moves;
-    for (int k = 0; k < kStencil; ++k)
-      for (const double sign : {1.0, -1.0}) {
-        moves.emplace_back(move(sign * (k + 1) * h), k);
-        rows.add(sign * kEighth[k] / h, rows_at(*moves.back().first.model, state_, operator_.load_factor()));
-      }
-    const Adjoint motion = motion_under(rows);
-    std::vector<double> coarse(sizes.size(), 0.0);
-    derivatives.assign(sizes.size(), 0.0);
-    for (auto& [moved, k] : moves) {
-      const State there = in_space(model_.apply(state_, motion.field, moved.more));
-      moved.state = &there;
-      const std::vector<double> values = values_(moved);
-      const double sign = moved.more < 0.0 ? -1.0 : 1.0;
-      for (std::size_t i = 0; i < sizes.size(); ++i) {
-        derivatives[i] += sign * kEighth[k] / h * values[i];
-        coarse[i] += sign * kSixth[k] / h * values[i];
-      }
-    }
-    for (std::size_t i = 0; i < sizes.size(); ++i)
-      if (!(std::abs(derivatives[i] - coarse[i]) <= kSmooth * std::abs(coarse[i]) + kRoundingOfValues * sizes[i] / h))
-        return false;
-    return true;
-  });
-  return derivatives;
-}
-
 NumberDerivatives::Differences NumberDerivatives::differentiate(double step, const Move& move) const {
+  const bool is_direct = adjoints_.size() < rounding_.size();
   Differences by{{StateRows(model_), StateRows(model_)}, {}};
-  for (std::vector<double>& values : by.values) values.assign(adjoints_.size(), 0.0);
-  for (int k = 0; k < kStencil; ++k)
-    for (const double sign : {1.0, -1.0}) {
-      const Moved moved = move(sign * (k + 1) * step);
-      const StateRows rows = rows_at(*moved.model, state_, moved.load_factor);
-      const std::vector<double> values = values_ ? values_(moved) : std::vector<double>{};
-      for (int order = 0; order < 2; ++order) {
-        const double factor = sign * (order == 0 ? kEighth : kSixth)[k] / step;
-        by.rows[order].add(factor, rows);
-        for (std::size_t i = 0; i < values.size(); ++i) by.values[order][i] += factor * values[i];
-      }
-    }
+  for (std::vector<double>& values : by.values) values.assign(rounding_.size(), 0.0);
+  const auto take_values = [&](const Moved& moved, int i) {
+    const std::vector<double> values = values_ ? values_(moved) : std::vector<double>{};
+    for (int order = 0; order < 2; ++order)
+      for (std::size_t k = 0; k < values.size(); ++k) by.values[order][k] += kFactor[order][i] / step * values[k];
+  };
+  std::vector<Moved> kept;
+  for (int i = 0; i < kPlaces; ++i) {
+    Moved moved = move(kPlace[i] * step);
+    const StateRows rows = rows_at(*moved.model, state_, moved.load_factor);
+    for (int order = 0; order < 2; ++order) by.rows[order].add(kFactor[order][i] / step, rows);
+    if (is_direct)
+      kept.push_back(std::move(moved));
+    else
+      take_values(moved, i);
+  }
+  if (!is_direct) return by;
+  const Adjoint motion = motion_under(by.rows[0]);
+  for (int i = 0; i < kPlaces; ++i) {
+    const State there = in_space(model_.apply(state_, motion.field, kept[i].more));
+    kept[i].state = &there;
+    take_values(kept[i], i);
+  }
   return by;
 }
 
@@ -195,17 +164,18 @@ void NumberDerivatives::require_alike(const Model& moved, const std::string& num
 
 /// dq/dp = q_p + t . R_p of every quantity; false where the two formulas do not agree.
 bool NumberDerivatives::pair(const Differences& by, double step, std::vector<Derivative>& derivatives) const {
-  for (std::size_t i = 0; i < adjoints_.size(); ++i) {
+  for (std::size_t i = 0; i < rounding_.size(); ++i) {
     double sizes = 0.0, ignored = 0.0;
     // less what a reaction holds of it: that is its own derivative
     const auto part = [&](int order, double& size) {
-      const double value = by.values[order][i], held = held_[i].dot(by.rows[order].spatial.vertex_dofs());
-      size += std::abs(value) + std::abs(held);
+      const double value = by.values[order][i];
+      size += std::abs(value);
+      if (i >= adjoints_.size()) return value;
+      const double held = held_[i].dot(by.rows[order].spatial.vertex_dofs());
+      size += std::abs(held);
       return work(adjoints_[i], by.rows[order], size) + value - held;
     };
-    const double fine = part(0, sizes);
-    const double coarse = part(1, ignored);
-    const double rounding = kRoundingOfRows * rounding_[i] / step;
+    const double fine = part(0, sizes), coarse = part(1, ignored), rounding = rounding_[i] / step;
     if (!(std::abs(fine - coarse) <= kSmooth * sizes + rounding)) return false;
     derivatives.push_back({fine, kNoise * sizes + rounding});
   }

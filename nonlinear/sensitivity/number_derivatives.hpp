@@ -21,6 +21,7 @@ struct SceneNumber {
   std::function<std::shared_ptr<const Scene>(double more)> scene_with{};
   /// The same quantities with that much more of it in their formulas; empty: none of them has it.
   std::function<QuantitySet(double more)> quantities_with{};
+  bool is_of_pattern = false;  ///< which leaves it out where it cannot move to both sides
 };
 
 /// The equations of a state in a scene as they stand: rows of elements with loads, and of constraints.
@@ -41,11 +42,8 @@ StateRows rows_at(const Model& model, const State& state, double load_factor);
 /// The right-hand side that their spatial part makes.
 StateDerivative derivative_of(const Model& model, const State& state, const StateRows& rows);
 
-/// Central differences of sixth and of eighth order: factors of the values at one step to four steps.
-constexpr int kStencil = 4;
-constexpr double kSixth[kStencil] = {3.0 / 4.0, -3.0 / 20.0, 1.0 / 60.0, 0.0};
-constexpr double kEighth[kStencil] = {4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0};
-
+/// In the direct way (an operator that is not transposed, and sizes of values) one solution for all quantities: the
+/// motion x_p of the state with the number, along which they are differentiated. Else one adjoint for each.
 class NumberDerivatives {
  public:
   /// The same equations with more of a number, or of the load factor (null).
@@ -65,6 +63,8 @@ class NumberDerivatives {
 
   /// Takes the adjoint of the next quantity, and the motion of its part that supports hold.
   void add(Adjoint adjoint, DofVector held);
+  /// Takes the size of the next quantity in the direct way, whose rounding is a share of it.
+  void add(double size);
   const Adjoint& adjoint(std::size_t which) const { return adjoints_[which]; }
 
   /// dq/dp of a quantity, and how much of it may be rounding and what is left of the equations.
@@ -74,10 +74,6 @@ class NumberDerivatives {
   /// Of every quantity. Throws InputError for a number of which the equations are no smooth function.
   std::vector<Derivative> by(const SceneNumber& number) const;
   std::vector<Derivative> by_load_factor(double step) const;
-  /// Of every value in the direct way, one solution for all of them: differences of values, along the motion x_p of the
-  /// state with the number. `at` must be the operator of the tangent itself; adjoints are not needed. `sizes`: of the
-  /// values, whose rounding is a share of them.
-  std::vector<double> with_motion(const SceneNumber& number, const std::vector<double>& sizes) const;
 
   static State in_space(State state) {
     state.in_plane = false;
@@ -92,8 +88,6 @@ class NumberDerivatives {
 
   std::vector<Derivative> by(const std::string& name, double step, const Move& move) const;
   Differences differentiate(double step, const Move& move) const;
-  static void attempt(const std::string& name, double step, const std::function<bool(double step)>& succeeds);
-  Move move_of(const SceneNumber& number) const;
   Adjoint motion_under(const StateRows& rows) const;
   void require_alike(const Model& moved, const std::string& number) const;
   bool pair(const Differences& by, double step, std::vector<Derivative>& derivatives) const;
@@ -106,7 +100,7 @@ class NumberDerivatives {
   Values values_;
   std::vector<Adjoint> adjoints_{};
   std::vector<DofVector> held_{};
-  std::vector<double> rounding_{};  ///< work_of_scales()
+  std::vector<double> rounding_{};  ///< (quantity): of its derivative, times the step
 };
 
 }  // namespace mixbeam

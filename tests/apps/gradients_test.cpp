@@ -122,6 +122,15 @@ TEST_F(GradientList, OfACriticalLoadThatDidNotComeIsACheckThatFailed) {
   expect_in(ended.out, {"gradient of tip.y", "it did not come; critical points on the path: 0"});
 }
 
+TEST_F(GradientList, LeavesOutQuantitiesThatAPatternMeans) {
+  const Ended ended = asking("Of: ['*'], With Respect To: [Sections/*/EI3]");
+  EXPECT_EQ(ended.exit_code, kOk) << ended.err << ended.out;
+  expect_in(ended.out, {"gradient of tip.y", "no derivative: the gradient of \"count\": the quantity"});
+  const std::string table = text_of(folder_ / "out/scene-gradients.csv");
+  const std::size_t at = table.find("tip.y,");
+  EXPECT_NEAR(std::stod(table.substr(table.find("EI3,", at) + 4)), 10.0 * kOfForce, 10.0 * kTolerance) << table;
+}
+
 /// The results stay.
 TEST_F(GradientList, WithoutAnswerIsACheckThatFailed) {
   const Ended ended = asking("Of: [count], With Respect To: [Sections/*/EI3]");

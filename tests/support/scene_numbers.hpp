@@ -43,7 +43,7 @@ inline Scene with(const Scene& scene, const Parameter& parameter, double more) {
 }
 
 inline SceneNumber number_of(const Scene& scene, const Parameter& parameter) {
-  return {parameter.name, 0.25 * parameter.step,
+  return {parameter.name, 0.025 * parameter.step,
           [=](double more) { return std::make_shared<const Scene>(with(scene, parameter, more)); }};
 }
 

@@ -1,5 +1,6 @@
 #include "apps/common/run/scene_gradients.hpp"
 
+#include "apps/common/run/expected_quantity.hpp"
 #include "apps/common/run/number_path.hpp"
 #include "discretization/parameters/access.hpp"
 #include "discretization/parameters/binding.hpp"
@@ -20,12 +21,10 @@ namespace mixbeam {
 
 namespace {
 
-/// Steps of differences over the size of a number, of points over the length of the shortest member: with eighth order
-/// truncation and rounding are both 1e-14.
-constexpr double kStepOfNumber = 0.005, kStepOfPoint = 0.002;
-/// Of the step: the farthest point of the smallest differences that NumberDerivatives tries.
-constexpr double kSmallestShare = 4.0 / 64.0;
-/// Each costs eight evaluations of the equations.
+/// Step of differences over the size of a number, of points over the length of the shortest member: with fourth order
+/// truncation and rounding are both 1e-12.
+constexpr double kStep = 0.0005;
+/// Each costs four evaluations of the equations.
 constexpr std::size_t kMostNumbers = 10'000;
 
 const std::string kQuantities = "Quantities", kAnyName = "*";
@@ -136,13 +135,12 @@ double size_of_zero(const NumberPath& path, const Simulation& at) {
 double step_of(const NumberPath& path, const Teuchos::ParameterEntry& entry, const Simulation& at) {
   const std::vector<double>& lengths = at.model().mesh().member_length;
   const double shortest = *std::min_element(lengths.begin(), lengths.end());
-  if (path.names.front() == "Points") return kStepOfPoint * shortest;
+  if (path.names.front() == "Points") return kStep * shortest;
   double size = 0.0;
   for (const double value : numbers_in(entry))
     if (std::isfinite(value)) size = std::max(size, std::abs(value));
-  if (size > 0.0) return kStepOfNumber * size;
-  return path.names.front() == "Members" && path.component >= 0 ? kStepOfPoint * shortest
-                                                                : kStepOfNumber * size_of_zero(path, at);
+  if (size > 0.0) return kStep * size;
+  return path.names.front() == "Members" && path.component >= 0 ? kStep * shortest : kStep * size_of_zero(path, at);
 }
 
 /// The list "Scene" with another number.
@@ -182,26 +180,11 @@ std::function<QuantitySet(double)> quantities_with(const XmlParameters& xml, con
   return [&xml, &solved, path](double more) { return quantities_of(list_with(xml, path, more), xml, solved); };
 }
 
-/// Why a number that a pattern means cannot move to both sides, as one at the bound of what is allowed; empty: it can,
-/// or is named itself.
-std::string obstacle(const NumberPath& path, const Simulation& at, const GradientParameters& asked,
-                     const XmlParameters& xml, const std::string& load_case) {
-  const auto is_named = [&](const std::string& text) { return number_path(text).text() == path.text(); };
-  if (std::any_of(asked.by.begin(), asked.by.end(), is_named)) return "";
-  const double step = kSmallestShare * step_of(path, entry_of(xml.list->sublist("Scene"), path), at);
-  try {
-    for (const double more : {-step, step}) scene_with(xml, path, more, at.scene(), load_case);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
-
-std::vector<SceneNumber> scene_numbers(const Simulation& at, const std::vector<NumberPath>& paths,
-                                       const XmlParameters& xml, const std::string& load_case) {
+std::vector<SceneNumber> scene_numbers(const Simulation& at, const GradientParameters& asked, const XmlParameters& xml,
+                                       const std::string& load_case) {
   const Teuchos::ParameterList& list = xml.list->sublist("Scene");
   std::vector<SceneNumber> numbers;
-  for (const NumberPath& path : paths) {
+  for (const NumberPath& path : all_numbers(list, asked)) {
     SceneNumber& number = numbers.emplace_back();
     number.name = path.text();
     number.step = step_of(path, entry_of(list, path), at);
@@ -209,18 +192,11 @@ std::vector<SceneNumber> scene_numbers(const Simulation& at, const std::vector<N
       return scene_with(xml, path, more, at.scene(), load_case);
     };
     number.quantities_with = quantities_with(xml, path, at.scene());
+    number.is_of_pattern = std::none_of(asked.by.begin(), asked.by.end(), [&](const std::string& text) {
+      return number_path(text).text() == path.text();
+    });
   }
   return numbers;
-}
-
-/// Puts numbers that cannot move among the others, without a derivative; a note names the first of them.
-void leave_out(const std::vector<std::string>& obstacles, RecordedGradient& gradient) {
-  for (std::size_t i = 0; i < obstacles.size(); ++i) {
-    if (obstacles[i].empty()) continue;
-    gradient.derivative.insert(gradient.derivative.begin() + static_cast<std::ptrdiff_t>(i),
-                               std::numeric_limits<double>::quiet_NaN());
-    if (gradient.note.empty()) gradient.note = obstacles[i];
-  }
 }
 
 void record(const std::vector<QuantityGradient>& gradients, RecordedGradients& recorded) {
@@ -325,17 +301,18 @@ bool asks_for_critical_points(const GradientParameters& asked) {
 RecordedGradients gradients_at(const Simulation& simulation, const GradientParameters& asked, const Differentiable& of,
                                const XmlParameters& xml, const std::string& load_case) {
   RecordedGradients recorded;
-  std::vector<std::string> obstacles;
-  std::vector<NumberPath> paths;
-  for (const NumberPath& path : all_numbers(xml.list->sublist("Scene"), asked)) {
-    recorded.numbers.push_back(path.text());
-    obstacles.push_back(obstacle(path, simulation, asked, xml, load_case));
-    if (obstacles.back().empty()) paths.push_back(path);
+  for (const NumberPath& path : all_numbers(xml.list->sublist("Scene"), asked)) recorded.numbers.push_back(path.text());
+  GradientRequest request{of.quantities, columns_meant(of.quantities, asked.of), {}, asked.by_element};
+  if (!request.columns.empty()) {
+    request.numbers = scene_numbers(simulation, asked, xml, load_case);
+    for (const std::size_t column : request.columns)
+      if (std::count(asked.of.begin(), asked.of.end(), of.quantities.columns()[column].name) == 0)
+        request.of_patterns.push_back(column);
+    record(simulation.gradients(request), recorded);
+    for (std::size_t i = 0; i < request.columns.size(); ++i)  // left out, and not known to gradients
+      if (double& value = recorded.quantities[i].value; std::isnan(value))
+        value = values_of(of.quantities, simulation)[request.columns[i]];
   }
-  if (const std::vector<std::size_t> columns = columns_meant(of.quantities, asked.of); !columns.empty())
-    record(simulation.gradients(
-               {of.quantities, columns, scene_numbers(simulation, paths, xml, load_case), asked.by_element}),
-           recorded);
   std::vector<std::string> names;
   for (std::size_t i = 1; i <= of.points.size(); ++i) names.push_back(kCriticalLoad + std::to_string(i));
   for (const std::string& name : points_meant(names, asked.of)) {
@@ -346,16 +323,15 @@ RecordedGradients gradients_at(const Simulation& simulation, const GradientParam
         throw InputError("it did not come; critical points on the path: " + std::to_string(names.size()));
       load_factor = of.points[i].load_factor;
       const Simulation there = simulation.at(of.points[i].state, load_factor);
-      const std::vector<SceneNumber> numbers = scene_numbers(there, paths, xml, load_case);
+      const std::vector<SceneNumber> numbers = scene_numbers(there, asked, xml, load_case);
       record(there.gradients(of.points[i], {"critical point " + std::to_string(i + 1), numbers, asked.by_element}),
              recorded);
     } catch (const InputError& error) {
-      const std::vector<double> none(paths.size(), std::numeric_limits<double>::quiet_NaN());
+      const std::vector<double> none(recorded.numbers.size(), std::numeric_limits<double>::quiet_NaN());
       recorded.quantities.push_back({name, load_factor, none});
       recorded.quantities.back().note = error.what();
     }
   }
-  for (RecordedGradient& one : recorded.quantities) leave_out(obstacles, one);
   return recorded;
 }
 

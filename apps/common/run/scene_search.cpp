@@ -28,7 +28,7 @@ using List = Teuchos::ParameterList;
 const std::string kIdentification = "Identification", kDesign = "Design", kParameters = "Parameters",
                   kMeasurements = "Measurements", kConstraints = "Constraints", kObjective = "Objective";
 
-/// Each takes eight evaluations of the equations in each step of a search.
+/// Each takes four evaluations of the equations in each step of a search.
 constexpr std::size_t kMostSearched = 200;
 
 BoundList<SearchedNumber> searched_numbers() {
