@@ -134,6 +134,36 @@ Quat triad_at(const ElementView& element, double xi) {
   return element.triad() * exp_quaternion(element.relative_rotation_at(P));
 }
 
+/// Solves with a tangent and takes out its cap. Of the increment N and M are left.
+MixedVector forces_by(Linearization& linear, const MixedVector& scaled_rows, bool removes_cap) {
+  MixedVector increment = linear.tangent().model().create_vector();
+  const Cap& cap = linear.tangent().cap();
+  linear.solve(scaled_rows, increment);
+  if (removes_cap && cap.cuts_off) remove_cap_compliance(linear, cap.least_ratio, increment);
+  clear_rows(linear.tangent().model().structure(), increment.writable_interior(true), RowsOf::motions);
+  Kokkos::deep_copy(increment.vertex(), 0.0);
+  return increment;
+}
+
+double length_of(const MixedVector& forces) { return std::sqrt(forces.inner_product(forces)); }
+
+/// Makes the last vector orthogonal to those before it, and of length one, with what belongs to it. False where nothing
+/// but rounding is left of it.
+bool orthonormalize_last(std::vector<MixedVector>& vectors, std::vector<MixedVector>* belonging = nullptr) {
+  const size_t last = vectors.size() - 1;
+  for (int again = 0; again < 2; ++again)  // the second one takes out what rounding left
+    for (size_t i = 0; i < last; ++i) {
+      const double factor = vectors[i].inner_product(vectors[last]);
+      vectors[last].update(-factor, vectors[i], 1.0);
+      if (belonging != nullptr) (*belonging)[last].update(-factor, (*belonging)[i], 1.0);
+    }
+  const double length = length_of(vectors[last]);
+  if (!(length > kDependent)) return false;
+  vectors[last].scale(1.0 / length);
+  if (belonging != nullptr) (*belonging)[last].scale(1.0 / length);
+  return true;
+}
+
 /// Finds forces that balance the loads in the drawn geometry, and sections turned so that shear needs no natural
 /// strain.
 class RestShapeFinder {
@@ -150,38 +180,302 @@ class RestShapeFinder {
 
   const Model& model() const { return model_; }
   const State& state() const { return state_; }
-  int redundancy() const;
+
+  /// Six forces are unknown in each element, as many rows of equilibrium are in each vertex, those of constraints
+  /// aside: the rest is redundant. In a plane that counts what lies in it.
+  int redundancy() const {
+    const Structure& structure = model_.structure();
+    const bool is_planar = drawn_.in_plane;
+    const KernelView<double*> rows("mixbeam::rest_shape::rows",
+                                   static_cast<size_t>(kVertexDofs) * structure.owned_vertices);
+    for (int v = 0; v < structure.owned_vertices; ++v) {
+      Vec force{{1.0, std::sqrt(2.0), std::sqrt(3.0)}}, moment{{std::sqrt(5.0), std::sqrt(7.0), std::sqrt(11.0)}};
+      if (is_planar) {
+        const Vec n = model_.plane()->n;
+        force = force - dot(force, n) * n;
+        moment = dot(moment, n) * n;
+      }
+      set_rows_of(rows, v, kForcePart, std::sqrt(1.0 + v) * force);
+      set_rows_of(rows, v, kMomentPart, std::sqrt(1.0 + v) * moment);
+    }
+    model_.project_on_free_motions(drawn_, rows);
+    int free = 0;
+    for (size_t i = 0; i < rows.extent(0); ++i)
+      if (model_.fixed_rows()(i) == 0 && std::abs(rows(i)) > kFreeRow) ++free;
+    return (is_planar ? 3 : 6) * structure.local_elements() - free;
+  }
+
   /// Forces of least energy where there are loops. Throws ConvergenceError, InputError at `place`.
-  void find(bool is_redundant, const InputPlace& place);
-  std::vector<NaturalMember> natural_members() const;
+  void find(bool is_redundant, const InputPlace& place) {
+    is_redundant_ = is_redundant;
+    MixedVector rows = model_.create_vector();
+    EvaluationPoint unloaded = mixed_residual(model_, drawn_, 0.0, rows);
+    unloaded.scales = scales_of(model_, drawn_, load_factor_);
+    linear_ = std::make_unique<Linearization>(problem_, unloaded, cap_for(model_, unloaded.scales), TangentKind{});
+    settle();
+    if (wanted_.turns_triads) check_inner_points(place);
+  }
+
+  /// Theory (79), from the rows of N and M that are left.
+  std::vector<NaturalMember> natural_members() const {
+    const Mesh& mesh = model_.mesh();
+    const MixedVector rows = rows_of(nullptr);
+    std::vector<NaturalMember> all;
+    for (size_t m = 0; m < mesh.members.size(); ++m) {
+      NaturalMember& member = all.emplace_back();
+      member.name = model_.scene().members[m].name;
+      member.cut_length = mesh.member_length[m];
+      const int first = mesh.first_element[m], count = mesh.elements_of(static_cast<int>(m));
+      for (int i = 0; i < count; ++i) {
+        const ElementView element(model_.structure(), state_, model_.structure().local_element(first + i));
+        const double* row = element.increments_in(rows.interior());
+        if (wanted_.turns_triads && i == 0) member.end_turns[0] = vector_algebra::to_array(-turn_at(element, 0));
+        if (wanted_.turns_triads && i == count - 1) member.end_turns[1] = vector_algebra::to_array(turn_at(element, 1));
+        add_strains(element, row, member);
+        add_curvatures(element, row, i == 0, i == count - 1, member);
+      }
+    }
+    return all;
+  }
 
   // Vectors of forces: N times the length of the structure, and M, of all elements.
-  MixedVector forces_of(const State& state) const;
+  MixedVector forces_of(const State& state) const {
+    MixedVector forces = model_.create_vector();
+    const KernelView<double*> interior = forces.writable_interior(false);
+    Kokkos::deep_copy(interior, 0.0);
+    for_each_element(model_.structure(), state, [&](const ElementView& element) {
+      double* row = element.increments_in(interior);
+      for (int i = 0; i < element.layout().relative_rotation(1); ++i)
+        row[i] = element.unknowns()[i] * (i < element.layout().moment(0) ? model_.structure().length : 1.0);
+    });
+    return forces;
+  }
+
   /// The state with these forces added.
-  State with_forces(const State& state, const MixedVector& forces) const;
+  State with_forces(const State& state, const MixedVector& forces) const {
+    MixedVector increment = forces.clone(true);
+    const KernelView<double*> interior = increment.writable_interior(true);
+    for_each_element(model_.structure(), [&](const ElementView& element) {
+      double* row = element.increments_in(interior);
+      for (int i = 0; i < element.layout().moment(0); ++i) row[i] /= model_.structure().length;
+    });
+    return model_.apply(state, increment, 1.0);
+  }
+
   /// Orthonormal forces in balance without loads: what any strains leave in the drawn structure. Fewer than `count`
   /// where not as many are independent.
-  std::vector<MixedVector> self_stresses(int count);
+  std::vector<MixedVector> self_stresses(int count) {
+    std::vector<MixedVector> basis;
+    for (int i = 0; i < count; ++i) {
+      MixedVector strains = any_strains(i);
+      scale_rows(model_, linear_->tangent().point().scales, strains);
+      basis.push_back(forces_of(model_.apply(drawn_, forces_by(*linear_, strains, true), 1.0)));
+      basis.back().scale(1.0 / length_of(basis.back()));
+      if (!orthonormalize_last(basis)) basis.pop_back();
+    }
+    return basis;
+  }
+
   /// Rows of N and M that lose the elastic strains of these forces.
-  MixedVector strains_of(const MixedVector& forces) const;
-  void add_forces(const MixedVector& forces);
+  MixedVector strains_of(const MixedVector& forces) const {
+    MixedVector with = model_.create_vector(), strains = model_.create_vector();
+    element_rows(model_, with_forces(drawn_, forces), 0.0, ElementLoads::none, with);
+    element_rows(model_, drawn_, 0.0, ElementLoads::none, strains);
+    strains.update(-1.0, with, 1.0);
+    Kokkos::deep_copy(strains.vertex(), 0.0);
+    const KernelView<double*> rows = strains.writable_interior(true);
+    clear_rows(model_.structure(), rows, RowsOf::motions);
+    if (wanted_.turns_triads)
+      for_each_element(model_.structure(), [&](const ElementView& element) {
+        for (int q = 0; q < element.order(); ++q)
+          std::fill_n(element.increments_in(rows) + element.layout().force(q) + 1, 2, 0.0);
+      });
+    return strains;
+  }
+
+  void add_forces(const MixedVector& forces) {
+    state_ = with_forces(state_, forces);
+    settle();
+  }
+
   /// Of the present state, whether its forces are more than rounding.
-  bool carries_forces() const;
+  bool carries_forces() const {
+    const ResidualScales& scales = linear_->tangent().point().scales;
+    return forces_of(state_).maximum_norm() > kSettled * model_.structure().length * scales.force;
+  }
 
  private:
-  MixedVector rows_of(const ResidualScales* scales) const;
-  double balance();
-  void settle();
-  Vector3 turn_at(const ElementView& element, int end) const;
-  void add_strains(const ElementView& element, const double* row, NaturalMember& member) const;
+  /// Rows at the present state under all loads, scaled, or as they are.
+  MixedVector rows_of(const ResidualScales* scales) const {
+    MixedVector rows = model_.create_vector();
+    const EvaluationPoint point = mixed_residual(model_, state_, load_factor_, rows);
+    unscale_rows(model_, point.scales, rows);
+    if (scales != nullptr) scale_rows(model_, *scales, rows);
+    return rows;
+  }
+
+  /// Theory (77), as a correction: the first one finds the forces, later ones take out what rounding and turns left.
+  /// Returns what was out of balance before.
+  double balance() {
+    const auto fixed = model_.fixed_rows();
+    MixedVector rows = rows_of(&linear_->tangent().point().scales);
+    const KernelView<double*> vertex = rows.vertex();
+    for (size_t r = 0; r < vertex.extent(0); ++r)
+      if (fixed(r) != 0) vertex(r) = 0.0;
+    clear_rows(model_.structure(), rows.writable_interior(true), RowsOf::forces);
+    const double left = rows.maximum_norm();
+    if (!(left <= kSettled)) state_ = model_.apply(state_, forces_by(*linear_, rows, is_redundant_), 1.0);
+    return left;
+  }
+
+  void settle() {
+    double before = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < kMostTurns; ++i) {
+      const double forces = balance(), turns = wanted_.turns_triads ? turn_sections() : 0.0;
+      const double left = std::max(forces, turns);
+      if (left <= kSettled || (left <= kNearlySettled && left > 0.5 * before)) return;
+      before = left;
+    }
+    throw ConvergenceError(
+        "the rest shape: no forces of members balance the loads in the drawn shape (a mechanism has none), or turns of "
+        "sections by shear do not settle");
+  }
+
+  double largest_shear_left(const MixedVector& rows) const {
+    double left = 0.0;
+    for_each_element(model_.structure(), state_, [&](const ElementView& element) {
+      const double* row = element.increments_in(rows.interior());
+      for (int q = 0; q < element.order(); ++q)
+        for (int c = 1; c < 3; ++c) left = std::max(left, std::abs(row[element.layout().force(q) + c]));
+    });
+    return left;
+  }
+
+  /// Theory (78). Returns the shear strain that was left before; sections stay where that is rounding.
+  double turn_sections() {
+    const MixedVector rows = rows_of(nullptr);
+    const double left = largest_shear_left(rows);
+    if (left <= kSettled) return left;
+    for_each_element(model_.structure(), state_, [&](const ElementView& element) {
+      const int k = element.order();
+      const GaussPoints& gauss = gauss_points(k);
+      const double* row = element.increments_in(rows.interior());
+      std::vector<Quat> turned;
+      for (int q = 0; q < k; ++q) {
+        const Vec tangent = load_vector(element.reference(element.block().reference_layout.tangent(q)));
+        const Vec seen = transpose_times(rotation_matrix(triad_at(element, gauss.xi[q])), tangent);
+        Vec goal = seen - load_vector(row + element.layout().force(q));
+        const double across = goal[1] * goal[1] + goal[2] * goal[2];
+        if (!(across < 1.0)) throw ConvergenceError("the rest shape: shear turns sections along the drawn axis");
+        goal[0] = std::sqrt(1.0 - across);
+        turned.push_back(triad_at(element.in(drawn_.views), gauss.xi[q]) *
+                         smallest_rotation(goal, Vec{{1.0, 0.0, 0.0}}));
+      }
+      const FittedRotation fit = fit_rotation(element.triad(), turned, gauss.xi, gauss.weight, k);
+      store_quaternion(fit.triad, element.triad_numbers());
+      for (int j = 1; j < k; ++j) store_vector(fit.psi[j], element.unknowns() + element.layout().relative_rotation(j));
+    });
+    turn_vertices();
+    return left;
+  }
+
+  /// Between the elements of a member, to the mean of both.
+  void turn_vertices() {
+    const Structure& structure = model_.structure();
+    std::vector<Vec> turn(structure.local_vertices(), Vec{{0.0, 0.0, 0.0}});
+    for_each_element(structure, state_, [&](const ElementView& element) {
+      const ElementView before = element.in(drawn_.views);
+      for (int end = 0; end < 2; ++end) {
+        const Quat triad = triad_at(element, end == 0 ? -1.0 : 1.0), drawn = triad_at(before, end == 0 ? -1.0 : 1.0);
+        turn[element.vertex(end)] += 0.5 * log_quaternion(triad * conjugate(drawn));
+      }
+    });
+    for (int v = 0; v < structure.local_vertices(); ++v)
+      if (attached_.count(structure.local_vertex_to_global[v]) == 0)
+        store_quaternion(exp_quaternion(turn[v]), &state_.views.vertex_rotation(v, 0));
+  }
+
+  /// A jump of shear inside a member would be a kink of its rest shape.
+  void check_inner_points(const InputPlace& place) const {
+    const Mesh& mesh = model_.mesh();
+    for_each_element(model_.structure(), state_, [&](const ElementView& element) {
+      const MeshElement& here = mesh.elements[element.mesh_element()];
+      const int last = mesh.elements_of(here.member) - 1;
+      for (int end = 0; end < 2; ++end) {
+        if (here.index == (end == 0 ? 0 : last) || attached_.count(here.vertex[end]) == 0) continue;
+        if (norm(turn_at(element, end)) > kNoTurn)
+          throw place.error("given, but something acts or holds inside of member \"" +
+                            excerpt(model_.scene().members[here.member].name) +
+                            "\", whose sections shear turns there; allowed: two members, or \"Shear\" = \"natural\"");
+      }
+    });
+  }
+
+  /// By which a section is turned against its vertex, but for what its drawn shape has.
+  Vec turn_at(const ElementView& element, int end) const {
+    return end_rotation(element, end) - end_rotation(element.in(drawn_.views), end);
+  }
+
+  FieldTable::Piece piece_of(const ElementView& element, const GaussPoints& gauss) const {
+    FieldTable::Piece piece;
+    const MeshElement& place = model_.mesh().elements[element.mesh_element()];
+    for (const double xi : gauss.xi) piece.s.push_back(model_.mesh().arc_length(place, xi));
+    return piece;
+  }
+
+  void add_strains(const ElementView& element, const double* row, NaturalMember& member) const {
+    const double shear = wanted_.turns_triads ? 0.0 : 1.0;
+    const GaussPoints& gauss = gauss_points(element.order());
+    FieldTable::Piece piece = piece_of(element, gauss);
+    for (int q = 0; q < element.order(); ++q) {
+      const double* strain = row + element.layout().force(q);
+      piece.value.push_back({strain[0], shear * strain[1], shear * strain[2]});
+      member.cut_length += 0.5 * element.length() * gauss.weight[q] * strain[0];
+    }
+    member.tables[0].pieces.push_back(std::move(piece));
+  }
+
   void add_curvatures(const ElementView& element, const double* row, bool is_first, bool is_last,
-                      NaturalMember& member) const;
-  FieldTable::Piece piece_of(const ElementView& element, const GaussPoints& gauss) const;
-  double largest_shear_left(const MixedVector& rows) const;
-  double turn_sections();
-  void turn_vertices();
-  void check_inner_points(const InputPlace& place) const;
-  MixedVector any_strains(int number) const;
+                      NaturalMember& member) const {
+    const int k = element.order();
+    const GaussPoints& gauss = gauss_points(k + 1);
+    FieldTable::Piece piece = piece_of(element, gauss);
+    for (const double xi : gauss.xi) {
+      double P[kMaximumOrder + 1];
+      legendre(k, xi, P);
+      Vector3& curvature = piece.value.emplace_back(Vector3{});
+      for (int j = 0; j <= k; ++j)
+        for (int c = 0; c < 3; ++c) {
+          double moment = row[element.layout().moment(j) + c];
+          if (is_first) moment -= end_value_of(j, 0) * member.end_turns[0][c];
+          if (is_last) moment -= member.end_turns[1][c];
+          curvature[c] += (2 * j + 1) / element.length() * P[j] * moment;
+        }
+    }
+    member.tables[1].pieces.push_back(std::move(piece));
+  }
+
+  /// Strains that follow no pattern of the structure, in the plane of the scene where it has one.
+  MixedVector any_strains(int number) const {
+    MixedVector rows = model_.create_vector();
+    const KernelView<double*> interior = rows.writable_interior(false);
+    Kokkos::deep_copy(interior, 0.0);
+    double phase = number;
+    for_each_element(model_.structure(), drawn_, [&](const ElementView& element) {
+      double* row = element.increments_in(interior);
+      const Mat triad = rotation_matrix(element.triad());
+      for (int i = 0; i < element.layout().relative_rotation(1); i += 3) {
+        phase += 1.3 + number;
+        Vec strain{{std::sin(phase), std::sin(1.7 * phase), std::sin(2.3 * phase)}};
+        if (drawn_.in_plane) {
+          const Vec n = model_.plane()->n, out = dot(strain, n) * n;
+          strain = transpose_times(triad, i < element.layout().moment(0) ? strain - out : out);
+        }
+        store_vector(strain, row + i);
+      }
+    });
+    return rows;
+  }
 
   const RestShapeParameters& wanted_;
   BeamProblem problem_;
@@ -192,330 +486,6 @@ class RestShapeFinder {
   std::unique_ptr<Linearization> linear_;  ///< at N = M = 0, without loads
   bool is_redundant_ = false;
 };
-
-/// Solves with a tangent and takes out its cap. Of the increment N and M are left.
-MixedVector forces_by(Linearization& linear, const MixedVector& scaled_rows, bool removes_cap) {
-  MixedVector increment = linear.tangent().model().create_vector();
-  const Cap& cap = linear.tangent().cap();
-  linear.solve(scaled_rows, increment);
-  if (removes_cap && cap.cuts_off) remove_cap_compliance(linear, cap.least_ratio, increment);
-  clear_rows(linear.tangent().model().structure(), increment.writable_interior(true), RowsOf::motions);
-  Kokkos::deep_copy(increment.vertex(), 0.0);
-  return increment;
-}
-
-/// Rows at the present state under all loads, scaled, or as they are.
-MixedVector RestShapeFinder::rows_of(const ResidualScales* scales) const {
-  MixedVector rows = model_.create_vector();
-  const EvaluationPoint point = mixed_residual(model_, state_, load_factor_, rows);
-  unscale_rows(model_, point.scales, rows);
-  if (scales != nullptr) scale_rows(model_, *scales, rows);
-  return rows;
-}
-
-/// Six forces are unknown in each element, as many rows of equilibrium are in each vertex, those of constraints aside:
-/// the rest is redundant. In a plane that counts what lies in it.
-int RestShapeFinder::redundancy() const {
-  const Structure& structure = model_.structure();
-  const bool is_planar = drawn_.in_plane;
-  const KernelView<double*> rows("mixbeam::rest_shape::rows",
-                                 static_cast<size_t>(kVertexDofs) * structure.owned_vertices);
-  for (int v = 0; v < structure.owned_vertices; ++v) {
-    Vec force{{1.0, std::sqrt(2.0), std::sqrt(3.0)}}, moment{{std::sqrt(5.0), std::sqrt(7.0), std::sqrt(11.0)}};
-    if (is_planar) {
-      const Vec n = model_.plane()->n;
-      force = force - dot(force, n) * n;
-      moment = dot(moment, n) * n;
-    }
-    set_rows_of(rows, v, kForcePart, std::sqrt(1.0 + v) * force);
-    set_rows_of(rows, v, kMomentPart, std::sqrt(1.0 + v) * moment);
-  }
-  model_.project_on_free_motions(drawn_, rows);
-  int free = 0;
-  for (size_t i = 0; i < rows.extent(0); ++i)
-    if (model_.fixed_rows()(i) == 0 && std::abs(rows(i)) > kFreeRow) ++free;
-  return (is_planar ? 3 : 6) * structure.local_elements() - free;
-}
-
-/// Theory (77), as a correction: the first one finds the forces, later ones take out what rounding and turns left.
-/// Returns what was out of balance before.
-double RestShapeFinder::balance() {
-  const auto fixed = model_.fixed_rows();
-  MixedVector rows = rows_of(&linear_->tangent().point().scales);
-  const KernelView<double*> vertex = rows.vertex();
-  for (size_t r = 0; r < vertex.extent(0); ++r)
-    if (fixed(r) != 0) vertex(r) = 0.0;
-  clear_rows(model_.structure(), rows.writable_interior(true), RowsOf::forces);
-  const double left = rows.maximum_norm();
-  if (!(left <= kSettled)) state_ = model_.apply(state_, forces_by(*linear_, rows, is_redundant_), 1.0);
-  return left;
-}
-
-void RestShapeFinder::settle() {
-  double before = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < kMostTurns; ++i) {
-    const double forces = balance(), turns = wanted_.turns_triads ? turn_sections() : 0.0;
-    const double left = std::max(forces, turns);
-    if (left <= kSettled || (left <= kNearlySettled && left > 0.5 * before)) return;
-    before = left;
-  }
-  throw ConvergenceError(
-      "the rest shape: no forces of members balance the loads in the drawn shape (a mechanism has none), or turns of "
-      "sections by shear do not settle");
-}
-
-void RestShapeFinder::find(bool is_redundant, const InputPlace& place) {
-  is_redundant_ = is_redundant;
-  MixedVector rows = model_.create_vector();
-  EvaluationPoint unloaded = mixed_residual(model_, drawn_, 0.0, rows);
-  unloaded.scales = scales_of(model_, drawn_, load_factor_);
-  linear_ = std::make_unique<Linearization>(problem_, unloaded, cap_for(model_, unloaded.scales), TangentKind{});
-  settle();
-  if (wanted_.turns_triads) check_inner_points(place);
-}
-
-double RestShapeFinder::largest_shear_left(const MixedVector& rows) const {
-  double left = 0.0;
-  for_each_element(model_.structure(), state_, [&](const ElementView& element) {
-    const double* row = element.increments_in(rows.interior());
-    for (int q = 0; q < element.order(); ++q)
-      for (int c = 1; c < 3; ++c) left = std::max(left, std::abs(row[element.layout().force(q) + c]));
-  });
-  return left;
-}
-
-/// Theory (78). Returns the shear strain that was left before; sections stay where that is rounding.
-double RestShapeFinder::turn_sections() {
-  const MixedVector rows = rows_of(nullptr);
-  const double left = largest_shear_left(rows);
-  if (left <= kSettled) return left;
-  for_each_element(model_.structure(), state_, [&](const ElementView& element) {
-    const int k = element.order();
-    const GaussPoints& gauss = gauss_points(k);
-    const double* row = element.increments_in(rows.interior());
-    std::vector<Quat> turned;
-    for (int q = 0; q < k; ++q) {
-      const Vec tangent = load_vector(element.reference(element.block().reference_layout.tangent(q)));
-      const Vec seen = transpose_times(rotation_matrix(triad_at(element, gauss.xi[q])), tangent);
-      Vec goal = seen - load_vector(row + element.layout().force(q));
-      const double across = goal[1] * goal[1] + goal[2] * goal[2];
-      if (!(across < 1.0)) throw ConvergenceError("the rest shape: shear turns sections along the drawn axis");
-      goal[0] = std::sqrt(1.0 - across);
-      turned.push_back(triad_at(element.in(drawn_.views), gauss.xi[q]) * smallest_rotation(goal, Vec{{1.0, 0.0, 0.0}}));
-    }
-    const FittedRotation fit = fit_rotation(element.triad(), turned, gauss.xi, gauss.weight, k);
-    store_quaternion(fit.triad, element.triad_numbers());
-    for (int j = 1; j < k; ++j) store_vector(fit.psi[j], element.unknowns() + element.layout().relative_rotation(j));
-  });
-  turn_vertices();
-  return left;
-}
-
-/// Between the elements of a member, to the mean of both.
-void RestShapeFinder::turn_vertices() {
-  const Structure& structure = model_.structure();
-  std::vector<Vec> turn(structure.local_vertices(), Vec{{0.0, 0.0, 0.0}});
-  for_each_element(structure, state_, [&](const ElementView& element) {
-    const ElementView before = element.in(drawn_.views);
-    for (int end = 0; end < 2; ++end) {
-      const Quat triad = triad_at(element, end == 0 ? -1.0 : 1.0), drawn = triad_at(before, end == 0 ? -1.0 : 1.0);
-      turn[element.vertex(end)] += 0.5 * log_quaternion(triad * conjugate(drawn));
-    }
-  });
-  for (int v = 0; v < structure.local_vertices(); ++v)
-    if (attached_.count(structure.local_vertex_to_global[v]) == 0)
-      store_quaternion(exp_quaternion(turn[v]), &state_.views.vertex_rotation(v, 0));
-}
-
-/// A jump of shear inside a member would be a kink of its rest shape.
-void RestShapeFinder::check_inner_points(const InputPlace& place) const {
-  const Mesh& mesh = model_.mesh();
-  for_each_element(model_.structure(), state_, [&](const ElementView& element) {
-    const MeshElement& here = mesh.elements[element.mesh_element()];
-    const int last = mesh.elements_of(here.member) - 1;
-    for (int end = 0; end < 2; ++end) {
-      if (here.index == (end == 0 ? 0 : last) || attached_.count(here.vertex[end]) == 0) continue;
-      if (norm(end_rotation(element, end) - end_rotation(element.in(drawn_.views), end)) > kNoTurn)
-        throw place.error("given, but something acts or holds inside of member \"" +
-                          excerpt(model_.scene().members[here.member].name) +
-                          "\", whose sections shear turns there; allowed: two members, or \"Shear\" = \"natural\"");
-    }
-  });
-}
-
-/// By which a section is turned against its vertex, but for what its drawn shape has.
-Vector3 RestShapeFinder::turn_at(const ElementView& element, int end) const {
-  const Vec turn = end_rotation(element, end) - end_rotation(element.in(drawn_.views), end);
-  return {turn[0], turn[1], turn[2]};
-}
-
-FieldTable::Piece RestShapeFinder::piece_of(const ElementView& element, const GaussPoints& gauss) const {
-  FieldTable::Piece piece;
-  const MeshElement& place = model_.mesh().elements[element.mesh_element()];
-  for (const double xi : gauss.xi) piece.s.push_back(model_.mesh().arc_length(place, xi));
-  return piece;
-}
-
-void RestShapeFinder::add_strains(const ElementView& element, const double* row, NaturalMember& member) const {
-  const double shear = wanted_.turns_triads ? 0.0 : 1.0;
-  const GaussPoints& gauss = gauss_points(element.order());
-  FieldTable::Piece piece = piece_of(element, gauss);
-  for (int q = 0; q < element.order(); ++q) {
-    const double* strain = row + element.layout().force(q);
-    piece.value.push_back({strain[0], shear * strain[1], shear * strain[2]});
-    member.cut_length += 0.5 * element.length() * gauss.weight[q] * strain[0];
-  }
-  member.tables[0].pieces.push_back(std::move(piece));
-}
-
-void RestShapeFinder::add_curvatures(const ElementView& element, const double* row, bool is_first, bool is_last,
-                                     NaturalMember& member) const {
-  const int k = element.order();
-  const GaussPoints& gauss = gauss_points(k + 1);
-  FieldTable::Piece piece = piece_of(element, gauss);
-  for (const double xi : gauss.xi) {
-    double P[kMaximumOrder + 1];
-    legendre(k, xi, P);
-    Vector3& curvature = piece.value.emplace_back(Vector3{});
-    for (int j = 0; j <= k; ++j)
-      for (int c = 0; c < 3; ++c) {
-        double moment = row[element.layout().moment(j) + c];
-        if (is_first) moment -= end_value_of(j, 0) * member.end_turns[0][c];
-        if (is_last) moment -= member.end_turns[1][c];
-        curvature[c] += (2 * j + 1) / element.length() * P[j] * moment;
-      }
-  }
-  member.tables[1].pieces.push_back(std::move(piece));
-}
-
-/// Theory (79), from the rows of N and M that are left.
-std::vector<NaturalMember> RestShapeFinder::natural_members() const {
-  const Mesh& mesh = model_.mesh();
-  const MixedVector rows = rows_of(nullptr);
-  std::vector<NaturalMember> all;
-  for (size_t m = 0; m < mesh.members.size(); ++m) {
-    NaturalMember& member = all.emplace_back();
-    member.name = model_.scene().members[m].name;
-    member.cut_length = mesh.member_length[m];
-    const int first = mesh.first_element[m], count = mesh.elements_of(static_cast<int>(m));
-    for (int i = 0; i < count; ++i) {
-      const ElementView element(model_.structure(), state_, model_.structure().local_element(first + i));
-      const double* row = element.increments_in(rows.interior());
-      if (wanted_.turns_triads && i == 0) member.end_turns[0] = vector_algebra::scaled(-1.0, turn_at(element, 0));
-      if (wanted_.turns_triads && i == count - 1) member.end_turns[1] = turn_at(element, 1);
-      add_strains(element, row, member);
-      add_curvatures(element, row, i == 0, i == count - 1, member);
-    }
-  }
-  return all;
-}
-
-MixedVector RestShapeFinder::forces_of(const State& state) const {
-  MixedVector forces = model_.create_vector();
-  const KernelView<double*> interior = forces.writable_interior(false);
-  Kokkos::deep_copy(interior, 0.0);
-  for_each_element(model_.structure(), state, [&](const ElementView& element) {
-    double* row = element.increments_in(interior);
-    for (int i = 0; i < element.layout().relative_rotation(1); ++i)
-      row[i] = element.unknowns()[i] * (i < element.layout().moment(0) ? model_.structure().length : 1.0);
-  });
-  return forces;
-}
-
-State RestShapeFinder::with_forces(const State& state, const MixedVector& forces) const {
-  MixedVector increment = forces.clone(true);
-  const KernelView<double*> interior = increment.writable_interior(true);
-  for_each_element(model_.structure(), [&](const ElementView& element) {
-    double* row = element.increments_in(interior);
-    for (int i = 0; i < element.layout().moment(0); ++i) row[i] /= model_.structure().length;
-  });
-  return model_.apply(state, increment, 1.0);
-}
-
-void RestShapeFinder::add_forces(const MixedVector& forces) {
-  state_ = with_forces(state_, forces);
-  settle();
-}
-
-/// Strains that follow no pattern of the structure, in the plane of the scene where it has one.
-MixedVector RestShapeFinder::any_strains(int number) const {
-  MixedVector rows = model_.create_vector();
-  const KernelView<double*> interior = rows.writable_interior(false);
-  Kokkos::deep_copy(interior, 0.0);
-  double phase = number;
-  for_each_element(model_.structure(), drawn_, [&](const ElementView& element) {
-    double* row = element.increments_in(interior);
-    const Mat triad = rotation_matrix(element.triad());
-    for (int i = 0; i < element.layout().relative_rotation(1); i += 3) {
-      phase += 1.3 + number;
-      Vec strain{{std::sin(phase), std::sin(1.7 * phase), std::sin(2.3 * phase)}};
-      if (drawn_.in_plane) {
-        const Vec n = model_.plane()->n, out = dot(strain, n) * n;
-        strain = transpose_times(triad, i < element.layout().moment(0) ? strain - out : out);
-      }
-      store_vector(strain, row + i);
-    }
-  });
-  return rows;
-}
-
-bool RestShapeFinder::carries_forces() const {
-  const ResidualScales& scales = linear_->tangent().point().scales;
-  return forces_of(state_).maximum_norm() > kSettled * model_.structure().length * scales.force;
-}
-
-double length_of(const MixedVector& forces) { return std::sqrt(forces.inner_product(forces)); }
-
-/// Takes out of `vector` what orthonormal ones hold of it. Returns their factors.
-std::vector<double> project_out(const std::vector<MixedVector>& basis, MixedVector& vector) {
-  std::vector<double> factors(basis.size(), 0.0);
-  for (int again = 0; again < 2; ++again)  // the second one takes out what rounding left
-    for (size_t i = 0; i < basis.size(); ++i) {
-      const double factor = basis[i].inner_product(vector);
-      vector.update(-factor, basis[i], 1.0);
-      factors[i] += factor;
-    }
-  return factors;
-}
-
-/// Adds the part of `vector` that is none of the basis, as a unit vector. Returns its length; it is not added where it
-/// is rounding.
-double extend(std::vector<MixedVector>& basis, MixedVector vector) {
-  const double length = length_of(vector);
-  if (!(length > kDependent)) return 0.0;
-  basis.push_back(std::move(vector));
-  basis.back().scale(1.0 / length);
-  return length;
-}
-
-std::vector<MixedVector> RestShapeFinder::self_stresses(int count) {
-  std::vector<MixedVector> basis;
-  for (int i = 0; i < count; ++i) {
-    MixedVector strains = any_strains(i);
-    scale_rows(model_, linear_->tangent().point().scales, strains);
-    MixedVector stress = forces_of(model_.apply(drawn_, forces_by(*linear_, strains, true), 1.0));
-    stress.scale(1.0 / length_of(stress));
-    project_out(basis, stress);
-    extend(basis, std::move(stress));
-  }
-  return basis;
-}
-
-MixedVector RestShapeFinder::strains_of(const MixedVector& forces) const {
-  MixedVector with = model_.create_vector(), strains = model_.create_vector();
-  element_rows(model_, with_forces(drawn_, forces), 0.0, ElementLoads::none, with);
-  element_rows(model_, drawn_, 0.0, ElementLoads::none, strains);
-  strains.update(-1.0, with, 1.0);
-  Kokkos::deep_copy(strains.vertex(), 0.0);
-  const KernelView<double*> rows = strains.writable_interior(true);
-  clear_rows(model_.structure(), rows, RowsOf::motions);
-  if (wanted_.turns_triads)
-    for_each_element(model_.structure(), [&](const ElementView& element) {
-      for (int q = 0; q < element.order(); ++q)
-        std::fill_n(element.increments_in(rows) + element.layout().force(q) + 1, 2, 0.0);
-    });
-  return strains;
-}
 
 /// The structure with its natural strains and without loads.
 class UnloadedStructure {
@@ -552,29 +522,24 @@ class UnloadedStructure {
   std::optional<State> state_{};
 };
 
-/// Factors of `own` self-stresses whose strains, left out of the natural ones, give the unloaded structure `stress`.
-std::vector<double> factors_for(const RestShapeFinder& finder, const std::vector<MixedVector>& own,
-                                Linearization& unloaded, MixedVector stress, const InputPlace& place) {
-  std::vector<MixedVector> basis;
-  std::vector<std::vector<double>> triangle;
+/// The part of `own` self-stresses whose strains, left out of the natural ones, give the unloaded structure `stress`.
+MixedVector cause_of(const MixedVector& stress, const RestShapeFinder& finder, const std::vector<MixedVector>& own,
+                     Linearization& unloaded, const InputPlace& place) {
+  const Model& model = finder.model();
+  MixedVector cause = model.create_vector();
+  std::vector<MixedVector> causes, answers;
   for (const MixedVector& one : own) {
     MixedVector strains = finder.strains_of(one);
-    scale_rows(finder.model(), unloaded.tangent().point().scales, strains);
-    MixedVector answer = finder.forces_of(
-        finder.model().apply(finder.model().reference_state(), forces_by(unloaded, strains, true), 1.0));
-    triangle.push_back(project_out(basis, answer));
-    triangle.back().push_back(extend(basis, std::move(answer)));
-    if (triangle.back().back() == 0.0)
+    scale_rows(model, unloaded.tangent().point().scales, strains);
+    answers.push_back(finder.forces_of(model.apply(model.reference_state(), forces_by(unloaded, strains, true), 1.0)));
+    causes.push_back(one.clone(true));
+    if (!orthonormalize_last(answers, &causes))
       throw place["Loops"].error(
           "value \"closed\", but forces of loops have no part in the rest shape where members are rigid; allowed: "
           "\"least energy\"");
+    cause.update(answers.back().inner_product(stress), causes.back(), 1.0);
   }
-  std::vector<double> factors = project_out(basis, stress);
-  for (size_t i = factors.size(); i-- > 0;) {
-    for (size_t j = i + 1; j < factors.size(); ++j) factors[i] -= triangle[j][i] * factors[j];
-    factors[i] /= triangle[i][i];
-  }
-  return factors;
+  return cause;
 }
 
 /// Newton's method for the redundant forces under loads: what they leave out of the natural strains takes away the
@@ -599,9 +564,8 @@ void close_loops(RestShapeFinder& finder, UnloadedStructure unloaded, bool close
     if (!std::isfinite(left)) break;
     before = left;
     const std::unique_ptr<Linearization> there = unloaded.linearized();
-    const std::vector<double> factors = factors_for(finder, own, *there, finder.forces_of(*state), place);
-    MixedVector change = finder.model().create_vector();
-    for (size_t i = 0; i < own.size(); ++i) change.update(-factors[i], own[i], 1.0);
+    MixedVector change = cause_of(finder.forces_of(*state), finder, own, *there, place);
+    change.scale(-1.0);
     finder.add_forces(change);
   }
   throw ConvergenceError(
@@ -690,23 +654,16 @@ Scene with_rest_shape(Scene scene, const RestShape& shape) {
 
 std::vector<NaturalStation> natural_curve(const MeshMember& drawn, const NaturalMember& member, int pieces) {
   const auto curvature = [&](double s) {
-    const Vector3 more = member.tables[1].at(s);
-    return drawn.curve.curvature(s) + Vec{{more[0], more[1], more[2]}};
+    return drawn.curve.curvature(s) + vector_algebra::to_vec3(member.tables[1].at(s));
   };
-  const auto vector = [](const Vector3& v) { return Vec{{v[0], v[1], v[2]}}; };
-  const auto plain = [](const Vec& v) { return Vector3{v[0], v[1], v[2]}; };
   NaturalStation here;
   Vec position = drawn.curve.position(0.0);
-  Quat triad = drawn.curve.triad(0.0) * exp_quaternion(vector(member.end_turns[0]));
+  Quat triad = drawn.curve.triad(0.0) * exp_quaternion(vector_algebra::to_vec3(member.end_turns[0]));
   std::vector<NaturalStation> all;
   const auto add = [&] {
     const Mat axes = rotation_matrix(triad);
-    here.position = plain(position);
-    for (int i = 0; i < 3; ++i) {
-      Vec axis{{0.0, 0.0, 0.0}};
-      axis[i] = 1.0;
-      here.triad[i] = plain(axes * axis);
-    }
+    here.position = vector_algebra::to_array(position);
+    for (int i = 0; i < 3; ++i) here.triad[i] = {axes(0, i), axes(1, i), axes(2, i)};
     all.push_back(here);
   };
   add();
