@@ -76,7 +76,7 @@ void print_constraints(std::ostream& out, const SearchParameters& search, const 
 void print_found(std::ostream& out, const SearchParameters& search, const FoundScene& found) {
   out << "  found                            value" << (search.is_design ? "" : "   standard deviation")
       << "  number of the scene\n";
-  for (const FoundNumber& number : found.numbers) {
+  for (const SearchedNumber& number : found.numbers) {
     out << formatted("  %-20.20s  %16.10g  ", number.name.c_str(), number.value);
     if (!search.is_design) out << formatted("%19.6g  ", number.deviation);
     out << number.path << (number.is_held ? ", at its bound" : "") << "\n";
@@ -114,8 +114,8 @@ void write_tables(const std::string& name, const SearchParameters& search, const
   };
   const std::size_t n = found.numbers.size();
   for (std::size_t i = 0; i < n; ++i) {
-    const FoundNumber& one = found.numbers[i];
-    add(numbers, {one.start, one.value, one.deviation, one.at_least, one.at_most});
+    const SearchedNumber& one = found.numbers[i];
+    add(numbers, {one.start, one.value, one.deviation, *one.at_least, *one.at_most});
     texts.push_back({one.name, one.path});
     names.push_back(one.name);
     paths.push_back(one.path);
@@ -164,7 +164,7 @@ void compare_end(Application& app, const SearchParameters& search, const FoundSc
 void tell(Application& app, const SearchParameters& search, const FoundScene& found) {
   const auto n = static_cast<std::ptrdiff_t>(found.numbers.size());
   for (std::ptrdiff_t i = 0; i < n; ++i) {
-    const FoundNumber& one = found.numbers[static_cast<std::size_t>(i)];
+    const SearchedNumber& one = found.numbers[static_cast<std::size_t>(i)];
     app.summary.found_numbers.push_back({one.name, one.path, one.start, one.value, one.deviation});
     if (!found.covariance.empty())
       app.summary.found_numbers.back().covariance.assign(found.covariance.begin() + i * n,

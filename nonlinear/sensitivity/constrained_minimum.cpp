@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numeric>
 
 namespace mixbeam {
 
@@ -175,44 +176,35 @@ class MinimumSearch {
   bool is_active(std::size_t constraint) const {
     return constraint <= equations_ || result_.values[constraint] >= -kActive;
   }
-  /// A bound holds an unknown that it keeps from going on down the objective, or beside active constraints.
-  bool is_held(std::size_t i, bool has_active) const {
-    return (at_[i] <= problem_.space.lower[i] && (has_active || result_.derivatives[i] >= 0.0)) ||
-           (at_[i] >= problem_.space.upper[i] && (has_active || result_.derivatives[i] <= 0.0));
-  }
-
-  /// The gradient less its projection on those of active constraints, over unknowns that no bound holds.
+  /// The gradient less its projection on those of active constraints, over unknowns that no bound holds: one that keeps
+  /// them from going on down the objective, or beside active constraints any.
   double gradient_left() const {
-    bool has_active = false;
-    for (std::size_t k = 1; k < result_.values.size(); ++k) has_active = has_active || is_active(k);
-    const auto row = [&](std::size_t value) {
-      std::vector<double> entries(result_.derivatives.begin() + static_cast<std::ptrdiff_t>(value * unknowns_),
-                                  result_.derivatives.begin() + static_cast<std::ptrdiff_t>((value + 1) * unknowns_));
-      for (std::size_t i = 0; i < unknowns_; ++i)
-        if (is_held(i, has_active)) entries[i] = 0.0;
-      return entries;
-    };
+    std::vector<std::size_t> rows = {0};
+    for (std::size_t k = 1; k < result_.values.size(); ++k)
+      if (is_active(k)) rows.push_back(k);
     std::vector<std::vector<double>> normals;
-    const auto project = [&](std::vector<double> entries) {
-      for (const std::vector<double>& normal : normals) {
-        double along = 0.0;
-        for (std::size_t i = 0; i < unknowns_; ++i) along += normal[i] * entries[i];
-        for (std::size_t i = 0; i < unknowns_; ++i) entries[i] -= along * normal[i];
+    for (auto row = rows.rbegin();; ++row) {  // the objective last
+      double largest = 0.0, size = 0.0;
+      std::vector<double> left(unknowns_, 0.0);
+      for (std::size_t i = 0; i < unknowns_; ++i) {
+        const double slope = rows.size() > 1 ? 0.0 : result_.derivatives[i];
+        const bool is_held =
+            (at_[i] <= problem_.space.lower[i] && slope >= 0.0) || (at_[i] >= problem_.space.upper[i] && slope <= 0.0);
+        if (!is_held) left[i] = result_.derivatives[*row * unknowns_ + i];
       }
-      return entries;
-    };
-    for (std::size_t k = 1; k < result_.values.size(); ++k) {
-      if (!is_active(k)) continue;
-      std::vector<double> normal = project(row(k));
-      double size = 0.0;
-      for (const double one : normal) size = std::hypot(size, one);
+      for (const std::vector<double>& normal : normals) {
+        const double along = std::inner_product(left.begin(), left.end(), normal.begin(), 0.0);
+        for (std::size_t i = 0; i < unknowns_; ++i) left[i] -= along * normal[i];
+      }
+      for (const double one : left) {
+        largest = std::max(largest, std::abs(one));
+        size = std::hypot(size, one);
+      }
+      if (*row == 0) return largest;
       if (size <= kActive) continue;
-      for (double& one : normal) one /= size;
-      normals.push_back(normal);
+      for (double& one : left) one /= size;
+      normals.push_back(std::move(left));
     }
-    double largest = 0.0;
-    for (const double one : project(row(0))) largest = std::max(largest, std::abs(one));
-    return largest;
   }
 
   const SearchProblem& problem_;

@@ -151,54 +151,33 @@ class LeastSquaresSearch {
     return residuals;
   }
 
-  /// The damped step; unknowns that it would carry beyond a bound go to it, one after the other, and the rest is solved
-  /// again.
+  /// Minimum of |r + J d|^2 + damping |D d|^2 over unknowns that no bound holds, D of the lengths of columns; cut off
+  /// at bounds and where it is far. An unknown that comes to its bound is held in the next step, if it shall be.
   std::vector<double> bounded_change() const {
-    std::vector<double> change(unknowns_, 0.0);
     std::vector<std::size_t> free;
     for (std::size_t i = 0; i < unknowns_; ++i)
       if (!held_[i]) free.push_back(i);
-    const auto lower = [this](std::size_t i) {
-      const double x = result_.unknowns[i];
-      return std::max(problem_.space.lower[i] - x, -kMostChange * std::max(1.0, std::abs(x)));
-    };
-    const auto upper = [this](std::size_t i) {
-      const double x = result_.unknowns[i];
-      return std::min(problem_.space.upper[i] - x, kMostChange * std::max(1.0, std::abs(x)));
-    };
-    while (!free.empty()) {
-      for (const std::size_t i : free) change[i] = 0.0;
-      const std::vector<double> found = damped(linear(change), free);
-      double worst = 0.0;
-      std::size_t at = free.size();
-      for (std::size_t j = 0; j < free.size(); ++j) {
-        change[free[j]] = found[j];
-        const double beyond = std::max(lower(free[j]) - found[j], found[j] - upper(free[j]));
-        if (beyond > worst) worst = beyond, at = j;
-      }
-      if (at == free.size()) break;
-      const std::size_t i = free[at];
-      change[i] = found[at] < 0.0 ? lower(i) : upper(i);
-      free.erase(free.begin() + static_cast<std::ptrdiff_t>(at));
-    }
-    return change;
-  }
-
-  /// Minimum of |r + J d|^2 + damping |D d|^2 over the free unknowns, D of the lengths of columns.
-  std::vector<double> damped(const std::vector<double>& residuals, const std::vector<std::size_t>& free) const {
-    const std::size_t m = residuals.size(), n = free.size();
+    std::vector<double> change(unknowns_, 0.0);
+    const std::size_t m = result_.values.size(), n = free.size();
+    if (n == 0) return change;
     const double longest = *std::max_element(columns_.begin(), columns_.end());
     GslMatrix a = SingularValues::matrix(m + n, n);
     const GslVector right = SingularValues::vector(m + n), d = SingularValues::vector(n);
     for (std::size_t k = 0; k < m; ++k) {
-      gsl_vector_set(right.get(), k, -residuals[k]);
+      gsl_vector_set(right.get(), k, -result_.values[k]);
       for (std::size_t j = 0; j < n; ++j) gsl_matrix_set(a.get(), k, j, entry(k, free[j]));
     }
     for (std::size_t j = 0; j < n; ++j)
       gsl_matrix_set(a.get(), m + j, j, std::sqrt(damping_) * std::max(columns_[free[j]], kDampedColumn * longest));
     const SingularValues svd(std::move(a));
     gsl_linalg_SV_solve(svd.u.get(), svd.v.get(), svd.s.get(), right.get(), d.get());
-    return {d->data, d->data + n};
+    for (std::size_t j = 0; j < n; ++j) {
+      const std::size_t i = free[j];
+      const double x = result_.unknowns[i], far = kMostChange * std::max(1.0, std::abs(x));
+      change[i] = std::clamp(gsl_vector_get(d.get(), j), std::max(problem_.space.lower[i] - x, -far),
+                             std::min(problem_.space.upper[i] - x, far));
+    }
+    return change;
   }
 
   const SearchProblem& problem_;

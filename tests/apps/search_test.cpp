@@ -58,7 +58,7 @@ TEST(Identification, FindsStiffnessesOfTheSpatialArc) {
   const FoundScene found = Read(kArc).found();
   EXPECT_EQ(found.end, SearchEnd::found);
   ASSERT_EQ(found.numbers.size(), 2U);
-  for (const FoundNumber& number : found.numbers) EXPECT_NEAR(number.value / kStiffness, 1.0, kExact) << number.name;
+  for (const SearchedNumber& number : found.numbers) EXPECT_NEAR(number.value / kStiffness, 1.0, kExact) << number.name;
   // the twin with another measurement
   const FoundScene other = Read(changed(kArc, "53.47485", "53.47486")).found();
   EXPECT_GT(std::abs(other.numbers[1].value / kStiffness - 1.0), kExact);
@@ -113,7 +113,7 @@ TEST(Identification, TellsWhatMeasurementsDoNotTellApart) {
           .found();
   EXPECT_NEAR(found.numbers[1].value / found.numbers[0].value, 1.0, 1e-8);  // P L^2 / EI of the elastica
   EXPECT_EQ(found.numbers[2].value, 1.0);
-  for (const FoundNumber& number : found.numbers) EXPECT_TRUE(std::isinf(number.deviation)) << number.name;
+  for (const SearchedNumber& number : found.numbers) EXPECT_TRUE(std::isinf(number.deviation)) << number.name;
   ASSERT_EQ(found.remarks.size(), 2U);
   expect_in(found.remarks[0] + found.remarks[1],
             {"do not tell the parameters apart", "EI by", "load by", "torsion by"});

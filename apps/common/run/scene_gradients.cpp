@@ -93,29 +93,18 @@ std::vector<NumberPath> all_numbers(const Teuchos::ParameterList& scene, const G
   return all;
 }
 
-/// Columns that are meant, each once.
-std::vector<std::size_t> columns_meant(const QuantitySet& quantities, const std::vector<std::string>& texts) {
-  const std::vector<std::string> names = names_of_values(quantities);
-  std::vector<std::size_t> columns;
-  for (const std::string& text : texts)
-    for (const std::string& name : means_critical_points(text) ? std::vector<std::string>{} : names_meant(text, names))
-      for (std::size_t i = 0; i < quantities.columns().size(); ++i)
-        if (quantities.columns()[i].name == name && std::count(columns.begin(), columns.end(), i) == 0)
-          columns.push_back(i);
-  return columns;
-}
-
-/// Names of the critical points that are meant, each once, and texts that mean none of them.
-std::vector<std::string> points_meant(const std::vector<std::string>& names, const std::vector<std::string>& texts) {
-  std::vector<std::string> points;
+/// Names that are meant, each once: of critical points, and texts that mean none of them, or of all others.
+std::vector<std::string> all_meant(const std::vector<std::string>& names, const std::vector<std::string>& texts,
+                                   bool of_points) {
+  std::vector<std::string> all;
   for (const std::string& text : texts) {
-    if (!means_critical_points(text)) continue;
+    if (means_critical_points(text) != of_points) continue;
     std::vector<std::string> meant = names_meant(text, names);
     if (meant.empty()) meant = {text};
     for (const std::string& name : meant)
-      if (std::count(points.begin(), points.end(), name) == 0) points.push_back(name);
+      if (std::count(all.begin(), all.end(), name) == 0) all.push_back(name);
   }
-  return points;
+  return all;
 }
 
 /// Sizes of what a number may be that is zero now, and so are its neighbours.
@@ -302,12 +291,14 @@ RecordedGradients gradients_at(const Simulation& simulation, const GradientParam
                                const XmlParameters& xml, const std::string& load_case) {
   RecordedGradients recorded;
   for (const NumberPath& path : all_numbers(xml.list->sublist("Scene"), asked)) recorded.numbers.push_back(path.text());
-  GradientRequest request{of.quantities, columns_meant(of.quantities, asked.of), {}, asked.by_element};
+  GradientRequest request{of.quantities, {}, {}, asked.by_element};
+  const std::vector<std::string> all = of.quantities.names();
+  for (const std::string& name : all_meant(names_of_values(of.quantities), asked.of, false)) {
+    request.columns.push_back(static_cast<std::size_t>(std::find(all.begin(), all.end(), name) - all.begin()));
+    if (std::count(asked.of.begin(), asked.of.end(), name) == 0) request.of_patterns.push_back(request.columns.back());
+  }
   if (!request.columns.empty()) {
     request.numbers = scene_numbers(simulation, asked, xml, load_case);
-    for (const std::size_t column : request.columns)
-      if (std::count(asked.of.begin(), asked.of.end(), of.quantities.columns()[column].name) == 0)
-        request.of_patterns.push_back(column);
     record(simulation.gradients(request), recorded);
     for (std::size_t i = 0; i < request.columns.size(); ++i)  // left out, and not known to gradients
       if (double& value = recorded.quantities[i].value; std::isnan(value))
@@ -315,7 +306,7 @@ RecordedGradients gradients_at(const Simulation& simulation, const GradientParam
   }
   std::vector<std::string> names;
   for (std::size_t i = 1; i <= of.points.size(); ++i) names.push_back(kCriticalLoad + std::to_string(i));
-  for (const std::string& name : points_meant(names, asked.of)) {
+  for (const std::string& name : all_meant(names, asked.of, true)) {
     const std::size_t i = static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
     double load_factor = std::numeric_limits<double>::quiet_NaN();
     try {

@@ -95,8 +95,8 @@ class SearchReader {
     require_offered();
     const List& numbers = list_.sublist(kParameters);
     for (const std::string& name : names_of(numbers)) source.attempt([&] { add_numbers(name, numbers.sublist(name)); });
-    if (search_.paths.size() > kMostSearched)
-      refuse({kParameters}, "it means " + std::to_string(search_.paths.size()) + " numbers; allowed: up to " +
+    if (search_.numbers.size() > kMostSearched)
+      refuse({kParameters}, "it means " + std::to_string(search_.numbers.size()) + " numbers; allowed: up to " +
                                 std::to_string(kMostSearched));
     if (search_.is_design)
       source.attempt([&] { add_wanted("objective", kDesigned.read(list_.sublist(kObjective)), {kObjective}); });
@@ -149,11 +149,13 @@ class SearchReader {
     const auto refuse_number = [&](const std::string& at, const std::string& why) {
       refuse({kParameters, name, at}, "\"" + excerpt(path.text()) + "\" " + why);
     };
-    for (const NumberPath& other : search_.paths)
-      if (other.text() == path.text()) refuse_number("Number", "for the second time; allowed: once");
+    for (const SearchedNumber& other : search_.numbers)
+      if (other.path == path.text()) refuse_number("Number", "for the second time; allowed: once");
     if (!stands_in_file(path)) refuse_number("Number", "stands in a table; allowed: numbers of the scene file itself");
     const std::vector<double> values = numbers_in(entry_of(scene_, path));
     const double start = values[static_cast<std::size_t>(std::max(0, path.component))];
+    wanted.start = wanted.value = start;
+    wanted.deviation = std::nan("");
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     const double lower = wanted.at_least.value_or(-kInfinity), upper = wanted.at_most.value_or(kInfinity);
     if (!(lower < upper))
@@ -172,8 +174,8 @@ class SearchReader {
     wanted.at_most = upper;
     wanted.name = alone ? name : path.text();
     wanted.path = path.text();
+    wanted.place = path;
     search_.numbers.push_back(wanted);
-    search_.paths.push_back(path);
   }
 
   /// Where the scene with other numbers is written, they stand in the file itself.
@@ -224,13 +226,6 @@ class CarriedScene {
       if (std::count(cases_.begin(), cases_.end(), wanted.load_case) == 0) cases_.push_back(wanted.load_case);
   }
 
-  std::vector<double> numbers() const {
-    std::vector<double> all;
-    for (const NumberPath& path : search_.paths)
-      all.push_back(numbers_in(entry_of(app_.xml.list->sublist("Scene"), path))[std::max(0, path.component)]);
-    return all;
-  }
-
   /// Follows the path of each case. False: stopped. Throws ConvergenceError.
   bool begin() {
     for (const std::string& one : cases_) {
@@ -273,11 +268,11 @@ class CarriedScene {
   /// Derivatives (wanted quantity, number) where move() went, which is accepted. Throws InputError.
   std::vector<double> derivatives() {
     accepted_ = std::move(trial_);
-    const std::size_t n = search_.paths.size();
+    const std::size_t n = search_.numbers.size();
     std::vector<double> all(search_.wanted.size() * n, 0.0);
     for (std::size_t i = 0; i < cases_.size(); ++i) {
       GradientParameters asked;
-      for (const NumberPath& path : search_.paths) asked.by.push_back(path.text());
+      for (const SearchedNumber& number : search_.numbers) asked.by.push_back(number.path);
       for (const WantedQuantity& wanted : search_.wanted)
         if (wanted.load_case == cases_[i]) asked.of.push_back(wanted.quantity);
       const RecordedGradients found = gradients_at(accepted_[i], asked, {quantities_, {}}, xml_, cases_[i]);
@@ -299,9 +294,10 @@ class CarriedScene {
   void set(const std::vector<double>& numbers) {
     xml_.list = Teuchos::rcp(new List(*app_.xml.list));  // anew: reading a list mends its mistakes
     List& list = xml_.list->sublist("Scene");
-    for (std::size_t i = 0; i < numbers.size(); ++i)
-      set_number(const_cast<Teuchos::ParameterEntry&>(entry_of(list, search_.paths[i])), search_.paths[i].component,
-                 numbers[i]);
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      const NumberPath& path = search_.numbers[i].place;
+      set_number(const_cast<Teuchos::ParameterEntry&>(entry_of(list, path)), path.component, numbers[i]);
+    }
     scene_ = read_scene(list, xml_.source);
     quantities_ = quantities_of(list, xml_, scene_);
   }
@@ -335,22 +331,22 @@ class CarriedScene {
 };
 
 /// The scene file with other numbers, without the list.
-std::string scene_with_numbers(const Application& app, const std::vector<FoundNumber>& numbers,
-                               const SearchParameters& search, const ListSpec& root) {
+std::string scene_with_numbers(const Application& app, const std::vector<SearchedNumber>& numbers,
+                               const ListSpec& root) {
   const XmlParameters written = parse_parameters(app.xml.text, app.xml.source.file(), root);
-  written.list->remove(search.list);
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    const NumberPath& path = search.paths[i];
+  written.list->remove(app.search->list);
+  for (const SearchedNumber& number : numbers) {
+    const NumberPath& path = number.place;
     List* here = &written.list->sublist("Scene");
     for (std::size_t j = 0; j + 1 < path.names.size(); ++j) here = &here->sublist(path.names[j]);
     const std::string& name = path.names.back();
     if (path.component < 0) {
-      here->setEntry(name, Teuchos::ParameterEntry(numbers[i].value));
+      here->setEntry(name, Teuchos::ParameterEntry(number.value));
       continue;
     }
     if (!here->isParameter(name)) here->setEntry(name, entry_of(app.xml.list->sublist("Scene"), path));
     Teuchos::ParameterEntry& entry = here->getEntry(name);
-    set_formula(entry, path.component, shortest(numbers[i].value));
+    set_formula(entry, path.component, shortest(number.value));
     if (holds_formula(value_of(entry))) continue;
     Teuchos::Array<double> plain;
     for (const std::string& text : Teuchos::getValue<Teuchos::Array<std::string>>(entry)) {
@@ -393,28 +389,23 @@ class SceneSearch {
       : app_(app), search_(*app.search), report_(report), scene_(app, search_) {}
 
   FoundScene run(const ListSpec& root) {
-    const std::vector<double> start = scene_.numbers();
-    for (std::size_t i = 0; i < start.size(); ++i) {
-      const SearchedNumber& number = search_.numbers[i];
-      found_.numbers.push_back({number.name, number.path, start[i], start[i], std::numeric_limits<double>::quiet_NaN(),
-                                *number.at_least, *number.at_most});
+    found_.numbers = search_.numbers;
+    for (const SearchedNumber& number : search_.numbers) {
+      space_.start.push_back(number.start / *number.scale);
+      space_.lower.push_back(*number.at_least / *number.scale);
+      space_.upper.push_back(*number.at_most / *number.scale);
     }
-    take_space();
     try {
       found_.end = scene_.begin() ? search() : SearchEnd::stopped;
     } catch (const LinearSolverError& error) {
       found_.end = SearchEnd::blocked;
       found_.failure = std::string("no gradients: ") + error.what();
     }
-    found_.xml = scene_with_numbers(app_, found_.numbers, search_, root);
+    found_.xml = scene_with_numbers(app_, found_.numbers, root);
     return found_;
   }
 
  private:
-  std::vector<double> scaled(std::vector<double> numbers) const {
-    for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] /= *search_.numbers[i].scale;
-    return numbers;
-  }
   /// Those at a bound are the bound.
   std::vector<double> unscaled(std::vector<double> unknowns) const {
     for (std::size_t i = 0; i < unknowns.size(); ++i) {
@@ -423,15 +414,6 @@ class SceneSearch {
       unknowns[i] = is_lower ? *number.at_least : is_upper ? *number.at_most : unknowns[i] * *number.scale;
     }
     return unknowns;
-  }
-  void take_space() {
-    std::vector<double> start;
-    for (const FoundNumber& number : found_.numbers) {
-      start.push_back(number.value);
-      space_.lower.push_back(number.at_least);
-      space_.upper.push_back(number.at_most);
-    }
-    space_ = {scaled(start), scaled(space_.lower), scaled(space_.upper)};
   }
   /// Wanted quantities, then rows of these.
   std::optional<std::vector<double>> values_at(const std::vector<double>& unknowns) {
@@ -459,9 +441,9 @@ class SceneSearch {
     step.unknowns = unscaled(step.unknowns);
     if (search_.is_design) step.objective /= rows_.front().factor;
     for (std::size_t i = 0; i < step.unknowns.size(); ++i) {
-      FoundNumber& number = found_.numbers[i];
+      SearchedNumber& number = found_.numbers[i];
       number.value = step.unknowns[i];
-      number.is_held = number.value == number.at_least || number.value == number.at_most;
+      number.is_held = number.value == *number.at_least || number.value == *number.at_most;
     }
     found_.steps.push_back(step);
     report_(step);
@@ -474,26 +456,24 @@ class SceneSearch {
     problem.derivatives = [this] { return derivatives(); };
     problem.report = [this](const SearchStep& step) { take(step); };
     problem.stop = [this] { return app_.is_asked_to_stop(); };
-    const std::size_t equations = search_.is_design ? add_rows_of_design() : add_residuals();
+    const std::size_t equations = add_rows();
     const SearchResult result = search_.is_design ? minimise(problem, equations) : minimise_squares(problem);
     found_.failure = end_text(result);
     if (!search_.is_design && !result.derivatives.empty()) take_covariance(result.derivatives);
-    for (const FoundNumber& number : found_.numbers)
+    for (const SearchedNumber& number : found_.numbers)
       if (number.is_held)
         found_.remarks.push_back("\"" + number.name + "\" is at its bound, " + shortest(number.value));
     return result.end;
   }
 
-  std::size_t add_residuals() {
-    for (std::size_t k = 0; k < search_.wanted.size(); ++k)
-      rows_.push_back({k, 1.0 / search_.wanted[k].deviation, search_.wanted[k].value});
-    return 0;
-  }
-
-  /// The objective, equations, inequalities, with factors with which they change by about one where the unknowns do.
-  /// Returns the number of equations.
-  std::size_t add_rows_of_design() {
-    for (std::size_t k = 0; k < search_.wanted.size(); ++k) rows_.push_back({k, 1.0, 0.0});
+  /// Residuals; or the objective, equations, inequalities, with factors with which they change by about one where the
+  /// unknowns do. Returns the number of equations.
+  std::size_t add_rows() {
+    for (std::size_t k = 0; k < search_.wanted.size(); ++k) {
+      const WantedQuantity& wanted = search_.wanted[k];
+      rows_.push_back({k, search_.is_design ? 1.0 : 1.0 / wanted.deviation, wanted.value});
+    }
+    if (!search_.is_design) return 0;
     if (!values_at(space_.start)) throw ConvergenceError("the list \"" + search_.list + "\": " + scene_.obstacle());
     const std::vector<double> slopes = derivatives();
     const std::size_t n = search_.numbers.size();
@@ -534,7 +514,7 @@ class SceneSearch {
 
   void take_covariance(const std::vector<double>& jacobian) {
     std::vector<bool> is_held;
-    for (const FoundNumber& number : found_.numbers) is_held.push_back(number.is_held);
+    for (const SearchedNumber& number : found_.numbers) is_held.push_back(number.is_held);
     const Information information = information_of(jacobian, is_held);
     const std::size_t n = is_held.size();
     found_.covariance = information.covariance;

@@ -17,8 +17,12 @@ class Application;
 /// A number of the scene that is searched for, from the value that the scene has.
 struct SearchedNumber {
   std::string name{};
-  std::string path{};  ///< as written; in SearchParameters::numbers one number
-  std::optional<double> at_least{}, at_most{}, scale{};
+  std::string path{};                                    ///< as written; in SearchParameters::numbers one number
+  std::optional<double> at_least{}, at_most{}, scale{};  ///< as written; there all known, perhaps infinite
+  NumberPath place{};
+  double start = 0.0, value = 0.0;
+  double deviation = 0.0;  ///< NaN: a bound holds it, or there are no measurements; infinite: not told by these
+  bool is_held = false;    ///< by a bound
 };
 
 /// What a quantity shall be at the end of the path: a measured value, or one between bounds.
@@ -33,7 +37,6 @@ struct SearchParameters {
   std::string list{};      ///< "Identification", "Design"
   bool is_design = false;  ///< the first of the wanted quantities is the objective, all others are constraints
   std::vector<SearchedNumber> numbers{};
-  std::vector<NumberPath> paths{};  ///< of these
   std::vector<WantedQuantity> wanted{};
 };
 
@@ -44,17 +47,8 @@ ListSpec design_spec();
 /// Reads the list of either name, if the scene has one, and looks for all that it names. Throws InputError.
 std::optional<SearchParameters> read_search(const Application& app);
 
-struct FoundNumber {
-  std::string name{};
-  std::string path{};
-  double start = 0.0, value = 0.0;
-  double deviation = 0.0;  ///< NaN: a bound holds it, or there are no measurements; infinite: not told by these
-  double at_least = 0.0, at_most = 0.0;
-  bool is_held = false;  ///< by one of them
-};
-
 struct FoundScene {
-  std::vector<FoundNumber> numbers{};
+  std::vector<SearchedNumber> numbers{};
   std::vector<double> covariance{};  ///< (number, number); empty without measurements
   std::vector<double> values{};      ///< of the wanted quantities
   std::vector<double> sizes{};       ///< of these, at the start

@@ -98,7 +98,7 @@ struct FoundDerivative {
   double derivative = 0.0;
 };
 
-/// A number of the scene that was searched for, with its standard deviation (NaN, infinite: see FoundNumber).
+/// A number of the scene that was searched for, with its standard deviation (NaN, infinite: see SearchedNumber).
 struct FoundNumberOfScene {
   std::string parameter, number;
   double start = 0.0, value = 0.0, deviation = 0.0;
