@@ -157,9 +157,9 @@ void VariedBatch::check_expected() {
 Batch chosen_batch(const Application& app, const CommandLine& line) {
   Batch batch = read_batch(app.xml.list->sublist("Batch"), app.xml.source);
   if (!line.rows) return batch;
+  require_rows(*line.rows, batch.size());
   const auto [first, last] = *line.rows;
-  require_row(first, batch.size());
-  batch.keep(first - 1, std::min<std::size_t>(last, batch.size()) - (first - 1));
+  batch.keep(first - 1, last - (first - 1));
   return batch;
 }
 

@@ -190,9 +190,9 @@ int conclude_batch(Application& app, const CommandLine& line, const BatchRun& ba
 
 }  // namespace
 
-void require_row(int first, std::size_t cases) {
-  if (static_cast<std::size_t>(first) > cases)
-    throw InputError(formatted("option --rows: row %d of %zu; allowed: 1 to %zu", first, cases, cases));
+void require_rows(const std::array<int, 2>& rows, std::size_t cases) {
+  if (static_cast<std::size_t>(rows[1]) > cases)
+    throw InputError(formatted("option --rows: value %d:%d; allowed: rows 1 to %zu", rows[0], rows[1], cases));
 }
 
 int run_batch(Application& app, const CommandLine& line, const Communicator& ranks, const std::string& name,

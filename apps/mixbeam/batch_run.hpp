@@ -60,8 +60,8 @@ class BatchRun {
 int run_batch(Application& app, const CommandLine& line, const Communicator& ranks, const std::string& name,
               const std::function<std::unique_ptr<BatchRun>()>& read);
 
-/// Throws InputError where --rows begins behind the last case.
-void require_row(int first, std::size_t cases);
+/// Throws InputError where --rows names more than there is.
+void require_rows(const std::array<int, 2>& rows, std::size_t cases);
 
 /// Reads all scenes of the folder that the command line names before the first is solved; then solves each by itself,
 /// shared out over the ranks of mpirun: one row for each structure and load case. Returns the exit code. Throws

@@ -118,12 +118,11 @@ void StructuresRun::read() {
       for (const std::string& name : one.quantities.names())
         if (seen.insert(name).second) names_.push_back(name);
   if (line_.rows) {
+    require_rows(*line_.rows, cases_.size());
     const auto [first, last] = *line_.rows;
-    require_row(first, cases_.size());
     before_ = static_cast<std::size_t>(first) - 1;
-    const auto begin = cases_.begin();
-    cases_.erase(begin + std::min<std::ptrdiff_t>(last, std::distance(begin, cases_.end())), cases_.end());
-    cases_.erase(begin, begin + static_cast<std::ptrdiff_t>(before_));
+    cases_.erase(cases_.begin() + last, cases_.end());
+    cases_.erase(cases_.begin(), cases_.begin() + static_cast<std::ptrdiff_t>(before_));
   }
   results_.resize(cases_.size());
 }

@@ -264,6 +264,18 @@ class Scenes(InFolder):
             with self.assertRaisesRegex(mixbeam.InputError, f"did you mean .{near}"):
                 wrong()
 
+    def test_nothing_takes_the_place_of_another(self):
+        scene, line = cantilever(), np.zeros((2, 3))
+        names = scene.add_points("p", line)
+        scene.add_points("q", line)
+        rods = scene.add_members("r", names[:1], names[1:])
+        for again, name in ((lambda: scene.add_points("p", line), "p0"), (lambda: scene.add_members("r", names[1:], names[:1]), rods[0])):
+            with self.assertRaisesRegex(mixbeam.InputError, f'"{name}" for the second time'):
+                again()
+        for wrong in np.nan, None:
+            with self.assertRaisesRegex(mixbeam.InputError, 'column "variables/F", row 1 from 0: nan; allowed: a number'):
+                mixbeam.batch(scene, {"variables/F": [10.0, wrong]})
+
     def test_messages_are_those_of_the_program(self):
         scene = cantilever()
         scene.members["rod"].section = "stel"

@@ -97,6 +97,10 @@ def batch(scene, table=None, case=None, *, output="followed", threads=None, prog
         raise InputError(f"table of a batch: {error}; allowed: {{parameter: numbers}}, or a structured array") from None
     if any(column.ndim != 1 for column in columns.values()):
         raise InputError("table of a batch: columns of more than one dimension; allowed: one number for each case")
+    for (name, column), path in zip(columns.items(), paths):
+        if not path.startswith("Expected/") and np.isnan(column).any():
+            row = np.argmax(np.isnan(column))
+            raise InputError(f'table of a batch: column "{name}", row {row} from 0: nan; allowed: a number')
     values = np.stack(list(columns.values()), axis=1) if columns else np.empty((0, 0))
     if client is not None and len(values) > 0:
         return _shared_batch(client, scene, columns, case, output, threads)

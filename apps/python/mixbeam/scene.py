@@ -88,9 +88,8 @@ class Scene(Parameters):
         coordinates = np.asarray(coordinates, dtype=float)
         if coordinates.shape[-1:] != (3,):
             raise InputError(f"coordinates of {name}: an array of shape {coordinates.shape}; allowed: (..., 3)")
-        names = np.empty(coordinates.shape[:-1], dtype=object)
+        names = _new_names(name, coordinates.shape[:-1], set(self.points))
         for place in np.ndindex(names.shape):
-            names[place] = name + "_".join(map(str, place))
             self.points[names[place]] = coordinates[place]
         return names
 
@@ -99,9 +98,8 @@ class Scene(Parameters):
         arrays = {key: np.asarray(value, dtype=object) if _is_array(value, np.shape(start)) else value
                   for key, value in {"start": start, "end": end, **parameters}.items()}
         shape = np.broadcast_shapes(*(np.shape(value) for value in (start, end)))
-        names = np.empty(shape, dtype=object)
+        names = _new_names(name, shape, set(self.members))
         for place in np.ndindex(shape):
-            names[place] = name + "_".join(map(str, place))
             one = {key: np.broadcast_to(value, shape)[place] if isinstance(value, np.ndarray) else value
                    for key, value in arrays.items()}
             self.members[names[place]] = {key: _plain(value) for key, value in one.items()}
@@ -145,6 +143,15 @@ def _is_array(value, shape):
 
 def _plain(value):
     return value.item() if isinstance(value, np.generic) else value
+
+
+def _new_names(name, shape, there):
+    names = np.empty(shape, dtype=object)
+    for place in np.ndindex(shape):
+        names[place] = name + "_".join(map(str, place))
+        if names[place] in there:
+            raise InputError(f'name "{names[place]}" for the second time; allowed: a name other than "{name}", with whose numbers names are new')
+    return names
 
 
 def scene_text(scene):
