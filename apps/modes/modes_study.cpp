@@ -294,7 +294,8 @@ void run_flutter(Application& app) {
       if (order < kTabulated) continue;
       if (column.digits > 0.0)
         app.summary.check_upper_bound(label + ": load of flutter", error, column.digits,
-                                      "zero of the largest real part, of a prototype with dense eigenvalues");
+                                      "zero of the largest real part, of a prototype with dense eigenvalues; reference "
+                                      "error: 5e-10, half of the tenth digit");
       app.summary.check_upper_bound(label + ": frequency", std::abs(point.omega / column.omega - 1.0), kFrequencyDigits,
                                     "exact value");
     }

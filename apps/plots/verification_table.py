@@ -26,8 +26,7 @@ LEVELS = (
     ("closed form", r"closed form|elastica|elliptic|Bessel|^pure bending|Frenet|Eq\.|pi\^2|K\(|sqrt\(EI/m\)|Fletcher|polygon|"
      "twice the error", "that of the printed digits"),
     ("shooting", r"shooting|Runge-Kutta", "1e-10, by steps of half the length, or as the source says"),
-    ("other program", r"^other program:|prototype",
-     "as the source says; prototypes: the last printed digit; Nastran, beams and solids of ANSYS: not published"),
+    ("other program", r"^other program:|prototype", "as the source says"),
     ("paper", r"^Humer, Steinbrecher, Pechstein", "half a unit of the last digit; the same element"),
     ("experiment", r"^experiment:", "unknown; how far other programs are from it stands in the source"),
     ("relation", "", "none: equilibrium, symmetry, independence of the path, rates, statics by hand, goals"))
