@@ -2,6 +2,7 @@
 
 #include "discretization/mesh/mpi_at_need.hpp"
 #include "discretization/mesh/row_lists.hpp"
+#include "discretization/text/number_text.hpp"
 #include "nonlinear/linear/blas_setup.hpp"
 #include "nonlinear/linear/linear_solver.hpp"
 
@@ -353,6 +354,22 @@ SharedRows of_one_rank(const SparseMatrix& structure) {
   return share;
 }
 
+/// given - A x or A^T x; its size, over the largest sum of the terms of a row.
+double rest_of(const SparseMatrix& matrix, bool transposed, const double* x, double* given) {
+  std::vector<double> sum(matrix.rows());
+  for (int i = 0; i < matrix.rows(); ++i) sum[i] = std::abs(given[i]);
+  for (int i = 0; i < matrix.rows(); ++i)
+    for (int k = matrix.row_start[i]; k < matrix.row_start[i + 1]; ++k) {
+      const int row = transposed ? matrix.column[k] : i, column = transposed ? i : matrix.column[k];
+      const double term = matrix.value[k] * x[column];
+      given[row] -= term;
+      sum[row] += std::abs(term);
+    }
+  double largest = 0.0;
+  for (int i = 0; i < matrix.rows(); ++i) largest = std::max(largest, std::abs(given[i]));
+  return largest == 0.0 ? 0.0 : largest / *std::max_element(sum.begin(), sum.end());
+}
+
 }  // namespace
 
 InertiaSolver::InertiaSolver(Kind kind, const SparseMatrix& structure)
@@ -394,5 +411,23 @@ int InertiaSolver::factorizations() const { return factors_->factorizations; }
 double InertiaSolver::solves_for_factors() const { return factors_->solves_for_factors(); }
 
 void InertiaSolver::solve(double* block, int columns, bool transposed) { factors_->solve(block, columns, transposed); }
+
+void solve_refined(InertiaSolver& solver, const SparseMatrix& matrix, std::vector<double>& columns, int count,
+                   bool transposed, double refined, const std::string& equations) {
+  constexpr double kRefused = 1e-9;
+  if (columns.empty()) return;
+  const std::vector<double> given = columns;
+  const size_t n = columns.size() / count;
+  solver.solve(columns.data(), count, transposed);
+  for (int pass = 0;; ++pass) {
+    std::vector<double> left = given;
+    double error = 0.0;
+    for (int j = 0; j < count; ++j) error = std::max(error, rest_of(matrix, transposed, &columns[n * j], &left[n * j]));
+    if (error <= (pass == 0 ? refined : kRefused)) return;
+    if (pass > 0) throw LinearSolverError("the " + equations + " were not solved: backward error " + shortest(error));
+    solver.solve(left.data(), count, transposed);
+    for (size_t i = 0; i < left.size(); ++i) columns[i] += left[i];
+  }
+}
 
 }  // namespace mixbeam

@@ -6,6 +6,7 @@
 #include "nonlinear/linear/sparse_matrix.hpp"
 
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace mixbeam {
@@ -51,5 +52,11 @@ class InertiaSolver {
   struct Mumps;
   std::unique_ptr<Factors> factors_;
 };
+
+/// Replaces columns by A^-1 or A^-T times them, A the matrix of the last factors, refined once where rounding leaves
+/// more than the share `refined` of the sum of the terms of a row. Throws LinearSolverError, for equations of that
+/// name, where it leaves no nine digits.
+void solve_refined(InertiaSolver& solver, const SparseMatrix& matrix, std::vector<double>& columns, int count,
+                   bool transposed, double refined, const std::string& equations);
 
 }  // namespace mixbeam

@@ -1,6 +1,5 @@
 #include "nonlinear/sensitivity/adjoint_operator.hpp"
 
-#include "discretization/text/number_text.hpp"
 #include "nonlinear/linear/krylov.hpp"
 #include "nonlinear/linear/linear_solver.hpp"
 #include "nonlinear/stability/block_krylov.hpp"
@@ -25,8 +24,8 @@ constexpr double kMostCapLeftInAdjoint = 1e-9;
 constexpr double kCapOfAdjoint = 1e-2;
 /// Elements whose matrices are kept at a time: as many as caches hold.
 constexpr int kPart = 128;
-/// Rounding of a solve beyond which it is refined, and refused: share of the sum of the terms of a row.
-constexpr double kRefinedAdjoint = 1e-15, kRefusedAdjoint = 1e-9;
+/// Rounding of a solve beyond which it is refined: share of the sum of the terms of a row.
+constexpr double kRefinedAdjoint = 1e-15;
 
 /// Refinements of a whole solution: one to three as a rule, each of which takes what is left to its share, as far as
 /// rounding: of products, and of one solution without a cap, a tenth of the machine's times the square of the number of
@@ -178,7 +177,7 @@ Adjoint AdjointOperator::respond(const MixedVector& rows, const DofVector* held,
     remaining_.update(-1.0, more, 1.0);
   }
   found.free = unknowns_.reduced_remaining_rows(remaining_);
-  solve_reduced(found.free);
+  solve_refined(*solver_, unknowns_.matrix(), found.free, 1, transposed_, kRefinedAdjoint, "adjoint equations");
   unknowns_.expand(found.free.data(), remaining_);
   if (held != nullptr) {
     DofVector imposed(remaining_.getMap());
@@ -188,39 +187,6 @@ Adjoint AdjointOperator::respond(const MixedVector& rows, const DofVector* held,
   system_.expand(remaining_, motion);
   recover(rows, found.field);
   return found;
-}
-
-void AdjointOperator::solve_reduced(std::vector<double>& y) const {
-  if (y.empty()) return;
-  const std::vector<double> given = y;
-  solver_->solve(y.data(), 1, transposed_);
-  std::vector<double> left = given;
-  if (rest(y, left) <= kRefinedAdjoint) return;
-  solver_->solve(left.data(), 1, transposed_);
-  for (size_t i = 0; i < y.size(); ++i) y[i] += left[i];
-  left = given;
-  if (const double error = rest(y, left); !(error <= kRefusedAdjoint))
-    throw LinearSolverError("the adjoint equations were not solved: backward error " + shortest(error));
-}
-
-/// given - K^T y; its size, over the largest sum of the terms of a row.
-double AdjointOperator::rest(const std::vector<double>& y, std::vector<double>& given) const {
-  const SparseMatrix& matrix = unknowns_.matrix();
-  std::vector<double> sum(given.size());
-  for (size_t i = 0; i < given.size(); ++i) sum[i] = std::abs(given[i]);
-  for (int i = 0; i < matrix.rows(); ++i)
-    for (int k = matrix.row_start[i]; k < matrix.row_start[i + 1]; ++k) {
-      const int row = transposed_ ? matrix.column[k] : i, column = transposed_ ? i : matrix.column[k];
-      const double term = matrix.value[k] * y[column];
-      given[row] -= term;
-      sum[row] += std::abs(term);
-    }
-  double largest = 0.0, size = 0.0;
-  for (size_t i = 0; i < given.size(); ++i) {
-    largest = std::max(largest, std::abs(given[i]));
-    size = std::max(size, sum[i]);
-  }
-  return largest == 0.0 ? 0.0 : largest / size;
 }
 
 /// Motions whose work with the rows of the equations is the part of a quantity that supports hold.

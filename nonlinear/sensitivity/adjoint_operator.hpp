@@ -57,8 +57,6 @@ class AdjointOperator {
   DofVector& condense(const MixedVector& rows);
   void recover(const MixedVector& rows, MixedVector& motion) const;
   Adjoint respond(const MixedVector& rows, const DofVector* held = nullptr, const DofVector* projected = nullptr);
-  void solve_reduced(std::vector<double>& y) const;
-  double rest(const std::vector<double>& y, std::vector<double>& given) const;
   void take_out_cap(Adjoint& adjoint);
   void excess_rows(const MixedVector& motion, MixedVector& rows) const;
   void add_at_vertices(const KernelView<double*>& vertex) const;

@@ -1,7 +1,6 @@
 #include "nonlinear/stability/vibration_operator.hpp"
 
 #include "discretization/text/errors.hpp"
-#include "discretization/text/number_text.hpp"
 #include "nonlinear/linear/krylov.hpp"
 #include "nonlinear/linear/linear_solver.hpp"
 #include "nonlinear/stability/block_krylov.hpp"
@@ -25,8 +24,8 @@ constexpr double kCapLeft = 1e-6, kCapLeftWithoutSymmetry = 1e-12;
 constexpr int kMostCapSolves = 12;
 /// Part of the cap that a correction leaves, 1e-6 as a rule, beyond which GMRES is quicker.
 constexpr double kFastCorrection = 1e-3;
-/// Rounding of a solve beyond which it is refined, and refused: share of the sum of the terms of a row.
-constexpr double kRefined = 1e-14, kRefused = 1e-9;
+/// Rounding of a solve beyond which it is refined: share of the sum of the terms of a row.
+constexpr double kRefined = 1e-14;
 
 }  // namespace
 
@@ -196,37 +195,8 @@ bool VibrationOperator::correct(MomentumColumns& of) {
 
 void VibrationOperator::solve_reduced(std::vector<double>& y, int columns) {
   if (y.empty()) return;
-  const std::vector<double> given = y;
-  const size_t n = y.size() / columns;
-  InertiaSolver& solver = symmetric_ ? *of_symmetric_ : *of_general_;
-  solver.solve(y.data(), columns);
-  for (int pass = 0;; ++pass) {
-    std::vector<double> left = given;
-    double error = 0.0;
-    for (int j = 0; j < columns; ++j) error = std::max(error, rest(&y[n * j], &left[n * j]));
-    if (error <= kRefined) return;
-    if (pass > 0 && !(error <= kRefused))
-      throw LinearSolverError("the equations of vibration were not solved: backward error " + shortest(error));
-    if (pass > 0) return;
-    solver.solve(left.data(), columns);
-    add_multiple(1.0, left, y);
-  }
-}
-/// given - K y; its size, over the largest sum of the terms of a row.
-double VibrationOperator::rest(const double* y, double* given) const {
-  const SparseMatrix& matrix = unknowns_.matrix();
-  double largest = 0.0, size = 0.0;
-  for (int i = 0; i < matrix.rows(); ++i) {
-    double sum = std::abs(given[i]);
-    for (int k = matrix.row_start[i]; k < matrix.row_start[i + 1]; ++k) {
-      const double term = matrix.value[k] * y[matrix.column[k]];
-      given[i] -= term;
-      sum += std::abs(term);
-    }
-    largest = std::max(largest, std::abs(given[i]));
-    size = std::max(size, sum);
-  }
-  return largest == 0.0 ? 0.0 : largest / size;
+  solve_refined(symmetric_ ? *of_symmetric_ : *of_general_, unknowns_.matrix(), y, columns, false, kRefined,
+                "equations of vibration");
 }
 
 /// Share of the cap that may be left in a solution.

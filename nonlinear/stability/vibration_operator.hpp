@@ -72,7 +72,6 @@ class VibrationOperator {
   void expand(const double* y, DofVector& motion);
   void correct_by_gmres(MixedVector excess, double norm, double reduction, Response& found);
   void solve_reduced(std::vector<double>& y, int columns);
-  double rest(const double* y, double* given) const;
   double cap_left() const;
 
   const Model& model_;
