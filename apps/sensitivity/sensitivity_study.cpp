@@ -69,8 +69,8 @@ std::array<double, 2> errors_of(Application& app, const Scene& scene, const Elas
   const auto found = simulation.gradients({quantities, {0, 1, 2}, {force(scene)}, true});
   for (size_t i = 0; i < found.size(); ++i) {
     double by_compliance = 0.0;  // S = 1 / EI = 1: alpha dq / d alpha
-    for (const ElementDerivatives& element : found[i].elements) by_compliance += element.compliance[5];
-    const double own[] = {-found[i].by_number[0], -by_compliance / exact.alpha};  // down, back, clockwise
+    for (const std::array<double, 6>& compliance : found[i].compliance) by_compliance += compliance[5];
+    const double own[] = {-found[i].derivative[0], -by_compliance / exact.alpha};  // down, back, clockwise
     for (size_t k = 0; k < 2; ++k) errors[k] = std::max(errors[k], std::abs(own[k] - exact.derivative[i]));
   }
   return errors;

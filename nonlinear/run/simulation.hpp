@@ -76,12 +76,12 @@ class Simulation {
   RecordedErrorEstimate record_error(const ErrorEstimate& estimate, const std::vector<std::string>& points) const;
 
   /// See gradients_of(): at state() and its load factor.
-  std::vector<QuantityGradient> gradients(GradientRequest request) const {
+  std::vector<RecordedGradient> gradients(GradientRequest request) const {
     request.modes = parameters_.analysis.modes;
     return gradients_of(*problem_, state_, load_factor_, request);
   }
   /// See critical_gradients_of(): of a point of the path.
-  std::vector<QuantityGradient> gradients(const CriticalPoint& point, const CriticalGradientRequest& request) const {
+  std::vector<RecordedGradient> gradients(const CriticalPoint& point, const CriticalGradientRequest& request) const {
     return critical_gradients_of(*problem_, point, request);
   }
 

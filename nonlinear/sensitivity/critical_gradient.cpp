@@ -197,7 +197,7 @@ class CriticalLoad {
     find_modes(point, transposed);
   }
 
-  std::vector<QuantityGradient> of_limit() {
+  std::vector<RecordedGradient> of_limit() {
     if (count() > 1) refuse("a limit point with a bifurcation beside it");
     const Adjoint& mode = tangent_->modes().front();
     NumberDerivatives by_load(tangent_->beside(), state_, {});
@@ -205,22 +205,22 @@ class CriticalLoad {
     const auto [work, noise] = by_load.by_load_factor(step_of_load()).front();
     if (!(std::abs(work) > noise)) refuse("its loads do no work in the motion of its mode");
     Adjoint left = scaled_adjoint(mode, -1.0 / work);
-    QuantityGradient gradient = begin("load factor at ");
-    if (request_.by_element) gradient.elements = element_gradients(state_, StateDerivative(model_, state_), left);
+    RecordedGradient gradient = begin("load factor at ");
+    if (request_.by_element) find_by_element(state_, StateDerivative(model_, state_), left, gradient);
     NumberDerivatives derivatives(tangent_->beside(), state_, {});
     derivatives.add(std::move(left), DofVector(model_.map()));
-    std::vector<QuantityGradient> found{gradient};
+    std::vector<RecordedGradient> found{gradient};
     for (const SceneNumber& number : request_.numbers)
-      add_number(number, found, [&] { found[0].by_number.back() = derivatives.by(number).front().value; });
+      add_number(number, found, [&] { found[0].derivative.back() = derivatives.by(number).front().value; });
     return found;
   }
 
-  std::vector<QuantityGradient> of_bifurcation() {
+  std::vector<RecordedGradient> of_bifurcation() {
     if (!tangent_->beside().is_symmetric()) refuse("a bifurcation of loads that have no potential");
     const NumberDerivatives derivatives = of_second_variations();
     take_slopes(derivatives.by_load_factor(step_of_load()));
     const int m = count();
-    std::vector<QuantityGradient> found{begin("load factor at ")};
+    std::vector<RecordedGradient> found{begin("load factor at ")};
     if (m == 1)
       found.push_back(begin("imperfection sensitivity at "));
     else
@@ -234,12 +234,12 @@ class CriticalLoad {
       add_number(number, found, [&] {
         const Derivatives by = derivatives.by(number);
         const double imperfection = imperfection_of(by);
-        if (m == 1) found[1].by_number.back() = imperfection;
+        if (m == 1) found[1].derivative.back() = imperfection;
         const std::vector<double> values = imperfection == 0.0 ? values_of(by) : std::vector<double>{};
         for (int k = 0; k < m; ++k) {
-          QuantityGradient& one = found[m == 1 ? 0 : k + 1];
+          RecordedGradient& one = found[m == 1 ? 0 : k + 1];
           if (imperfection == 0.0)
-            one.by_number.back() = values[k];
+            one.derivative.back() = values[k];
           else
             one.note = "of numbers that break the symmetry, whose imperfection sensitivity is not zero";
         }
@@ -251,7 +251,7 @@ class CriticalLoad {
   using Derivatives = std::vector<NumberDerivatives::Derivative>;
 
   int count() const { return static_cast<int>(tangent_->modes().size()); }
-  QuantityGradient begin(const std::string& what) const { return {what + request_.name, load_factor_}; }
+  RecordedGradient begin(const std::string& what) const { return {what + request_.name, load_factor_}; }
   [[noreturn]] void refuse(const std::string& why) const {
     throw InputError("the gradient of the load factor at " + request_.name + ": " + why);
   }
@@ -462,39 +462,37 @@ class CriticalLoad {
   }
 
   /// Of one mode, with the products of its own N and M, theory (82).
-  void add_elements(const Adjoint& adjoint, QuantityGradient& gradient) const {
+  void add_elements(const Adjoint& adjoint, RecordedGradient& gradient) const {
     const double slope = sign_ / (scale_[0] * scale_[0]);
     const StateDerivative none(model_, state_);
     const Adjoint& mode = tangent_->modes().front();
-    gradient.elements = element_gradients(state_, none, scaled_adjoint(adjoint, -1.0 / slope));
-    const std::vector<ElementDerivatives> own =
-        element_gradients(state_, none, scaled_adjoint(mode, -1.0 / slope), &mode.field);
-    for (std::size_t e = 0; e < own.size(); ++e)
+    RecordedGradient own, breaking;
+    find_by_element(state_, none, scaled_adjoint(adjoint, -1.0 / slope), gradient);
+    find_by_element(state_, none, scaled_adjoint(mode, -1.0 / slope), own, &mode.field);
+    find_by_element(state_, none, scaled_adjoint(mode, 1.0 / (amplitude(mode) * slope)), breaking);
+    for (std::size_t e = 0; e < own.compliance.size(); ++e)
       for (int i = 0; i < 6; ++i) {
-        gradient.elements[e].compliance[i] += own[e].compliance[i];
-        gradient.elements[e].stiffness[i] += own[e].stiffness[i];
+        gradient.compliance[e][i] += own.compliance[e][i];
+        gradient.stiffness[e][i] += own.stiffness[e][i];
       }
-    const std::vector<ElementDerivatives> breaking =
-        element_gradients(state_, none, scaled_adjoint(mode, 1.0 / (amplitude(mode) * slope)));
-    forget_breaking(breaking, gradient.elements);
+    using Numbers = std::vector<std::array<double, 6>> RecordedGradient::*;
+    forget_breaking<Numbers>(breaking, &RecordedGradient::compliance, gradient,
+                             {&RecordedGradient::stiffness, &RecordedGradient::compliance});
+    forget_breaking<Numbers>(breaking, &RecordedGradient::natural, gradient, {&RecordedGradient::natural});
   }
 
   /// Makes NaN of what breaks the symmetry beside the largest derivatives of forces, of moments.
-  static void forget_breaking(const std::vector<ElementDerivatives>& breaking,
-                              std::vector<ElementDerivatives>& elements) {
-    using Numbers = std::array<double, 6> ElementDerivatives::*;
-    const auto forget = [&](Numbers measured, int first, const std::vector<Numbers>& lost) {
+  template <class Numbers>
+  static void forget_breaking(const RecordedGradient& breaking, Numbers measured, RecordedGradient& gradient,
+                              const std::vector<Numbers>& lost) {
+    for (const std::size_t first : {0U, 3U}) {
       double largest = 0.0;
-      for (const ElementDerivatives& element : elements)
-        for (int i = first; i < first + 3; ++i) largest = std::max(largest, std::abs((element.*measured)[i]));
-      for (std::size_t e = 0; e < elements.size(); ++e)
-        for (int i = first; i < first + 3; ++i)
-          if (std::abs((breaking[e].*measured)[i]) > kBreaksSymmetry * largest)
-            for (const Numbers numbers : lost) (elements[e].*numbers)[i] = nan_number();
-    };
-    for (const int first : {0, 3}) {
-      forget(&ElementDerivatives::compliance, first, {&ElementDerivatives::stiffness, &ElementDerivatives::compliance});
-      forget(&ElementDerivatives::natural, first, {&ElementDerivatives::natural});
+      for (const std::array<double, 6>& numbers : gradient.*measured)
+        for (std::size_t i = first; i < first + 3; ++i) largest = std::max(largest, std::abs(numbers[i]));
+      for (std::size_t e = 0; e < (breaking.*measured).size(); ++e)
+        for (std::size_t i = first; i < first + 3; ++i)
+          if (std::abs((breaking.*measured)[e][i]) > kBreaksSymmetry * largest)
+            for (const Numbers numbers : lost) (gradient.*numbers)[e][i] = nan_number();
     }
   }
 
@@ -518,7 +516,7 @@ class CriticalLoad {
 
 }  // namespace
 
-std::vector<QuantityGradient> critical_gradients_of(BeamProblem& problem, const CriticalPoint& point,
+std::vector<RecordedGradient> critical_gradients_of(BeamProblem& problem, const CriticalPoint& point,
                                                     const CriticalGradientRequest& request, bool transposed) {
   require_differentiable(problem);
   if (point.kind == CriticalKind::flutter || !point.located)

@@ -16,7 +16,7 @@ struct CriticalGradientRequest {
 /// derivative is NaN. Of several modes together the derivative is NaN, and there is one for each direction, "load
 /// factor at NAME, direction 1", the smallest first. `transposed` false: the mode in place of the left null vector, of
 /// which loads that follow make something else. One process only. Throws as gradients_of() does.
-std::vector<QuantityGradient> critical_gradients_of(BeamProblem& problem, const CriticalPoint& point,
+std::vector<RecordedGradient> critical_gradients_of(BeamProblem& problem, const CriticalPoint& point,
                                                     const CriticalGradientRequest& request, bool transposed = true);
 
 }  // namespace mixbeam

@@ -32,8 +32,8 @@ class Gradients {
         values_(request.quantities.values(here())),
         pinned_(request.quantities.pinned(here(), values_)) {}
 
-  std::vector<QuantityGradient> all() {
-    std::vector<QuantityGradient> found;
+  std::vector<RecordedGradient> all() {
+    std::vector<RecordedGradient> found;
     for (std::size_t place = 0; place < request_.columns.size(); ++place) found.push_back(begin(place));
     finish_modes(found);
     if (motion_) take_sizes();
@@ -79,13 +79,13 @@ class Gradients {
   }
 
   static void take(const Derivatives& by, const std::vector<std::size_t>& places,
-                   std::vector<QuantityGradient>& found) {
-    for (std::size_t i = 0; i < places.size(); ++i) found[places[i]].by_number.back() = by[i].value;
+                   std::vector<RecordedGradient>& found) {
+    for (std::size_t i = 0; i < places.size(); ++i) found[places[i]].derivative.back() = by[i].value;
   }
 
-  void take_direct(const Derivatives& by, std::vector<QuantityGradient>& found) const {
+  void take_direct(const Derivatives& by, std::vector<RecordedGradient>& found) const {
     take(by, direct_, found);
-    for (const std::size_t place : several_) found[place].by_number.back() = std::nan("");
+    for (const std::size_t place : several_) found[place].derivative.back() = std::nan("");
     std::size_t next = direct_.size(), place = request_.columns.size();
     for (const auto& [column, mode] : directions_) {
       const int m = modes_->together(mode);
@@ -94,11 +94,11 @@ class Gradients {
       small_eigenproblem(form, m);
       for (int k = 0; k < m; ++k) slopes.push_back(form[k * (m + 1)]);
       std::sort(slopes.begin(), slopes.end());
-      for (const double slope : slopes) found[place++].by_number.back() = slope;
+      for (const double slope : slopes) found[place++].derivative.back() = slope;
     }
   }
 
-  void take_modes(std::size_t place, const std::vector<int>& modes, QuantityGradient& gradient) {
+  void take_modes(std::size_t place, const std::vector<int>& modes, RecordedGradient& gradient) {
     if (!modes_) modes_ = std::make_unique<LastingModes>(problem_, given_, load_factor_, request_.modes);
     for (const int mode : modes) {
       const bool is_alone = modes_->together(mode) == 1;
@@ -114,7 +114,7 @@ class Gradients {
   }
 
   /// Once the modes are known: values of frequencies, and gradients for their directions.
-  void finish_modes(std::vector<QuantityGradient>& found) {
+  void finish_modes(std::vector<RecordedGradient>& found) {
     if (!modes_) return;
     values_ = request_.quantities.values(here());
     for (const std::size_t place : direct_) found[place].value = values_[request_.columns[place]];
@@ -139,13 +139,13 @@ class Gradients {
       for (int k = 0; k < modes_->together(mode) * modes_->together(mode); ++k) motion_->add(modes_->frequency(mode));
   }
 
-  QuantityGradient begin(std::size_t place) {
+  RecordedGradient begin(std::size_t place) {
     const std::size_t column = request_.columns[place];
     const std::string& name = pinned_.columns()[column].name;
     const bool has_fewer_numbers = !request_.numbers.empty() && request_.numbers.size() < request_.columns.size();
     try {
       const StateDerivative of = pinned_.derivative(column, here(), values_);
-      QuantityGradient gradient{name, values_[column]};
+      RecordedGradient gradient{name, values_[column]};
       if (!of.modes().empty()) take_modes(place, of.modes(), gradient);
       if (!of.modes().empty() || request_.direct.value_or(has_fewer_numbers && !request_.by_element)) {
         direct_.push_back(place);
@@ -158,14 +158,16 @@ class Gradients {
         derivatives_.emplace(adjoint_.emplace(problem_, given_, load_factor_), state_,
                              [this](const Moved& moved) { return values_asked(false, moved); });
       Adjoint adjoint = adjoint_->solve(of);
-      if (request_.by_element) gradient.elements = element_gradients(state_, of, adjoint);
+      if (request_.by_element) find_by_element(state_, of, adjoint, gradient);
       by_adjoint_.push_back(place);
       derivatives_->add(std::move(adjoint), adjoint_->held_motion(of));
       return gradient;
     } catch (const std::invalid_argument& error) {
       const std::string why = "the gradient of \"" + excerpt(name) + "\": " + error.what();
       if (std::count(request_.of_patterns.begin(), request_.of_patterns.end(), column) == 0) throw InputError(why);
-      return {name, values_[column], {}, {}, why};
+      RecordedGradient none{name, values_[column]};
+      none.note = why;
+      return none;
     }
   }
 
@@ -190,56 +192,59 @@ class Gradients {
   std::optional<NumberDerivatives> derivatives_{}, motion_{};
 };
 
+using SixNumbers = std::array<double, 6>;
+
 /// Adds dq/dS and dq/dgamma_0, dq/dkappa_0 of the products with N and M, theory (80).
 void add_products(const ElementView& element, const double* stresses, const double* adjoint,
-                  const StateDerivative& quantity, ElementDerivatives& gradient) {
+                  const StateDerivative& quantity, SixNumbers& compliance, SixNumbers& natural) {
   const std::vector<double> weight = weights_of(element);
   for (int i = 0; i < element.layout().moment(0); ++i) {
     const double n = stresses[i], w = weight[static_cast<size_t>(i)];
-    gradient.compliance[i % 3] += w * (0.5 * quantity.force_energy() * n - adjoint[i]) * n;
-    gradient.natural[i % 3] -= w * adjoint[i];
+    compliance[i % 3] += w * (0.5 * quantity.force_energy() * n - adjoint[i]) * n;
+    natural[i % 3] -= w * adjoint[i];
   }
   for (int j = 0; j <= element.order(); ++j)
     for (int i = 0; i < 3; ++i) {
       const double m = stresses[element.layout().moment(j) + i], of = adjoint[element.layout().moment(j) + i];
-      gradient.compliance[3 + i] += element.length() / (2 * j + 1) * (0.5 * quantity.moment_energy() * m - of) * m;
-      if (j == 0) gradient.natural[3 + i] -= element.length() * of;
+      compliance[3 + i] += element.length() / (2 * j + 1) * (0.5 * quantity.moment_energy() * m - of) * m;
+      if (j == 0) natural[3 + i] -= element.length() * of;
     }
 }
 
 }  // namespace
 
-std::vector<ElementDerivatives> element_gradients(const State& state, const StateDerivative& quantity,
-                                                  const Adjoint& adjoint, const MixedVector* stresses) {
+void find_by_element(const State& state, const StateDerivative& quantity, const Adjoint& adjoint,
+                     RecordedGradient& gradient, const MixedVector* stresses) {
   if (quantity.knows_compliance())
     throw std::invalid_argument("derivatives of strains by compliances of elements are not offered");
-  std::vector<ElementDerivatives> gradients(quantity.model().structure().mesh_elements);
   const Structure& structure = quantity.model().structure();
+  for (auto* numbers : {&gradient.stiffness, &gradient.compliance, &gradient.natural})
+    numbers->assign(static_cast<size_t>(structure.mesh_elements), SixNumbers{});
   // outside of the loop: threads must not count owners of views
   const KernelView<const double*> field = adjoint.field.interior();
   const KernelView<const double*> given = stresses == nullptr ? KernelView<const double*>() : stresses->interior();
   for_each_element_on_threads("mixbeam::gradient::products", structure, state.views, [&](const ElementView& element) {
-    ElementDerivatives& gradient = gradients[element.mesh_element()];
+    const int at = element.mesh_element();
     const double* of = stresses == nullptr ? element.unknowns() : element.increments_in(given);
-    add_products(element, of, element.increments_in(field), quantity, gradient);
+    add_products(element, of, element.increments_in(field), quantity, gradient.compliance[at], gradient.natural[at]);
     const SectionConstants& section = element.section();
     for (int i = 0; i < 6; ++i) {
       const double compliance = i < 3 ? section.force_compliance[i] : section.moment_compliance[i - 3];
-      gradient.stiffness[i] = element.block().general_section ? std::numeric_limits<double>::quiet_NaN()
-                                                              : -compliance * compliance * gradient.compliance[i];
+      gradient.stiffness[at][i] = element.block().general_section
+                                      ? std::numeric_limits<double>::quiet_NaN()
+                                      : -compliance * compliance * gradient.compliance[at][i];
     }
   });
-  return gradients;
 }
 
-void add_number(const SceneNumber& number, std::vector<QuantityGradient>& gradients,
+void add_number(const SceneNumber& number, std::vector<RecordedGradient>& gradients,
                 const std::function<void()>& take) {
-  for (QuantityGradient& one : gradients) one.by_number.push_back(std::numeric_limits<double>::quiet_NaN());
+  for (RecordedGradient& one : gradients) one.derivative.push_back(std::numeric_limits<double>::quiet_NaN());
   try {
     take();
   } catch (const InputError& error) {
     if (!number.is_of_pattern) throw;
-    for (QuantityGradient& one : gradients)
+    for (RecordedGradient& one : gradients)
       if (one.note.empty()) one.note = error.what();
   }
 }
@@ -251,7 +256,7 @@ void require_differentiable(const BeamProblem& problem) {
     throw InputError("gradients of structures in a rotating frame are not computed; allowed: a scene without it");
 }
 
-std::vector<QuantityGradient> gradients_of(BeamProblem& problem, const State& state, double load_factor,
+std::vector<RecordedGradient> gradients_of(BeamProblem& problem, const State& state, double load_factor,
                                            const GradientRequest& request) {
   require_differentiable(problem);
   return Gradients(problem, state, load_factor, request).all();

@@ -3,30 +3,15 @@
 #pragma once
 
 #include "discretization/quantities/quantity_set.hpp"
+#include "discretization/state/member_samples.hpp"
 #include "nonlinear/parameters/analysis_parameters.hpp"
 #include "nonlinear/sensitivity/number_derivatives.hpp"
 
-#include <array>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace mixbeam {
-
-/// Derivatives by the numbers of one element of the mesh. Order: N1, N2, N3, M1, M2, M3.
-struct ElementDerivatives {
-  std::array<double, 6> stiffness{};   ///< EA, GA2, GA3, GIt, EI2, EI3; NaN of tapered and coupled sections
-  std::array<double, 6> compliance{};  ///< of their inverses, of the diagonal of S
-  std::array<double, 6> natural{};     ///< of a strain without stress: gamma_1 .. kappa_3
-};
-
-struct QuantityGradient {
-  std::string quantity{};
-  double value = 0.0;
-  std::vector<double> by_number{};             ///< (number)
-  std::vector<ElementDerivatives> elements{};  ///< (element of the mesh); empty unless asked for
-  std::string note{};                          ///< why derivatives are NaN, where some are
-};
 
 /// A state in equilibrium at a fixed load factor, and quantities of it.
 struct GradientRequest {
@@ -42,7 +27,7 @@ struct GradientRequest {
 };
 
 /// Adds a derivative to each: NaN where `take`, which finds them, refuses a number that a pattern means.
-void add_number(const SceneNumber& number, std::vector<QuantityGradient>& gradients, const std::function<void()>& take);
+void add_number(const SceneNumber& number, std::vector<RecordedGradient>& gradients, const std::function<void()>& take);
 
 /// Throws InputError where gradients are not offered.
 void require_differentiable(const BeamProblem& problem);
@@ -50,12 +35,13 @@ void require_differentiable(const BeamProblem& problem);
 /// Of several modes with one frequency the derivative is NaN, and there is one for each direction, "NAME, direction 1",
 /// the smallest first. One process only. Throws InputError for a number of which the equations are no smooth function
 /// and for a quantity that has no derivative, LinearSolverError where the adjoint equations cannot be solved.
-std::vector<QuantityGradient> gradients_of(BeamProblem& problem, const State& state, double load_factor,
+std::vector<RecordedGradient> gradients_of(BeamProblem& problem, const State& state, double load_factor,
                                            const GradientRequest& request);
 
-/// Of one quantity of a state, in the order of the mesh. `stresses`: increments whose N and M take the place of those
-/// of the state. Throws std::invalid_argument for one that is made of strains.
-std::vector<ElementDerivatives> element_gradients(const State& state, const StateDerivative& quantity,
-                                                  const Adjoint& adjoint, const MixedVector* stresses = nullptr);
+/// Finds derivatives of one quantity of a state by stiffnesses (NaN of tapered and coupled sections), compliances and
+/// natural strains of elements. `stresses`: increments whose N and M take the place of those of the state. Throws
+/// std::invalid_argument for one that is made of strains.
+void find_by_element(const State& state, const StateDerivative& quantity, const Adjoint& adjoint,
+                     RecordedGradient& gradient, const MixedVector* stresses = nullptr);
 
 }  // namespace mixbeam

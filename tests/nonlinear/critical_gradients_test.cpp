@@ -34,7 +34,7 @@ CriticalPoint first_point(const Scene& scene, CriticalKind kind, const SolverPar
   return found.front();
 }
 
-std::vector<QuantityGradient> gradients(const Scene& scene, const CriticalPoint& point,
+std::vector<RecordedGradient> gradients(const Scene& scene, const CriticalPoint& point,
                                         const std::vector<Parameter>& parameters, bool by_element = false,
                                         bool transposed = true) {
   CriticalGradientRequest request{"critical point 1", {}, by_element};
@@ -51,11 +51,11 @@ double difference(const Scene& scene, CriticalKind kind, const Parameter& parame
 }
 
 void expect_as_differences(const Scene& scene, CriticalKind kind, const std::vector<Parameter>& parameters) {
-  const QuantityGradient found = gradients(scene, first_point(scene, kind), parameters).front();
+  const RecordedGradient found = gradients(scene, first_point(scene, kind), parameters).front();
   for (size_t i = 0; i < parameters.size(); ++i) {
     const double wanted = difference(scene, kind, parameters[i]);
-    EXPECT_NEAR(found.by_number[i] / wanted, 1.0, kOfDifferences)
-        << scene.name << " by " << parameters[i].name << ": " << found.by_number[i] << " " << wanted;
+    EXPECT_NEAR(found.derivative[i] / wanted, 1.0, kOfDifferences)
+        << scene.name << " by " << parameters[i].name << ": " << found.derivative[i] << " " << wanted;
   }
 }
 
@@ -64,15 +64,15 @@ void expect_as_differences(const Scene& scene, CriticalKind kind, const std::vec
 TEST(CriticalGradients, OfTheLimitLoadOfAToggle) {
   const Scene scene = shallow_truss(2.0);
   const CriticalPoint point = first_point(scene, CriticalKind::limit_point);
-  const QuantityGradient found =
+  const RecordedGradient found =
       gradients(scene, point, {of_stiffness(scene, 0, kStep), of_place(scene, 1, 1, kStep * kTrussRise)}).front();
   const double length0 = std::hypot(kTrussHalfSpan, kTrussRise),
                length = std::cbrt(length0 * kTrussHalfSpan * kTrussHalfSpan),
                height = std::sqrt(length * length - kTrussHalfSpan * kTrussHalfSpan);
   const double force = 2.0 * kTrussAxial * (1.0 / length - 1.0 / length0) * height;
   EXPECT_NEAR(found.value, force / 2.0, kClosedForm);
-  EXPECT_NEAR(found.by_number[0], force / 2.0 / kTrussAxial, kClosedForm * force / kTrussAxial);
-  EXPECT_NEAR(found.by_number[1], kTrussAxial * height * kTrussRise / std::pow(length0, 3), kClosedForm * force);
+  EXPECT_NEAR(found.derivative[0], force / 2.0 / kTrussAxial, kClosedForm * force / kTrussAxial);
+  EXPECT_NEAR(found.derivative[1], kTrussAxial * height * kTrussRise / std::pow(length0, 3), kClosedForm * force);
 }
 
 TEST(CriticalGradients, OfTheLimitLoadOfAnArch) {
@@ -80,15 +80,15 @@ TEST(CriticalGradients, OfTheLimitLoadOfAnArch) {
   expect_as_differences(scene, CriticalKind::limit_point,
                         {of_stiffness(scene, 0, kStep), of_stiffness(scene, 5, kStep)});
   const CriticalPoint point = first_point(scene, CriticalKind::limit_point);
-  const QuantityGradient found =
+  const RecordedGradient found =
       gradients(scene, point, {of_stiffness(scene, 0, kStep), of_stiffness(scene, 5, kStep)}, true).front();
   double axial = 0.0, bending = 0.0;
-  for (const ElementDerivatives& element : found.elements) {
-    axial += element.stiffness[0];
-    bending += element.stiffness[5];
+  for (const std::array<double, 6>& stiffness : found.stiffness) {
+    axial += stiffness[0];
+    bending += stiffness[5];
   }
-  EXPECT_NEAR(axial, found.by_number[0], kSame);
-  EXPECT_NEAR(bending, found.by_number[1], kSame);
+  EXPECT_NEAR(axial, found.derivative[0], kSame);
+  EXPECT_NEAR(bending, found.derivative[1], kSame);
 }
 
 /// At its crown, along its left half.
@@ -98,8 +98,8 @@ TEST(CriticalGradients, OfLimitLoadsThatFollow) {
   scene.point_loads = {follower_load("crown", "left half", {10.0, 100.0, 0})};
   expect_as_differences(scene, CriticalKind::limit_point, {of_stiffness(scene, 5, kStep)});
   const CriticalPoint point = first_point(scene, CriticalKind::limit_point);
-  const double left = gradients(scene, point, {of_stiffness(scene, 5, kStep)}).front().by_number[0],
-               right = gradients(scene, point, {of_stiffness(scene, 5, kStep)}, false, false).front().by_number[0];
+  const double left = gradients(scene, point, {of_stiffness(scene, 5, kStep)}).front().derivative[0],
+               right = gradients(scene, point, {of_stiffness(scene, 5, kStep)}, false, false).front().derivative[0];
   EXPECT_GT(std::abs(right / left - 1.0), kNotLeft) << left << " " << right;
   scene.name = "line load";
   scene.point_loads.clear();
@@ -118,19 +118,17 @@ TEST(CriticalGradients, OfEulersColumns) {
     scene.name = ends.name;
     scene.point_loads[0].force[0] = -2.0 * ends.critical;
     const CriticalPoint point = first_point(scene, CriticalKind::bifurcation);
-    const std::vector<QuantityGradient> found =
+    const std::vector<RecordedGradient> found =
         gradients(scene, point,
                   {of_stiffness(scene, 5, kStep), of_place(scene, 1, 0, 0.003), of_stiffness(scene, 4, kStep)}, true);
-    EXPECT_NEAR(found[0].by_number[0] / point.load_factor, 1.0, kClosedForm) << ends.name;
-    EXPECT_NEAR(found[0].by_number[1] / point.load_factor, -2.0, 2.0 * kClosedForm) << ends.name;
-    EXPECT_NEAR(found[0].by_number[2], 0.0, kClosedForm) << ends.name;
+    EXPECT_NEAR(found[0].derivative[0] / point.load_factor, 1.0, kClosedForm) << ends.name;
+    EXPECT_NEAR(found[0].derivative[1] / point.load_factor, -2.0, 2.0 * kClosedForm) << ends.name;
+    EXPECT_NEAR(found[0].derivative[2], 0.0, kClosedForm) << ends.name;
     double sum = 0.0;
-    for (const ElementDerivatives& element : found[0].elements) {
-      sum += element.stiffness[5];
-      EXPECT_TRUE(std::isnan(element.natural[5])) << ends.name;
-    }
+    for (const std::array<double, 6>& stiffness : found[0].stiffness) sum += stiffness[5];
+    for (const std::array<double, 6>& natural : found[0].natural) EXPECT_TRUE(std::isnan(natural[5])) << ends.name;
     EXPECT_NEAR(sum / point.load_factor, 1.0, kClosedForm) << ends.name;
-    for (const double imperfection : found[1].by_number) EXPECT_EQ(imperfection, 0.0);
+    for (const double imperfection : found[1].derivative) EXPECT_EQ(imperfection, 0.0);
   }
 }
 
@@ -141,10 +139,10 @@ TEST(CriticalGradients, RefusesANumberThatBreaksTheSymmetry) {
   scene.point_loads[0].force[0] = -0.5 * kPi * kPi;
   const Parameter across = {"across", 0.0, 0.01,
                             [](Scene& changed, double value) { changed.point_loads[0].force[1] = value; }};
-  const std::vector<QuantityGradient> found = gradients(scene, first_point(scene, CriticalKind::bifurcation), {across});
-  EXPECT_TRUE(std::isnan(found[0].by_number[0]));
+  const std::vector<RecordedGradient> found = gradients(scene, first_point(scene, CriticalKind::bifurcation), {across});
+  EXPECT_TRUE(std::isnan(found[0].derivative[0]));
   EXPECT_FALSE(found[0].note.empty());
-  EXPECT_NEAR(std::abs(found[1].by_number[0]), 16.0 * found[0].value * found[0].value / std::pow(kPi, 3), kClosedForm);
+  EXPECT_NEAR(std::abs(found[1].derivative[0]), 16.0 * found[0].value * found[0].value / std::pow(kPi, 3), kClosedForm);
 }
 
 TEST(CriticalGradients, OfAColumnWithAJoint) {
@@ -153,7 +151,7 @@ TEST(CriticalGradients, OfAColumnWithAJoint) {
   scene.point_loads[0].force[0] = -20.0;
   const CriticalPoint point = first_point(scene, CriticalKind::bifurcation);
   const auto set = [](Scene& changed, double value) { changed.joints[0].stiffness = value; };
-  const double found = gradients(scene, point, {{"spring", spring, kStep * spring, set}}).front().by_number[0];
+  const double found = gradients(scene, point, {{"spring", spring, kStep * spring, set}}).front().derivative[0];
   const double k = std::sqrt(jointed_column_load(spring)), tangent = std::tan(0.5 * k);
   const double wanted = 2.0 * k * 2.0 / (tangent + 0.5 * k * (1.0 + tangent * tangent));
   EXPECT_NEAR(20.0 * found / wanted, 1.0, kOfDifferences);
@@ -164,10 +162,10 @@ TEST(CriticalGradients, OfAStripThatRollsOver) {
   Scene scene = narrow_cantilever(4, 8);
   scene.point_loads[0].force[1] = -2.0 * kNarrowCantilever;
   const CriticalPoint point = first_point(scene, CriticalKind::bifurcation);
-  const QuantityGradient found =
+  const RecordedGradient found =
       gradients(scene, point, {of_stiffness(scene, 3, kStep), of_stiffness(scene, 4, kStep)}).front();
-  EXPECT_NEAR(found.by_number[0] * scene.sections[0].torsional_stiffness / point.load_factor, 0.5, kOfDifferences);
-  EXPECT_NEAR(found.by_number[1] * scene.sections[0].bending_stiffness[0] / point.load_factor, 0.5, kOfDifferences);
+  EXPECT_NEAR(found.derivative[0] * scene.sections[0].torsional_stiffness / point.load_factor, 0.5, kOfDifferences);
+  EXPECT_NEAR(found.derivative[1] * scene.sections[0].bending_stiffness[0] / point.load_factor, 0.5, kOfDifferences);
 }
 
 TEST(CriticalGradients, OfArchesThatSway) {
@@ -183,10 +181,10 @@ TEST(CriticalGradients, OfArchesThatSway) {
     std::vector<Parameter> parameters = {{"EI", 1.0, kStep, both}};
     if (!is_deep) parameters.push_back({"spread", 0.0, 0.1 * kStep, spread});
     expect_as_differences(scene, CriticalKind::bifurcation, parameters);
-    const std::vector<QuantityGradient> found =
+    const std::vector<RecordedGradient> found =
         gradients(scene, first_point(scene, CriticalKind::bifurcation), {of_stiffness(scene, 5, kStep, 1)});
-    EXPECT_TRUE(std::isnan(found[0].by_number[0]));
-    EXPECT_GT(std::abs(found[1].by_number[0]), kNotLeft);
+    EXPECT_TRUE(std::isnan(found[0].derivative[0]));
+    EXPECT_GT(std::abs(found[1].derivative[0]), kNotLeft);
   }
 }
 
@@ -205,15 +203,15 @@ TEST(CriticalGradients, OfTwoModesAtOneLoad) {
   scene.supports.back().displacement_stiffness = {0, kSpring, 0};
   scene.point_loads[0].force[0] = -kForce;
   const auto set = [](Scene& changed, double value) { changed.supports.back().displacement_stiffness[1] = value; };
-  const std::vector<QuantityGradient> found = gradients(
+  const std::vector<RecordedGradient> found = gradients(
       scene, first_point(scene, CriticalKind::bifurcation),
       {of_stiffness(scene, 5, kStep), of_stiffness(scene, 5, kStep, 1), {"spring", kSpring, kStep * kSpring, set}});
   ASSERT_EQ(found.size(), 3u);
   const double wanted[] = {8.0 * kPi * kPi / 3.0, 8.0 * kPi * kPi / 3.0, 1.0 / 6.0};
   for (size_t i = 0; i < 3; ++i) {
-    EXPECT_TRUE(std::isnan(found[0].by_number[i]));
-    EXPECT_NEAR(kForce * found[1].by_number[i], 0.0, kOfDifferences);
-    EXPECT_NEAR(kForce * found[2].by_number[i] / wanted[i], 1.0, kOfDifferences);
+    EXPECT_TRUE(std::isnan(found[0].derivative[i]));
+    EXPECT_NEAR(kForce * found[1].derivative[i], 0.0, kOfDifferences);
+    EXPECT_NEAR(kForce * found[2].derivative[i] / wanted[i], 1.0, kOfDifferences);
   }
 }
 

@@ -39,7 +39,7 @@ QuantitySet frequencies(const Scene& scene) {
   return QuantitySet(quantities, scene, {source, {"Quantities"}});
 }
 
-std::vector<QuantityGradient> gradients(const Simulation& simulation, const std::vector<Parameter>& parameters,
+std::vector<RecordedGradient> gradients(const Simulation& simulation, const std::vector<Parameter>& parameters,
                                         const std::vector<std::size_t>& columns = {0, 1, 2}) {
   const QuantitySet set = frequencies(simulation.scene());
   GradientRequest request{set, columns};
@@ -57,7 +57,7 @@ Parameter of_force(const Scene& scene, std::size_t load, int component, double s
 
 void expect_as_differences(const Scene& scene, const std::vector<Parameter>& parameters, bool in_plane = false) {
   constexpr double kFactors[4] = {4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0};
-  const std::vector<QuantityGradient> found = gradients(vibrating(scene, in_plane), parameters);
+  const std::vector<RecordedGradient> found = gradients(vibrating(scene, in_plane), parameters);
   for (std::size_t p = 0; p < parameters.size(); ++p) {
     const double step = parameters[p].step;
     std::vector<double> wanted(kModes, 0.0);
@@ -68,9 +68,9 @@ void expect_as_differences(const Scene& scene, const std::vector<Parameter>& par
         for (int mode = 0; mode < kModes; ++mode) wanted[mode] += sign * kFactors[k] / step * modes[mode].frequency;
       }
     for (int mode = 0; mode < kModes; ++mode)
-      EXPECT_NEAR(found[mode].by_number[p] * step, wanted[mode] * step,
+      EXPECT_NEAR(found[mode].derivative[p] * step, wanted[mode] * step,
                   kOfDifferences * std::max(std::abs(wanted[mode]) * step, kStep * found[mode].value))
-          << scene.name << ", mode " << mode + 1 << " by " << parameters[p].name << ": " << found[mode].by_number[p];
+          << scene.name << ", mode " << mode + 1 << " by " << parameters[p].name << ": " << found[mode].derivative[p];
   }
 }
 
@@ -82,11 +82,11 @@ TEST(FrequencyGradients, OfACantilever) {
   scene.point_loads.clear();
   const Simulation simulation = vibrating(scene, true);
   const double stiffness = scene.sections[0].bending_stiffness[1];
-  for (const QuantityGradient& found :
+  for (const RecordedGradient& found :
        gradients(simulation, {of_stiffness(scene, 5, kStep), of_mass(2.0), of_place(scene, 1, 0, kStep)})) {
-    EXPECT_NEAR(found.by_number[0] * stiffness / found.value, 0.5, kClosedForm);
-    EXPECT_NEAR(found.by_number[1] * 2.0 / found.value, -0.5, kClosedForm);
-    EXPECT_NEAR(found.by_number[2] * scene.points[1].position[0] / found.value, -2.0, kClosedForm);
+    EXPECT_NEAR(found.derivative[0] * stiffness / found.value, 0.5, kClosedForm);
+    EXPECT_NEAR(found.derivative[1] * 2.0 / found.value, -0.5, kClosedForm);
+    EXPECT_NEAR(found.derivative[2] * scene.points[1].position[0] / found.value, -2.0, kClosedForm);
   }
 }
 
@@ -96,13 +96,13 @@ TEST(FrequencyGradients, UnderTension) {
     Scene scene = column(4, 8, euler_columns()[2].supports);
     scene.sections[0].mass = 1.0;
     scene.point_loads[0].force[0] = tension;
-    const QuantityGradient found =
+    const RecordedGradient found =
         gradients(vibrating(scene, true),
                   {of_force(scene, 0, 0, kStep * std::abs(tension)), of_stiffness(scene, 5, kStep)}, {0})
             .front();
     const double slope = 1.0 / (8.0 * kPi * kPi * found.value);
-    EXPECT_NEAR(found.by_number[0] / slope, kPi * kPi, kClosedForm * kPi * kPi) << tension;
-    EXPECT_NEAR(found.by_number[1] / slope, std::pow(kPi, 4), kClosedForm * std::pow(kPi, 4)) << tension;
+    EXPECT_NEAR(found.derivative[0] / slope, kPi * kPi, kClosedForm * kPi * kPi) << tension;
+    EXPECT_NEAR(found.derivative[1] / slope, std::pow(kPi, 4), kClosedForm * std::pow(kPi, 4)) << tension;
   }
 }
 
@@ -134,7 +134,7 @@ TEST(FrequencyGradients, FailWithoutTheMotionOfTheState) {
   const Scene scene = bent_cantilever();
   const Simulation simulation = vibrating(scene);
   const Parameter force = of_force(scene, 0, 1, 0.001);
-  const double wanted = gradients(simulation, {force}, {0}).front().by_number[0];
+  const double wanted = gradients(simulation, {force}, {0}).front().derivative[0];
   BeamProblem problem(scene, this_rank(), with_modes());
   LastingModes modes(problem, simulation.state(), 1.0, with_modes().analysis.modes);
   const auto change = [&](double more) {
@@ -181,15 +181,15 @@ TEST(FrequencyGradients, OfADoubleFrequencyAreOneForEachDirection) {
   scene.sections[0].mass = 1.0;
   scene.sections[0].bending_stiffness[0] = scene.sections[0].bending_stiffness[1];
   scene.point_loads.clear();
-  const std::vector<QuantityGradient> found =
+  const std::vector<RecordedGradient> found =
       gradients(vibrating(scene), {of_stiffness(scene, 4, kStep), of_mass(1.0)}, {0});
   ASSERT_EQ(found.size(), 3u);
-  EXPECT_TRUE(std::isnan(found[0].by_number[0]) && std::isnan(found[0].by_number[1]));
+  EXPECT_TRUE(std::isnan(found[0].derivative[0]) && std::isnan(found[0].derivative[1]));
   EXPECT_FALSE(found[0].note.empty());
   const double slope = 0.5 * found[0].value / scene.sections[0].bending_stiffness[0];
-  EXPECT_NEAR(found[1].by_number[0] / slope, 0.0, kClosedForm);
-  EXPECT_NEAR(found[2].by_number[0] / slope, 1.0, kClosedForm);
-  for (const int k : {1, 2}) EXPECT_NEAR(found[k].by_number[1] / found[0].value, -0.5, kClosedForm);
+  EXPECT_NEAR(found[1].derivative[0] / slope, 0.0, kClosedForm);
+  EXPECT_NEAR(found[2].derivative[0] / slope, 1.0, kClosedForm);
+  for (const int k : {1, 2}) EXPECT_NEAR(found[k].derivative[1] / found[0].value, -0.5, kClosedForm);
 }
 
 std::string refusal(const Scene& scene) {

@@ -68,7 +68,7 @@ std::vector<std::size_t> all_columns(const QuantitySet& set) {
   return columns;
 }
 
-std::vector<QuantityGradient> gradients(const Simulation& simulation, const QuantitySet& set,
+std::vector<RecordedGradient> gradients(const Simulation& simulation, const QuantitySet& set,
                                         const std::vector<Parameter>& parameters, bool by_element = false,
                                         std::optional<bool> direct = {}) {
   GradientRequest request{set, all_columns(set), {}, by_element, direct};
@@ -84,16 +84,16 @@ void expect_as_differences(const Scene& scene, const std::vector<Quantity>& quan
   std::vector<std::vector<double>> wanted;
   for (const Parameter& parameter : parameters) wanted.push_back(differences(scene, set, parameter));
   for (const bool direct : {false, true}) {
-    const std::vector<QuantityGradient> found = gradients(simulation, set, parameters, false, direct);
+    const std::vector<RecordedGradient> found = gradients(simulation, set, parameters, false, direct);
     for (size_t i = 0; i < found.size(); ++i) {
       const size_t column = all_columns(set)[i];
       double largest = 0.0;
       for (size_t p = 0; p < parameters.size(); ++p)
         largest = std::max(largest, std::abs(wanted[p][column] * parameters[p].step));
       for (size_t p = 0; p < parameters.size(); ++p)
-        EXPECT_NEAR(found[i].by_number[p] * parameters[p].step, wanted[p][column] * parameters[p].step,
+        EXPECT_NEAR(found[i].derivative[p] * parameters[p].step, wanted[p][column] * parameters[p].step,
                     kOfDifferences * std::max(largest, kStep * std::abs(found[i].value)) + kNothing)
-            << scene.name << ": " << found[i].quantity << " by " << parameters[p].name << " " << found[i].by_number[p]
+            << scene.name << ": " << found[i].quantity << " by " << parameters[p].name << " " << found[i].derivative[p]
             << " " << wanted[p][column] << (direct ? " directly" : " by adjoints");
     }
   }
@@ -130,16 +130,16 @@ TEST(Gradients, OfTheElastica) {
     const Simulation simulation = polished(scene);
     const std::vector<Parameter> parameters = {of_force(scene, 0, 1, kStep * alpha), of_stiffness(scene, 4, kStep),
                                                of_stiffness(scene, 5, kStep)};
-    const std::vector<QuantityGradient> found = gradients(simulation, set, parameters, true);
+    const std::vector<RecordedGradient> found = gradients(simulation, set, parameters, true);
     const double wanted[] = {-shortening, deflection, 0.0, angle};
     for (size_t i = 0; i < 4; ++i) {
-      EXPECT_NEAR(found[i].by_number[0], wanted[i], kOfElastica) << alpha << " " << i;
-      EXPECT_NEAR(found[i].by_number[1] + found[i].by_number[2], -alpha * wanted[i], alpha * kOfElastica)
+      EXPECT_NEAR(found[i].derivative[0], wanted[i], kOfElastica) << alpha << " " << i;
+      EXPECT_NEAR(found[i].derivative[1] + found[i].derivative[2], -alpha * wanted[i], alpha * kOfElastica)
           << alpha << " " << i;
       double sum = 0.0, axial = 0.0;
-      for (const ElementDerivatives& element : found[i].elements) {
-        sum += element.stiffness[4] + element.stiffness[5];
-        axial = std::max(axial, std::abs(element.stiffness[0]));
+      for (const std::array<double, 6>& stiffness : found[i].stiffness) {
+        sum += stiffness[4] + stiffness[5];
+        axial = std::max(axial, std::abs(stiffness[0]));
       }
       EXPECT_NEAR(sum, -alpha * wanted[i], alpha * kOfElastica) << alpha << " " << i;
       EXPECT_EQ(axial, 0.0);
@@ -212,8 +212,9 @@ TEST(Gradients, TangentThatIsNotTransposedFails) {
   for (const bool transposed : {true, false}) {
     AdjointOperator adjoint(problem, simulation.state(), simulation.load_factor(), transposed);
     double sum = 0.0;
-    for (const ElementDerivatives& element : element_gradients(simulation.state(), quantity, adjoint.solve(quantity)))
-      sum += element.stiffness[5];
+    RecordedGradient found;
+    find_by_element(simulation.state(), quantity, adjoint.solve(quantity), found);
+    for (const std::array<double, 6>& stiffness : found.stiffness) sum += stiffness[5];
     const double error = std::abs(sum / wanted - 1.0);
     if (transposed)
       EXPECT_LT(error, kOfDifferences);

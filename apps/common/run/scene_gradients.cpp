@@ -188,21 +188,6 @@ std::vector<SceneNumber> scene_numbers(const Simulation& at, const GradientParam
   return numbers;
 }
 
-void record(const std::vector<QuantityGradient>& gradients, RecordedGradients& recorded) {
-  for (const QuantityGradient& gradient : gradients) {
-    RecordedGradient& one = recorded.quantities.emplace_back();
-    one.quantity = gradient.quantity;
-    one.value = gradient.value;
-    one.derivative = gradient.by_number;
-    one.note = gradient.note;
-    for (const ElementDerivatives& element : gradient.elements) {
-      one.stiffness.push_back(element.stiffness);
-      one.compliance.push_back(element.compliance);
-      one.natural.push_back(element.natural);
-    }
-  }
-}
-
 }  // namespace
 
 std::vector<double> numbers_in(const Teuchos::ParameterEntry& entry) {
@@ -299,7 +284,7 @@ RecordedGradients gradients_at(const Simulation& simulation, const GradientParam
   }
   if (!request.columns.empty()) {
     request.numbers = scene_numbers(simulation, asked, xml, load_case);
-    record(simulation.gradients(request), recorded);
+    recorded.quantities = simulation.gradients(request);
     for (std::size_t i = 0; i < request.columns.size(); ++i)  // left out, and not known to gradients
       if (double& value = recorded.quantities[i].value; std::isnan(value))
         value = values_of(of.quantities, simulation)[request.columns[i]];
@@ -315,8 +300,9 @@ RecordedGradients gradients_at(const Simulation& simulation, const GradientParam
       load_factor = of.points[i].load_factor;
       const Simulation there = simulation.at(of.points[i].state, load_factor);
       const std::vector<SceneNumber> numbers = scene_numbers(there, asked, xml, load_case);
-      record(there.gradients(of.points[i], {"critical point " + std::to_string(i + 1), numbers, asked.by_element}),
-             recorded);
+      const std::string point = "critical point " + std::to_string(i + 1);
+      for (RecordedGradient& one : there.gradients(of.points[i], {point, numbers, asked.by_element}))
+        recorded.quantities.push_back(std::move(one));
     } catch (const InputError& error) {
       const std::vector<double> none(recorded.numbers.size(), std::numeric_limits<double>::quiet_NaN());
       recorded.quantities.push_back({name, load_factor, none});
