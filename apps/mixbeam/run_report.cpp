@@ -433,10 +433,14 @@ void RunReport::add_end(Application& app, const std::string& run) const {
   if (end.stable == "false" && end.held != "true")
     app.summary.warnings.push_back(run + ": the last state is unstable: " + kDoesNotStay);
   std::vector<std::string> infinite;
-  for (std::size_t i = 0; i < followed_.size(); ++i)
-    if (!std::isfinite(followed_[i].last) && !quantities_->asked(quantities_->columns()[i]).formula.empty())
+  for (std::size_t i = 0; i < followed_.size(); ++i) {
+    const Quantity& asked = quantities_->asked(quantities_->columns()[i]);
+    if (!std::isfinite(followed_[i].last) && (!asked.formula.empty() || asked.kind == "angle"))
       infinite.push_back(quantities_->columns()[i].name);
-  if (!infinite.empty()) app.warn(run + ": formulas without a finite value at the end: " + quoted_list(infinite));
+  }
+  if (!infinite.empty())
+    app.warn(run + ": formulas without a finite value at the end, or angles with a side of no length: " +
+             quoted_list(infinite));
 }
 
 void print_ends(std::ostream& out, const Summary& summary, bool controlled) {

@@ -356,6 +356,9 @@ Numbers QuantitySet::Resolved::whole(const QuantityState& at) const {
   if (corners.empty()) return {norm(difference(position(others[0]), position(places[0])))};
   const Vector3 corner = position(corners[0]);
   const Vector3 a = difference(position(places[0]), corner), b = difference(position(others[0]), corner);
+  constexpr double kNoSide = 1e-13;  // of the length of the structure: rounding
+  const double shorter = std::min(norm(a), norm(b));
+  if (shorter <= kNoSide * at.model.structure().length) return {std::numeric_limits<double>::quiet_NaN()};
   return {std::atan2(norm(cross(a, b)), dot(a, b))};
 }
 

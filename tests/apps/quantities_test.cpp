@@ -310,7 +310,9 @@ TEST_F(Quantities, FormulasWithoutAFiniteValueAreWarnedOf) {
   const std::string none = "none: {Quantity: formula, Formula: 0 / (sag_y - sag_y)}";
   const Ended ended = run(asking(kTip + ", " + none));
   EXPECT_EQ(ended.exit_code, kOk);
-  expect_in(text_of(folder_ / "sum.json"), {"formulas without a finite value at the end: \\\"none\\\""});
+  expect_in(text_of(folder_ / "sum.json"), {"formulas without a finite value at the end", "\\\"none\\\""});
+  run(asking("none: {Quantity: angle, Point: tip, Corner: tip, Other Point: wall}"));
+  expect_in(text_of(folder_ / "sum.json"), {"angles with a side of no length: \\\"none\\\""});
   run(asking(kTip + ", twice: {Quantity: formula, Formula: 2 * sag_y}"));
   EXPECT_EQ(text_of(folder_ / "sum.json").find("without a finite value"), std::string::npos);
 }

@@ -157,6 +157,8 @@ TEST(Eigenstrains, AreRead) {
   expect_refused(eigenstrain("Member: ring, Temperature: -2e5, Expansion Coefficient: 1e-5"),
                  {"E / Temperature", "-2"});
   EXPECT_NO_THROW(tripod_with(eigenstrain("Member: ring, Strain: [-2, 0, 0], Amplitude: 0.1*t")));
+  expect_refused(eigenstrain("Member: ring, End Turn: [0, 3, -1]"), {"E / End Turn", "3.16", "below pi"});
+  EXPECT_NO_THROW(tripod_with(eigenstrain("Member: ring, Start Turn: [0, 3, 0]")));
   expect_refused(eigenstrain("Member: rings, Strain: [1, 0, 0]"), {"did you mean \"ring\"?"});
 }
 

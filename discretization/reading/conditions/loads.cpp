@@ -10,6 +10,7 @@
 #include "discretization/text/formula.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
+#include "kernels/math/constants.hpp"
 #include "kernels/math/vector_algebra.hpp"
 
 #include <algorithm>
@@ -169,7 +170,7 @@ BoundList<EigenstrainDraft> eigenstrain_parameters() {
               "File, likewise, in place of Curvature and Curvature Formula.");
   strain.bind(&EigenstrainDraft::start_turn, vector3("Start Turn").by_default(),
               "Curvature concentrated at the start of the member: the rotation vector by which it leaves its point "
-              "turned [radian].");
+              "turned, of a size below pi [radian].");
   strain.bind(&EigenstrainDraft::end_turn, vector3("End Turn").by_default(), "Likewise at its end [radian].");
   bind_schedule(strain, "The strain grows");
   return strain;
@@ -408,6 +409,11 @@ void ConditionReader::read_eigenstrains() {
     if (counts_whole && strain.strain_formula[0].empty() && strain.strain[0] <= -1.0)
       throw place[strain.temperature ? "Temperature" : "Strain"].error(
           "gives an axial strain of " + shortest(strain.strain[0]) + "; allowed: above -1, where no length is left");
+    for (const bool end : {false, true})
+      if (const double turn = vector_algebra::norm(strain.end_turns[end ? 1 : 0]); counts_whole && !(turn < kPi))
+        throw place[end ? "End Turn" : "Start Turn"].error(
+            "turns the end by " + shortest(turn) +
+            " rad; allowed: below pi, half a turn, to which an element can be turned against its point");
     const Formulas axial = strain.strain_formula, bending = strain.curvature_formula;
     for (const Member* member : members) {
       strain.member = member->name;
