@@ -72,17 +72,18 @@ class VariedBatch : public BatchRun {
   CaseQuantities quantities_;
   CaseScenes case_scenes_;
   BatchSolver solver_;
-  GroupedCases grouped_;
+  CaseGroups groups_;
 };
 
-/// All scenes are read before the first group is solved. `scene`: of the first case.
+/// Scenes are those of a group, or all where they are kept (CaseScenes). `scene`: of the first case.
 void require_memory_of_cases(const Application& app, const Scene& scene, std::size_t cases) {
-  constexpr double kBytesOfCase = 2600.0;  // values, likeness and result, as measured
+  constexpr double kBytesOfCase = 600.0;  // values, likeness and result, as measured
   const double count = static_cast<double>(cases);
   int elements = 0;
   for (const Member& member : scene.members) elements += member.elements;
   const double together = std::clamp(static_cast<double>(kElementsPerGroup) / elements, 1.0, count);
-  require_memory(app, count * (bytes_of(scene) + kBytesOfCase) + together * needs_of(scene, app.solver).memory,
+  const double scenes = app.scene.imperfection_modes.empty() ? together : count;
+  require_memory(app, count * kBytesOfCase + scenes * bytes_of(scene) + together * needs_of(scene, app.solver).memory,
                  std::to_string(cases) + " cases");
 }
 
@@ -90,7 +91,7 @@ void VariedBatch::read_scenes() {
   const Stopwatch stopwatch(app_, "batch set-up");
   if (batch_.size() > 0) require_memory_of_cases(app_, case_scenes_.scene_of(0), batch_.size());
   choose_mesh(app_, batch_.size(), [this](std::size_t row) { return case_scenes_.scene_of(row); });
-  grouped_ = grouped_cases(case_scenes_, batch_.size());
+  groups_ = grouped_cases(case_scenes_, batch_.size());
   quantities_.take_limits(case_scenes_.limits());
 }
 
@@ -100,10 +101,10 @@ void VariedBatch::solve() {
   double before = stopwatch.seconds();
   const auto report = [&](std::size_t g) {
     const double now = stopwatch.seconds();
-    report_group(grouped_.groups[g], g, grouped_.groups.size(), now - before);
+    report_group(groups_[g], g, groups_.size(), now - before);
     before = now;
   };
-  const bool all = solver_.solve_all(grouped_, report, ranks_->getRank(), ranks_->getSize());
+  const bool all = solver_.solve_all(groups_, case_scenes_, report, ranks_->getRank(), ranks_->getSize());
   interrupted_ = !solver_.gather(*ranks_, all);
 }
 

@@ -85,8 +85,7 @@ void read_grid(const Teuchos::ParameterList& list, const ParameterSource& source
 /// Reads a table record by record: the first names the columns.
 class TableReader {
  public:
-  TableReader(std::shared_ptr<const CsvFile> table, const std::string& path, Batch& batch)
-      : table_(std::move(table)), path_(path), batch_(batch) {
+  TableReader(std::shared_ptr<const CsvFile> table, Batch& batch) : table_(std::move(table)), batch_(batch) {
     table_->for_each(
         [this](const CsvRecord& record) { batch_.columns.empty() ? read_head(record) : read_case(record); });
   }
@@ -118,7 +117,7 @@ class TableReader {
         throw table_->error(record, i, "value " + excerpt(cell) + "; allowed: a number");
       batch_.values.push_back(value);
     }
-    batch_.case_names.push_back(path_ + ":" + std::to_string(record.line));
+    batch_.lines.push_back(record.line);
   }
 
   Variables::Refusal refusal(const CsvRecord& record, std::size_t cell) const {
@@ -128,7 +127,6 @@ class TableReader {
   }
 
   std::shared_ptr<const CsvFile> table_;
-  const std::string& path_;
   Batch& batch_;
 };
 
@@ -138,7 +136,8 @@ void read_table(const std::string& name, const ParameterSource& source, Batch& b
   if (!std::filesystem::is_regular_file(path, failure))
     throw source.error(child(kList, "Table"), "value \"" + excerpt(name) + "\": there is no file \"" + excerpt(path) +
                                                   "\"; allowed: a file, relative to the folder of the scene");
-  const TableReader reader(std::make_shared<const CsvFile>(path), path, batch);
+  batch.table = path;
+  const TableReader reader(std::make_shared<const CsvFile>(path), batch);
   if (batch.size() == 0)
     throw InputError(path + ":1: no case; allowed: a line of parameters' paths, then one line per case");
 }
@@ -151,7 +150,7 @@ void Batch::keep(std::size_t first, std::size_t count) {
     all.erase(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(from));
   };
   cut(values, first * columns.size(), count * columns.size());
-  if (!case_names.empty()) cut(case_names, first, count);
+  if (!lines.empty()) cut(lines, first, count);
   std::vector<Formula> kept;
   for (Formula& formula : formulas)
     if (formula.index >= first && formula.index < first + count) {
@@ -164,7 +163,7 @@ void Batch::keep(std::size_t first, std::size_t count) {
 
 std::string Batch::name_of_case(std::size_t index) const {
   const std::string number = "case " + std::to_string(before + index + 1);
-  return case_names.empty() ? number : case_names[index] + ": " + number;
+  return lines.empty() ? number : table + ":" + std::to_string(lines[index]) + ": " + number;
 }
 
 ListSpec batch_spec() {

@@ -33,8 +33,9 @@ struct Batch {
     std::string text;           ///< "=2*L"
     Variables::Refusal refusal;
   };
-  std::vector<Formula> formulas{};        ///< cells that CaseScenes gives values to, in the order of the table
-  std::vector<std::string> case_names{};  ///< where each case stands: "sweep.csv:3"; of a grid: empty
+  std::vector<Formula> formulas{};  ///< cells that CaseScenes gives values to, in the order of the table
+  std::string table{};              ///< its path; of a grid: empty
+  std::vector<int> lines{};         ///< of the table, of each case
   BatchOutput output = BatchOutput::followed;
   std::size_t before = 0;    ///< cases of the table or grid before these
   std::size_t unvaried = 0;  ///< cases of the scene as it stands, where there are no columns

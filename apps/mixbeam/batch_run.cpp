@@ -78,25 +78,28 @@ void write_batch(const std::filesystem::path& stem, const BatchRun& run, const s
   BatchTable table = run.table(results);
   const std::vector<CaseColumn> columns = columns_of(run, table, results);
   std::vector<std::string> heads;
-  std::vector<TableColumn> numbers;
-  for (const CaseColumn& column : columns) {
+  for (const CaseColumn& column : columns)
     if (column.cell) heads.push_back(column.name);
-    if (column.number) numbers.push_back({column.name, {}});
-  }
   CsvTable csv(stem.string() + ".csv", heads, Appears::when_closed);
   std::string causes;
   for (std::size_t i = 0; i < results.size(); ++i) {
     if (!results[i].solved) continue;
     std::vector<CsvCell> cells;
-    auto number = numbers.begin();
-    for (const CaseColumn& column : columns) {
+    for (const CaseColumn& column : columns)
       if (column.cell) cells.push_back(column.cell(i));
-      if (column.number) (number++)->values.push_back(column.number(i));
-    }
     csv.add_row(cells);
     if (!results[i].cause.empty()) causes += run.name_of_case(i) + ": " + results[i].cause + "\n";
   }
   csv.close();
+  std::vector<TableColumn> numbers;
+  for (const CaseColumn& column : columns)
+    if (column.number)
+      numbers.push_back({column.name, {}, [&results, &column] {
+                           std::vector<double> values;
+                           for (std::size_t i = 0; i < results.size(); ++i)
+                             if (results[i].solved) values.push_back(column.number(i));
+                           return values;
+                         }});
   table.texts["version"] = kVersion;
   table.texts["causes"] = causes;
   write_table_file(stem.string() + ".h5", numbers, table.texts);

@@ -143,33 +143,38 @@ void BatchSolver::solve(const std::vector<std::size_t>& cases, const std::vector
   solve_range({0, cases.size()});
 }
 
-bool BatchSolver::solve_all(GroupedCases& cases, const std::function<void(std::size_t group)>& solved, int rank,
-                            int ranks) {
+bool BatchSolver::solve_all(const CaseGroups& groups, CaseScenes& scenes,
+                            const std::function<void(std::size_t group)>& solved, int rank, int ranks) {
   const auto is_left = [this](std::size_t i) { return !results_[i].solved; };
-  for (std::size_t g = static_cast<std::size_t>(rank); g < cases.groups.size(); g += static_cast<std::size_t>(ranks)) {
-    std::vector<Scene> scenes;
-    for (const std::size_t i : cases.groups[g]) scenes.push_back(std::move(cases.scenes[i]));
-    solve(cases.groups[g], scenes);
+  for (std::size_t g = static_cast<std::size_t>(rank); g < groups.size(); g += static_cast<std::size_t>(ranks)) {
+    std::vector<Scene> of_group;
+    for (const std::size_t i : groups[g]) of_group.push_back(scenes.scene_of(i));
+    solve(groups[g], of_group);
     solved(g);
-    const bool is_last = g + static_cast<std::size_t>(ranks) >= cases.groups.size();
-    if (stop_() && (!is_last || std::any_of(cases.groups[g].begin(), cases.groups[g].end(), is_left))) return false;
+    const bool is_last = g + static_cast<std::size_t>(ranks) >= groups.size();
+    if (stop_() && (!is_last || std::any_of(groups[g].begin(), groups[g].end(), is_left))) return false;
   }
   return true;
 }
 
 bool gather_results(const Teuchos::Comm<int>& ranks, Summary& summary, std::vector<CaseResult>& results,
                     bool all_solved) {
-  Json mine = {{"all", all_solved}, {"summary", summary.packed()}, {"results", Json::object()}};
-  for (std::size_t i = 0; i < results.size(); ++i)
-    if (results[i].solved) mine["results"][std::to_string(i)] = json_of(results[i]);
-  std::string bytes;
-  Json::to_cbor(mine, bytes);
-  const std::vector<std::string> all = texts_of(ranks, bytes);
-  for (int rank = 1; ranks.getRank() == 0 && rank < ranks.getSize(); ++rank) {
-    const Json other = Json::from_cbor(all[rank]);
-    all_solved = all_solved && other["all"].get<bool>();
-    summary.append(other["summary"]);
-    for (const auto& [index, result] : other["results"].items()) results[std::stoul(index)] = result_from(result);
+  constexpr std::size_t kCasesOfMessage = 10'000;  // for memory, of which a result as JSON takes several times its own
+  for (std::size_t first = 0; first < results.size(); first += kCasesOfMessage) {
+    const std::size_t end = std::min(first + kCasesOfMessage, results.size());
+    Json mine = {{"all", all_solved}, {"results", Json::array()}};
+    if (end == results.size()) mine["summary"] = summary.packed();
+    for (std::size_t i = first; i < end && ranks.getRank() > 0; ++i)
+      if (results[i].solved) mine["results"].push_back({i, json_of(results[i])});
+    std::string bytes;
+    Json::to_cbor(mine, bytes);
+    const std::vector<std::string> all = texts_of(ranks, bytes);
+    for (int rank = 1; ranks.getRank() == 0 && rank < ranks.getSize(); ++rank) {
+      const Json other = Json::from_cbor(all[rank]);
+      all_solved = all_solved && other["all"].get<bool>();
+      if (other.contains("summary")) summary.append(other["summary"]);
+      for (const Json& result : other["results"]) results[result[0]] = result_from(result[1]);
+    }
   }
   return all_solved;
 }

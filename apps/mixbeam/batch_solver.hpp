@@ -20,15 +20,12 @@ inline constexpr double kLikeness = 2.0;
 /// neighbours grow.
 inline constexpr int kElementsPerGroup = 40'000;
 
-/// The scenes of all cases of a batch, and which of them are solved side by side.
-struct GroupedCases {
-  std::vector<Scene> scenes{};
-  std::vector<std::vector<std::size_t>> groups{};
-};
+/// Cases that are solved side by side.
+using CaseGroups = std::vector<std::vector<std::size_t>>;
 
 /// Every case in one group, its neighbours there as like it as can be. The groups do not depend on the number of
-/// threads. Throws as CaseScenes.
-GroupedCases grouped_cases(CaseScenes& scenes, std::size_t cases);
+/// threads. Keeps no scene. Throws as CaseScenes.
+CaseGroups grouped_cases(CaseScenes& scenes, std::size_t cases);
 
 /// Adds the time between its beginning and its end to an entry of the summary.
 class Stopwatch {
@@ -70,10 +67,10 @@ class BatchSolver {
   /// Solves these cases, which are alike; `scenes` are theirs, in the same order.
   void solve(const std::vector<std::size_t>& cases, const std::vector<Scene>& scenes);
 
-  /// Solves all groups, or the share of a rank among several, whose scenes are freed then, and reports the number of
-  /// each. False: stopped before the last case.
-  bool solve_all(GroupedCases& cases, const std::function<void(std::size_t group)>& solved, int rank = 0,
-                 int ranks = 1);
+  /// Solves all groups, or the share of a rank among several, each of whose scenes is read again, and reports the
+  /// number of each. False: stopped before the last case.
+  bool solve_all(const CaseGroups& groups, CaseScenes& scenes, const std::function<void(std::size_t group)>& solved,
+                 int rank = 0, int ranks = 1);
   /// See gather_results().
   bool gather(const Teuchos::Comm<int>& ranks, bool all_solved) {
     return gather_results(ranks, app_.summary, results_, all_solved);

@@ -91,7 +91,7 @@ bool is_alike(const CaseLikeness& a, const CaseLikeness& b) {
   return key_of(a) == key_of(b) && a.structure == b.structure;
 }
 
-std::vector<std::vector<std::size_t>> group_cases(const std::vector<CaseLikeness>& cases) {
+CaseGroups group_cases(const std::vector<CaseLikeness>& cases) {
   std::vector<std::size_t> order(cases.size());
   std::iota(order.begin(), order.end(), 0);
   std::sort(order.begin(), order.end(), [&cases](std::size_t i, std::size_t j) {
@@ -99,7 +99,7 @@ std::vector<std::vector<std::size_t>> group_cases(const std::vector<CaseLikeness
     const auto key_a = key_of(a), key_b = key_of(b);
     return std::tie(a.structure, key_a, a.load, i) < std::tie(b.structure, key_b, b.load, j);
   });
-  std::vector<std::vector<std::size_t>> groups;
+  CaseGroups groups;
   for (std::size_t begin = 0; begin < order.size();) {
     std::size_t end = begin;
     double elements = 0.0;
@@ -117,17 +117,11 @@ std::vector<std::vector<std::size_t>> group_cases(const std::vector<CaseLikeness
 
 }  // namespace
 
-GroupedCases grouped_cases(CaseScenes& scenes, std::size_t cases) {
-  GroupedCases result;
+CaseGroups grouped_cases(CaseScenes& scenes, std::size_t cases) {
   std::vector<CaseLikeness> likeness;
   likeness.reserve(cases);
-  result.scenes.reserve(cases);
-  for (std::size_t i = 0; i < cases; ++i) {
-    result.scenes.push_back(scenes.scene_of(i));
-    likeness.push_back(likeness_of(result.scenes.back()));
-  }
-  result.groups = group_cases(likeness);
-  return result;
+  for (std::size_t i = 0; i < cases; ++i) likeness.push_back(likeness_of(scenes.scene_of(i)));
+  return group_cases(likeness);
 }
 
 }  // namespace mixbeam

@@ -127,6 +127,7 @@ CaseValues CaseQuantities::of(const SolvedCases& solved, const RicherCases& rich
   const QuantityState at = state_of(solved, part);
   const std::vector<double> own = quantities_.values(at), asked = asked_.values(at);
   CaseValues values;
+  values.written.reserve(asked_columns_.size());
   auto next = own.begin();
   for (const std::size_t column : asked_columns_)
     values.written.push_back(column == kNotAsked ? *next++ : asked[column]);

@@ -186,6 +186,7 @@ void CaseScenes::set(const Place& place, double value, std::size_t index, const 
 }
 
 Scene CaseScenes::scene_of(std::size_t index) {
+  if (const auto kept = imperfect_.find(index); kept != imperfect_.end()) return kept->second;
   for (std::size_t i = 0; i < places_.size(); ++i) set(places_[i], batch_.value(index, i), index, batch_.columns[i]);
   try {
     if (!formulas_.empty()) evaluate_formulas(index);
@@ -193,8 +194,11 @@ Scene CaseScenes::scene_of(std::size_t index) {
     const bool is_alike = scene.members.size() == app_.scene.members.size();
     if (names_no_mesh(scene))
       scene = on_mesh(scene, is_alike ? mesh_of(app_.scene) : start_mesh(scene, kAccuracyWithoutMesh));
-    return scene_of_case(with_mode_shapes(scene, app_.solver, app_.communicator, {app_.xml.source, {"Scene"}}),
-                         load_case_);
+    if (scene.imperfection_modes.empty()) return scene_of_case(scene, load_case_);
+    scene = with_mode_shapes(scene, app_.solver, app_.communicator, {app_.xml.source, {"Scene"}});
+    scene = scene_of_case(scene, load_case_);
+    if (!app_.mesh_is_free) imperfect_[index] = scene;
+    return scene;
   } catch (const InputError& error) {
     throw InputError(batch_.name_of_case(index) + ": " + error.what());
   }

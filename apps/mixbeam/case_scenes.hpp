@@ -4,6 +4,8 @@
 #include "apps/common/run/application.hpp"
 #include "apps/mixbeam/batch_parameters.hpp"
 
+#include <map>
+
 namespace mixbeam {
 
 class CaseScenes {
@@ -12,7 +14,8 @@ class CaseScenes {
   /// Application and batch must outlive this object; the parameters of the application change with every case.
   CaseScenes(Application& app, Batch& batch, std::string load_case);
 
-  /// Throws InputError, with the place of the case, for values that the scene does not permit.
+  /// Keeps those with imperfections by modes, which take time to find. Throws InputError, with the place of the case,
+  /// for values that the scene does not permit.
   Scene scene_of(std::size_t index);
 
   /// The expected value that a case has of its own, by the name in the list "Expected".
@@ -54,6 +57,7 @@ class CaseScenes {
   std::vector<OwnExpectation> own_expectations_;
   std::vector<OuterFormula> formulas_;
   std::vector<std::vector<double>> limits_;
+  std::map<std::size_t, Scene> imperfect_;  ///< on the mesh that they are solved on
 };
 
 }  // namespace mixbeam

@@ -193,9 +193,9 @@ py::dict batch(const SceneText& scene, const std::optional<std::string>& load_ca
     CaseScenes scenes(base.app(), cases, name);
     BatchSolver solver(base.app(), quantities, cases.size(), [&] { return listener.stops(); });
     choose_mesh(base.app(), cases.size(), [&](std::size_t row) { return scenes.scene_of(row); });
-    GroupedCases grouped = grouped_cases(scenes, cases.size());
+    const CaseGroups groups = grouped_cases(scenes, cases.size());
     std::size_t done = 0;
-    solver.solve_all(grouped, [&](std::size_t g) { listener.call(done += grouped.groups[g].size(), cases.size()); });
+    solver.solve_all(groups, scenes, [&](std::size_t g) { listener.call(done += groups[g].size(), cases.size()); });
     names = quantities.names();
     results = solver.results();
   }

@@ -31,7 +31,8 @@ void write_table_file(const std::filesystem::path& path, const std::vector<Table
     for (const auto& [name, text] : texts) hdf5::write_text(table, name, text);
     {
       const hdf5::Handle parent = hdf5::create_group(table, group);
-      for (const TableColumn& column : columns) write_column(parent, column.name, column.values);
+      for (const TableColumn& column : columns)
+        write_column(parent, column.name, column.later ? column.later() : column.values);
     }
     table.close();
     file.reserve(seal.bytes + seal.bytes_behind());

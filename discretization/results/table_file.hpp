@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@ namespace mixbeam {
 struct TableColumn {
   std::string name{};
   std::vector<double> values{};
+  std::function<std::vector<double>()> later{};  ///< in their place, where a table is too large for memory
 };
 
 /// Replaces a file of that name. `texts`: datasets beside `group`, which holds the columns. Throws ResultFileError.
