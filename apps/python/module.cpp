@@ -174,12 +174,13 @@ Run open(const std::string& file) {
 
 py::dict batch(const SceneText& scene, const std::optional<std::string>& load_case,
                const std::vector<std::string>& parameters, const py::array_t<double, py::array::c_style>& values,
-               int output, const std::optional<int>& threads, py::object callback) {
+               std::size_t before, int output, const std::optional<int>& threads, py::object callback) {
   Listener listener(std::move(callback));
   Batch cases;
   for (const std::string& parameter : parameters)
     cases.columns.push_back({parameter, [](const std::string& problem) { return InputError{problem}; }});
   cases.values.assign(values.data(), values.data() + values.size());
+  cases.before = before;
   cases.unvaried = static_cast<std::size_t>(values.shape(0));
   cases.output = static_cast<BatchOutput>(output);
   std::vector<std::string> names;

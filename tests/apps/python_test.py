@@ -408,8 +408,9 @@ class Bits(InFolder):
         with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, \
                 distributed.Client(cluster) as client:
             shared = mixbeam.batch(scene, table, output="expected", client=client)
-            with self.assertRaisesRegex(mixbeam.InputError, "nowhere"):
-                mixbeam.batch(scene, {"point_loads/nowhere/force[1]": [1.0, 2.0]}, client=client)
+            for wrong, said in (("point_loads/nowhere/force[1]", "nowhere"), ("members/strip/elements", "^case 23: ")):
+                with self.assertRaisesRegex(mixbeam.InputError, said):
+                    mixbeam.batch(scene, {wrong: [4] * 22 + [4.5]}, client=client)
         alone = mixbeam.batch(scene, table, output="expected")
         self.assertEqual(shared.dtype.names, alone.dtype.names)
         self.assertTrue(shared["converged"].all())

@@ -101,11 +101,16 @@ def batch(scene, table=None, case=None, *, output="followed", threads=None, prog
         if not path.startswith("Expected/") and np.isnan(column).any():
             row = np.argmax(np.isnan(column))
             raise InputError(f'table of a batch: column "{name}", row {row} from 0: nan; allowed: a number')
-    values = np.stack(list(columns.values()), axis=1) if columns else np.empty((0, 0))
-    if client is not None and len(values) > 0:
-        return _shared_batch(client, scene, columns, case, output, threads)
+    solve = partial(_solved_rows, scene=scene_text(scene), case=case, paths=paths, output=outputs.index(output))
+    if client is not None and any(column.size for column in columns.values()):
+        return _shared_batch(client, partial(solve, threads=_threads(threads or 1)), columns)
     say = (lambda done, cases: _say(f"{done} of {cases} cases")) if progress else None
-    found = _core.batch(scene_text(scene), case, paths, values, outputs.index(output), _threads(threads), say)
+    return solve(columns, 0, threads=_threads(threads), say=say)
+
+
+def _solved_rows(columns, before, scene, case, paths, output, threads, say=None):
+    values = np.stack(list(columns.values()), axis=1) if columns else np.empty((0, 0))
+    found = _core.batch(scene, case, paths, values, before, output, threads, say)
     return _structured({**columns, **dict(zip(found["names"], found["values"].T))}, found)
 
 
@@ -124,7 +129,7 @@ def _structured(followed, found):
 
 def _solved_scene(text, case, output, threads):
     outputs = root().lists["Batch"].parameters["Output"]["choices"]
-    return _core.batch(text, case, [], np.empty((1, 0)), outputs.index(output), _threads(threads), None)
+    return _core.batch(text, case, [], np.empty((1, 0)), 0, outputs.index(output), _threads(threads), None)
 
 
 def _batch_of_scenes(scenes, case, output, threads, progress, client):
@@ -151,15 +156,14 @@ def _batch_of_scenes(scenes, case, output, threads, progress, client):
                                   for key in ("residual", "iterations", "converged", "stable", "cause")})
 
 
-def _shared_batch(client, scene, columns, case, output, threads):
+def _shared_batch(client, solve, columns):
     """Solves the rows in pieces, a few for each worker: one that is done early takes another."""
     pieces_of_worker = 4
     rows = len(next(iter(columns.values())))
     count = min(rows, pieces_of_worker * max(1, len(client.scheduler_info()["workers"])))
-    text = scene.to_xml() if isinstance(scene, Scene) else scene
-    work = partial(batch, text, case=case, output=output, threads=threads or 1)
-    pieces = [{name: column[part] for name, column in columns.items()} for part in np.array_split(np.arange(rows), count)]
-    futures = client.map(work, pieces, pure=False)
+    parts = np.array_split(np.arange(rows), count)
+    pieces = [{name: column[part] for name, column in columns.items()} for part in parts]
+    futures = client.map(solve, pieces, [int(part[0]) for part in parts], pure=False)
     try:
         return np.concatenate(client.gather(futures))
     finally:
