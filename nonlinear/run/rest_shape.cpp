@@ -523,8 +523,8 @@ class UnloadedStructure {
 };
 
 /// The part of `own` self-stresses whose strains, left out of the natural ones, give the unloaded structure `stress`.
-MixedVector cause_of(const MixedVector& stress, const RestShapeFinder& finder, const std::vector<MixedVector>& own,
-                     Linearization& unloaded, const InputPlace& place) {
+MixedVector source_of_stress(const MixedVector& stress, const RestShapeFinder& finder,
+                             const std::vector<MixedVector>& own, Linearization& unloaded, const InputPlace& place) {
   const Model& model = finder.model();
   MixedVector cause = model.create_vector();
   std::vector<MixedVector> causes, answers;
@@ -564,7 +564,7 @@ void close_loops(RestShapeFinder& finder, UnloadedStructure unloaded, bool close
     if (!std::isfinite(left)) break;
     before = left;
     const std::unique_ptr<Linearization> there = unloaded.linearized();
-    MixedVector change = cause_of(finder.forces_of(*state), finder, own, *there, place);
+    MixedVector change = source_of_stress(finder.forces_of(*state), finder, own, *there, place);
     change.scale(-1.0);
     finder.add_forces(change);
   }

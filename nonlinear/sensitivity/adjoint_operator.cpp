@@ -252,10 +252,7 @@ void AdjointOperator::take_out_cap(Adjoint& adjoint) {
   if (!(left_out.left <= kMostCapLeftInAdjoint * beta))
     throw LinearSolverError(
         "the adjoint equations were not solved: rigid members share forces that nothing determines");
-  for (size_t k = 0; k < left_out.y.size(); ++k) {
-    adjoint.field.update(left_out.y[k], responses[k].field, 1.0);
-    for (size_t i = 0; i < adjoint.free.size(); ++i) adjoint.free[i] += left_out.y[k] * responses[k].free[i];
-  }
+  for (size_t k = 0; k < left_out.y.size(); ++k) adjoint.add(left_out.y[k], responses[k]);
 }
 
 /// Moments that are held turn with the spin of their vertex by half a cross product, theory (44).
@@ -304,8 +301,7 @@ bool AdjointOperator::refine(const MixedVector& rows, bool with_gmres, Adjoint& 
     if (with_gmres) take_out_cap(more);
     const double size = norm_of(more.field);
     if (!(size <= kFastRefinement * before)) return size <= enough * whole;
-    adjoint.field.update(1.0, more.field, 1.0);
-    for (size_t i = 0; i < adjoint.free.size(); ++i) adjoint.free[i] += more.free[i];
+    adjoint.add(1.0, more);
     if (size * size <= enough * whole * before) return true;  // as the next one would be
     before = size;
   }

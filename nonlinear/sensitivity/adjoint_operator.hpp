@@ -19,6 +19,12 @@ struct Adjoint {
   MixedVector field;           ///< motions of vertices and increments of interiors
   std::vector<double> free{};  ///< its independent unknowns, of IndependentUnknowns
   std::vector<double> held{};  ///< (6 * vertex + component): q_x + R_x^T t, spatial; zero where a vertex is free
+
+  void add(double factor, const Adjoint& other) {
+    field.update(factor, other.field, 1.0);
+    for (size_t i = 0; i < free.size(); ++i) free[i] += factor * other.free[i];
+    for (size_t i = 0; i < held.size(); ++i) held[i] += factor * other.held[i];
+  }
 };
 
 /// Of each number N of an element: weight of its Gauss point times h / 2, where it is integrated there.

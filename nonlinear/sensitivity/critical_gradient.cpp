@@ -23,9 +23,13 @@ constexpr int kInverseIterationsOfMode = 4;
 /// Motion (largest rotation, or displacement over the length) of the smallest of the differences along a mode: eighth
 /// order leaves 1e-14 of second derivatives, rounding 1e-12.
 constexpr double kDifferenceAlongMode = 1.0 / 64.0;
-constexpr int kStencil = 4;
-constexpr double kFirst[kStencil] = {4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0};
-constexpr double kSecond[kStencil] = {8.0 / 5.0, -1.0 / 5.0, 8.0 / 315.0, -1.0 / 560.0}, kSecondHere = -205.0 / 72.0;
+constexpr int kStates = 8;
+constexpr double kStateAt[kStates] = {1.0, -1.0, 2.0, -2.0, 3.0, -3.0, 4.0, -4.0};
+constexpr double kFirst[kStates] = {4.0 / 5.0,   -4.0 / 5.0,   -1.0 / 5.0,   1.0 / 5.0,
+                                    4.0 / 105.0, -4.0 / 105.0, -1.0 / 280.0, 1.0 / 280.0};
+constexpr double kSecond[kStates] = {8.0 / 5.0,   8.0 / 5.0,   -1.0 / 5.0,   -1.0 / 5.0,
+                                     8.0 / 315.0, 8.0 / 315.0, -1.0 / 560.0, -1.0 / 560.0};
+constexpr double kSecondHere = -205.0 / 72.0;
 /// Share of the stresses, N L^2/EI or M L/EI, that the eigenvalue at a critical point may have: points are located to a
 /// hundredth of it at least.
 constexpr double kNearZero = 1e-6;
@@ -46,15 +50,9 @@ constexpr double kBreaksSymmetry = 1e-7;
 /// Steps of the load factor in differences.
 constexpr double kStepOfLoad = 0.0005;
 
-void add_adjoint(double factor, const Adjoint& other, Adjoint& sum) {
-  sum.field.update(factor, other.field, 1.0);
-  for (std::size_t i = 0; i < sum.free.size(); ++i) sum.free[i] += factor * other.free[i];
-  for (std::size_t i = 0; i < sum.held.size(); ++i) sum.held[i] += factor * other.held[i];
-}
-
 Adjoint scaled_adjoint(const Adjoint& of, double factor) {
   Adjoint result{of.field.clone(true), of.free, of.held};
-  add_adjoint(factor - 1.0, of, result);
+  result.add(factor - 1.0, of);
   return result;
 }
 
@@ -92,7 +90,7 @@ class SingularTangent {
   Adjoint solve(const StateDerivative& quantity, const DofVector& projected) {
     return extrapolated([&](int i) {
       Adjoint found = beside_[i]->solve(quantity, &projected);
-      add_adjoint(-1.0, in_modes(i, found), found);
+      found.add(-1.0, in_modes(i, found));
       return found;
     });
   }
@@ -114,20 +112,20 @@ class SingularTangent {
   template <class Action>
   Adjoint extrapolated(const Action& at) {
     Adjoint sum = scaled_adjoint(at(0), kWeights[0]);
-    for (int i = 1; i < kNeighbours; ++i) add_adjoint(kWeights[i], at(i), sum);
+    for (int i = 1; i < kNeighbours; ++i) sum.add(kWeights[i], at(i));
     return sum;
   }
 
   /// The part of a motion in the modes beside.
   Adjoint in_modes(int i, const Adjoint& motion) const {
     Adjoint part = scaled_adjoint(motion, 0.0);
-    for (const Adjoint& mode : modes_beside_[i]) add_adjoint(product(mode, motion), mode, part);
+    for (const Adjoint& mode : modes_beside_[i]) part.add(product(mode, motion), mode);
     return part;
   }
 
   void orthonormalize(std::vector<Adjoint>& modes) const {
     for (std::size_t a = 0; a < modes.size(); ++a) {
-      for (std::size_t b = 0; b < a; ++b) add_adjoint(-product(modes[b], modes[a]), modes[b], modes[a]);
+      for (std::size_t b = 0; b < a; ++b) modes[a].add(-product(modes[b], modes[a]), modes[b]);
       modes[a] = scaled_adjoint(modes[a], 1.0 / std::sqrt(product(modes[a], modes[a])));
     }
   }
@@ -170,16 +168,16 @@ class SingularTangent {
   std::vector<Adjoint> modes_{};
 };
 
-/// States along a motion, at one to four steps forward and back.
+/// States along a motion, at kStateAt steps.
 struct Curve {
   Adjoint motion;
   double step = 0.0;
-  std::vector<State> states[2]{};
+  std::vector<State> states{};
 };
 
 Adjoint sum_of(const Adjoint& a, const Adjoint& b) {
   Adjoint sum = scaled_adjoint(a, 1.0);
-  add_adjoint(1.0, b, sum);
+  sum.add(1.0, b);
   return sum;
 }
 
@@ -304,10 +302,8 @@ class CriticalLoad {
 
   Curve along(const Adjoint& motion) const {
     Curve curve{scaled_adjoint(motion, 1.0), kDifferenceAlongMode / size_of(motion)};
-    for (int side = 0; side < 2; ++side)
-      for (int k = 1; k <= kStencil; ++k)
-        curve.states[side].push_back(
-            NumberDerivatives::in_space(model_.apply(state_, motion.field, (side == 0 ? k : -k) * curve.step)));
+    for (const double at : kStateAt)
+      curve.states.push_back(NumberDerivatives::in_space(model_.apply(state_, motion.field, at * curve.step)));
     return curve;
   }
 
@@ -331,10 +327,9 @@ class CriticalLoad {
   double second_variation(const Curve& along, const Model& model, double load_factor) const {
     const NumberDerivatives equations(tangent_->beside(), state_, {});
     double sum = 0.0, ignored = 0.0;
-    for (int side = 0; side < 2; ++side)
-      for (int k = 0; k < kStencil; ++k)
-        sum += (side == 0 ? 1.0 : -1.0) * kFirst[k] / along.step *
-               equations.work(along.motion, rows_beside(model, load_factor, along.states[side][k]), ignored);
+    for (int i = 0; i < kStates; ++i)
+      sum += kFirst[i] / along.step *
+             equations.work(along.motion, rows_beside(model, load_factor, along.states[i]), ignored);
     return sum;
   }
 
@@ -343,9 +338,8 @@ class CriticalLoad {
     StateRows slope(model_);
     slope.add(kSecondHere / (along.step * along.step),
               rows_beside(model_, load_factor_, NumberDerivatives::in_space(state_)));
-    for (const std::vector<State>& side : along.states)
-      for (int k = 0; k < kStencil; ++k)
-        slope.add(kSecond[k] / (along.step * along.step), rows_beside(model_, load_factor_, side[k]));
+    for (int i = 0; i < kStates; ++i)
+      slope.add(kSecond[i] / (along.step * along.step), rows_beside(model_, load_factor_, along.states[i]));
     return slope;
   }
 

@@ -11,9 +11,10 @@ namespace mixbeam {
 namespace {
 
 /// Where the equations are taken, in steps, and factors of central differences of fourth and of second order.
-constexpr int kPlaces = 4;
-constexpr double kPlace[kPlaces] = {1.0, -1.0, 2.0, -2.0};
-constexpr double kFactor[2][kPlaces] = {{2.0 / 3.0, -2.0 / 3.0, -1.0 / 12.0, 1.0 / 12.0}, {0.5, -0.5, 0.0, 0.0}};
+constexpr int kReadings = 4;
+constexpr double kReadingAt[kReadings] = {1.0, -1.0, 2.0, -2.0};
+constexpr double kFactorOfReading[2][kReadings] = {{2.0 / 3.0, -2.0 / 3.0, -1.0 / 12.0, 1.0 / 12.0},
+                                                   {0.5, -0.5, 0.0, 0.0}};
 /// Share of the sum of the sizes of all terms by which both may differ; the error of the better one is about the square
 /// of that. Kinks and jumps leave ten percent; a step that is too large for a function is made smaller some times.
 constexpr double kSmooth = 1e-4, kSmallerStep = 0.125;
@@ -31,6 +32,7 @@ constexpr double kNoise = 1e-7;
 StateRows rows_at(const Model& model, const State& state, double load_factor) {
   StateRows rows(model);
   element_rows(model, state, load_factor, ElementLoads::with_centrifugal, rows.spatial);
+  weigh_force_rows(model.structure(), false, rows.spatial);
   for (const auto& energy : model.external()) energy->add_rows(state, load_factor, rows.spatial.vertex());
   model.constraints().set(state, load_factor, MixedVector::view_of(rows.constraints));
   return rows;
@@ -60,10 +62,8 @@ double NumberDerivatives::work_of_scales(const Adjoint& adjoint) const {
 }
 
 StateDerivative derivative_of(const Model& model, const State& state, const StateRows& rows) {
-  MixedVector weighted = rows.spatial.clone(true);
-  weigh_force_rows(model.structure(), false, weighted);
   StateDerivative derivative(model, state);
-  derivative.add_rows(weighted);
+  derivative.add_rows(rows.spatial);
   return derivative;
 }
 
@@ -117,13 +117,14 @@ NumberDerivatives::Differences NumberDerivatives::differentiate(double step, con
   const auto take_values = [&](const Moved& moved, int i) {
     const std::vector<double> values = values_ ? values_(moved) : std::vector<double>{};
     for (int order = 0; order < 2; ++order)
-      for (std::size_t k = 0; k < values.size(); ++k) by.values[order][k] += kFactor[order][i] / step * values[k];
+      for (std::size_t k = 0; k < values.size(); ++k)
+        by.values[order][k] += kFactorOfReading[order][i] / step * values[k];
   };
   std::vector<Moved> kept;
-  for (int i = 0; i < kPlaces; ++i) {
-    Moved moved = move(kPlace[i] * step);
+  for (int i = 0; i < kReadings; ++i) {
+    Moved moved = move(kReadingAt[i] * step);
     const StateRows rows = rows_at(*moved.model, state_, moved.load_factor);
-    for (int order = 0; order < 2; ++order) by.rows[order].add(kFactor[order][i] / step, rows);
+    for (int order = 0; order < 2; ++order) by.rows[order].add(kFactorOfReading[order][i] / step, rows);
     if (is_direct)
       kept.push_back(std::move(moved));
     else
@@ -131,7 +132,7 @@ NumberDerivatives::Differences NumberDerivatives::differentiate(double step, con
   }
   if (!is_direct) return by;
   const Adjoint motion = motion_under(by.rows[0]);
-  for (int i = 0; i < kPlaces; ++i) {
+  for (int i = 0; i < kReadings; ++i) {
     const State there = in_space(model_.apply(state_, motion.field, kept[i].more));
     kept[i].state = &there;
     take_values(kept[i], i);
@@ -183,24 +184,13 @@ bool NumberDerivatives::pair(const Differences& by, double step, std::vector<Der
 }
 
 double NumberDerivatives::work(const Adjoint& adjoint, const StateRows& rows, double& sizes) const {
-  const KernelView<const double*> vertex = rows.spatial.vertex(), motion = adjoint.field.vertex();
-  double sum = 0.0;
-  const auto add = [&](double term) {
-    sum += term;
-    sizes += std::abs(term);
-  };
-  for (std::size_t i = 0; i < vertex.extent(0); ++i) add(motion(i) * vertex(i));
-  for_each_element(model_.structure(), [&](const ElementView& element) {
-    const double* row = element.increments_in(rows.spatial.interior());
-    const double* of = element.increments_in(adjoint.field.interior());
-    const int forces = element.layout().moment(0);
-    const std::vector<double> weight = weights_of(element);
-    for (int i = 0; i < element.layout().increments(); ++i)
-      add((i < forces ? weight[static_cast<size_t>(i)] : 1.0) * of[i] * row[i]);
-  });
-  add(operator_.work_of_free(adjoint, rows.constraints));
-  add(-work_of_held(adjoint, rows.constraints));
-  return sum;
+  MixedVector motion = adjoint.field.clone(false), forces = adjoint.field.clone(false);
+  motion.absolute_values_of(adjoint.field);
+  forces.absolute_values_of(rows.spatial);
+  const double of_free = operator_.work_of_free(adjoint, rows.constraints),
+               of_held = work_of_held(adjoint, rows.constraints);
+  sizes += motion.inner_product(forces) + std::abs(of_free) + std::abs(of_held);
+  return adjoint.field.inner_product(rows.spatial) + of_free - of_held;
 }
 
 /// Of the motions that supports prescribe.

@@ -26,7 +26,7 @@ struct SceneNumber {
 
 /// The equations of a state in a scene as they stand: rows of elements with loads, and of constraints.
 struct StateRows {
-  MixedVector spatial;    ///< rows of vertices not projected; those of N are strains
+  MixedVector spatial;    ///< rows of vertices not projected; those of N weighted
   DofVector constraints;  ///< what supports and joints put into projected rows
 
   explicit StateRows(const Model& model) : spatial(model.create_vector()), constraints(model.map()) {

@@ -107,29 +107,24 @@ std::vector<std::string> all_meant(const std::vector<std::string>& names, const 
   return all;
 }
 
-/// Sizes of what a number may be that is zero now, and so are its neighbours.
-double size_of_zero(const NumberPath& path, const Simulation& at) {
-  const ResidualScales scales = scales_of(at.model(), at.state(), at.load_factor());
+/// Of a number and its neighbours; where they are zero, of what it may be.
+double size_of(const NumberPath& path, const Teuchos::ParameterEntry& entry, const Simulation& at) {
+  const std::vector<double>& lengths = at.model().mesh().member_length;
+  const double shortest = *std::min_element(lengths.begin(), lengths.end());
   const double length = at.model().structure().length;
-  const std::string& list = path.names.front();
-  const std::string& name = path.names.back();
+  const std::string &list = path.names.front(), &name = path.names.back();
+  if (list == "Points") return shortest;
+  double size = 0.0;
+  for (const double value : numbers_in(entry))
+    if (std::isfinite(value)) size = std::max(size, std::abs(value));
+  if (size > 0.0) return size;
+  if (list == "Members" && path.component >= 0) return shortest;
+  const ResidualScales scales = scales_of(at.model(), at.state(), at.load_factor());
   const double per_length = list == "Distributed Loads" ? 1.0 / length : 1.0;
   if (name == "Force") return per_length * scales.force;
   if (name == "Moment" || name == "Couple") return per_length * scales.moment;
   if (name == "Prescribed Displacement") return length;
-  if (name == "Curvature") return 1.0 / length;
-  return 1.0;
-}
-
-double step_of(const NumberPath& path, const Teuchos::ParameterEntry& entry, const Simulation& at) {
-  const std::vector<double>& lengths = at.model().mesh().member_length;
-  const double shortest = *std::min_element(lengths.begin(), lengths.end());
-  if (path.names.front() == "Points") return kStep * shortest;
-  double size = 0.0;
-  for (const double value : numbers_in(entry))
-    if (std::isfinite(value)) size = std::max(size, std::abs(value));
-  if (size > 0.0) return kStep * size;
-  return path.names.front() == "Members" && path.component >= 0 ? kStep * shortest : kStep * size_of_zero(path, at);
+  return name == "Curvature" ? 1.0 / length : 1.0;
 }
 
 /// The list "Scene" with another number.
@@ -176,7 +171,7 @@ std::vector<SceneNumber> scene_numbers(const Simulation& at, const GradientParam
   for (const NumberPath& path : all_numbers(list, asked)) {
     SceneNumber& number = numbers.emplace_back();
     number.name = path.text();
-    number.step = step_of(path, entry_of(list, path), at);
+    number.step = kStep * size_of(path, entry_of(list, path), at);
     number.scene_with = [&xml, &at, path, load_case](double more) {
       return scene_with(xml, path, more, at.scene(), load_case);
     };
