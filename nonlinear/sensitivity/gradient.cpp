@@ -145,6 +145,8 @@ class Gradients {
     const bool has_fewer_numbers = !request_.numbers.empty() && request_.numbers.size() < request_.columns.size();
     try {
       const StateDerivative of = pinned_.derivative(column, here(), values_);
+      if (!std::isfinite(values_[column]) || !std::isfinite(of.rows().one_norm()))
+        throw std::invalid_argument("it has no finite value, or no finite derivative");
       RecordedGradient gradient{name, values_[column]};
       if (!of.modes().empty()) take_modes(place, of.modes(), gradient);
       if (!of.modes().empty() || request_.direct.value_or(has_fewer_numbers && !request_.by_element)) {
