@@ -5,6 +5,7 @@
 #include "apps/common/tables/csv_table.hpp"
 #include "apps/mixbeam/batch_solver.hpp"
 
+#include <array>
 #include <map>
 
 namespace mixbeam {
