@@ -1,6 +1,7 @@
 #include "nonlinear/path/critical_point_finder.hpp"
 
 #include "nonlinear/path/branch.hpp"
+#include "nonlinear/path/thresholds.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "nonlinear/path/step_judge.hpp"
-#include "nonlinear/path/thresholds.hpp"
 #include "nonlinear/stability/stability.hpp"
 
 #include <algorithm>
@@ -35,7 +34,7 @@ class CriticalPointFinder {
         model_(judge.problem()->model),
         piece_(piece),
         chord_(measure_.length(piece.moved)),
-        straight_(judge.missed(piece) <= path_limit.magnified_rounding),
+        straight_(judge.is_straight(piece)),
         separates_(std::abs(piece.end.stability->negative - piece.start.stability->negative) <= kMostSeparated) {
     known_.push_back({0.0, scaled(piece.moved, 0.0)});
     known_.push_back({1.0, scaled(piece.moved, 1.0)});

@@ -121,7 +121,7 @@ const std::vector<JudgeLine>& judge_table() {
       {turn, Then::refuse, turn_back, &Signs::turn_cosine, Side::below, straight},
       {turn, Then::accept},
       // next to a critical point angles are those of rounding
-      {always, Then::accept, "", &Signs::missed, Side::at_most, [](S, T) { return path_limit.magnified_rounding; }},
+      {[](S s, T) { return s.is_straight; }, Then::accept},
       {always, Then::refuse, kBends, &Signs::first, Side::below, smallest},
       {always, Then::refuse, kBends, &Signs::last, Side::below, [](S, T t) { return t.least_cosine_at_end; }},
       {always, Then::halve, "", &Signs::last, Side::below, smallest},
@@ -274,13 +274,15 @@ PathDirection StepJudge::cubic(const PathPiece& piece, double at) const {
   return result;
 }
 
-double StepJudge::missed(const PathPiece& piece) const {
-  const auto from = [&](const PathDirection& tangent) {
-    PathDirection left = scaled(piece.moved, 1.0);
-    left.x.update(-piece.moved.load / tangent.load, tangent.x, 1.0);
-    return measure_.motion(left.x);
+bool StepJudge::is_straight(const PathPiece& piece) const {
+  const double most =
+      std::min(path_limit.magnified_rounding, path_limit.largest_correction * measure_.length(piece.moved));
+  const auto leads = [&](const PathDirection& tangent) {
+    PathDirection missed = scaled(piece.moved, 1.0);
+    missed.x.update(-piece.moved.load / tangent.load, tangent.x, 1.0);
+    return measure_.motion(missed.x) <= most;
   };
-  return std::min(from(piece.start.tangent), from(piece.end.tangent));
+  return leads(piece.start.tangent) || leads(piece.end.tangent);
 }
 
 StepJudge::Part StepJudge::whole(const PathPiece& piece) const {
@@ -341,7 +343,7 @@ StepSigns StepJudge::signs_of_ends(const PathPiece& piece, const StepTest& test,
     signs.starts_still = signs.starts_still || part.starts_still;
     signs.dips = signs.dips || part.load_dips(test);
   }
-  if (!(signs.least >= path_limit.straight)) signs.missed = missed(piece);
+  if (!(signs.least >= path_limit.straight)) signs.is_straight = is_straight(piece);
   signs.turns = (piece.start.tangent.load > 0.0) != (piece.end.tangent.load > 0.0);
   signs.turns_unseen = signs.turns && !may_turn(piece, test);
   return signs;

@@ -51,7 +51,7 @@ struct StepSigns {
   bool inverts = false;          ///< the axis of an element is shortened by more than its length at the end
   bool has_tangents = true;      ///< at both ends
   double motion = 1.0;           ///< of the step
-  double missed = HUGE_VAL;      ///< distance from where the tangent of one end leads, the smaller one
+  bool is_straight = false;      ///< StepJudge::is_straight()
   bool loads_move = false;       ///< the structure within a step whose ends lie together
   bool loads_turn = false;       ///< within the step
   double turn_cosine = 1.0;      ///< then: of the tangents for the whole change of the loads; NaN: there are none
@@ -125,8 +125,8 @@ class StepJudge {
 
   /// Point of the cubic of theory (56) at share `at` of the way, as increments from its start.
   PathDirection cubic(const PathPiece& piece, double at) const;
-  /// Motion by which the tangent of one end misses the other one, the smaller of both.
-  double missed(const PathPiece& piece) const;
+  /// Whether the tangent of one end leads to the other one, but for magnified rounding.
+  bool is_straight(const PathPiece& piece) const;
 
  private:
   struct Look;

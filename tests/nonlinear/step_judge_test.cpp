@@ -40,7 +40,7 @@ std::vector<Case> cases() {
       {Consequence::refuse, [nan](S& s) { s.loads_turn = true, s.turn_cosine = nan; }},
       {Consequence::refuse, [](S& s) { s.loads_turn = true, s.turn_cosine = 0.9; }},
       {Consequence::accept, [](S& s) { s.loads_turn = true; }},
-      {Consequence::accept, [](S& s) { s.first = s.last = -1.0, s.missed = 1e-8; }},
+      {Consequence::accept, [](S& s) { s.first = s.last = -1.0, s.is_straight = true; }},
       {Consequence::refuse, [](S& s) { s.first = 0.4; }},
       {Consequence::refuse, [](S& s) { s.last = 0.8; }, kPathStep},
       {Consequence::halve, [](S& s) { s.last = 0.4; }},
@@ -84,12 +84,12 @@ TEST(StepJudge, TableLineByLine) {
 }
 
 TEST(StepJudge, ThresholdsOfTheTable) {
-  // cosines of 14 and 60 degrees and rounding, as theory (57) and (58) have them; a correction of a fifth of the chord
+  // cosines of 14 and 60 degrees, as theory (57) and (58) have them; a correction of a fifth of the chord
   const StepSigns none;
   std::vector<double> found;
   for (const JudgeLine& line : judge_table())
     if (line.sign != nullptr && line.sign != &StepSigns::rate_error) found.push_back(line.threshold(none, kLoadStep));
-  const std::vector<double> expected = {1e-12, 1e-12, 0.97, 1e-7, 0.5, -0.5, 0.5, 0.97, 1e-2, 0.2, 1e-2};
+  const std::vector<double> expected = {1e-12, 1e-12, 0.97, 0.5, -0.5, 0.5, 0.97, 1e-2, 0.2, 1e-2};
   EXPECT_EQ(found, expected);
 }
 
