@@ -5,8 +5,6 @@
 #include "nonlinear/stability/block_krylov.hpp"
 #include "nonlinear/stability/thresholds.hpp"
 
-#include <Teuchos_LAPACK.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -200,13 +198,20 @@ class LinearBuckling : private StressedStructure {
   std::vector<EigenMode> modes(int count) {
     const double stress = largest_stress();
     if (stress == 0.0) return {};
-    std::vector<EigenMode> found = modes(1, stability_limit.first_stress / stress);
-    if (found.empty()) return found;
-    return modes(count, stability_limit.difference_step * std::abs(found.front().eigenvalue), true);
+    const std::vector<Factor> found = factors_of_pencil(1, stability_limit.first_stress / stress);
+    if (found.empty()) return {};
+    return improved(factors_of_pencil(count, stability_limit.difference_step * std::abs(found.front().value)));
   }
 
  private:
-  std::vector<EigenMode> modes(int count, double t, bool refined = false) {
+  struct Factor {
+    double value = 0.0, residual = 0.0;
+    std::vector<double> y, left;  ///< modes of the tangent and of its transpose
+    bool confirmed = false;
+  };
+
+  /// Of K_0 + lambda K_g by differences over t: condensed tangents, and low by what the cap does, about 1e-5 of them.
+  std::vector<Factor> factors_of_pencil(int count, double t) {
     const std::vector<double> geometric = geometric_stiffness(t);
     std::vector<double> inverse_factor;
     std::vector<std::vector<double>> y;
@@ -234,15 +239,10 @@ class LinearBuckling : private StressedStructure {
     y.resize(found);
     unknowns_.root().share(inverse_factor.data(), found, MPI_DOUBLE);
     if (found == 0) return {};
-    if (refined) return improved(inverse_factor, y);
-    return pencil_symmetric_ ? corrected(inverse_factor, y, t) : uncorrected(inverse_factor, y);
+    std::vector<Factor> factors;
+    for (int k = 0; k < found; ++k) factors.push_back({1.0 / inverse_factor[k], 0.0, y[k], y[k]});
+    return factors;
   }
-
-  struct Factor {
-    double value = 0.0, residual = 0.0;
-    std::vector<double> y, left;  ///< modes of the tangent and of its transpose
-    bool confirmed = false;
-  };
 
   /// left . K y at the stresses of a load factor with the true compliance: zero where these are modes.
   double energy_at(double load_factor, const Factor& factor) {
@@ -319,11 +319,8 @@ class LinearBuckling : private StressedStructure {
     return interior.uncertain ? -1 : static_cast<long>(negative) + interior.negative;
   }
 
-  std::vector<EigenMode> improved(const std::vector<double>& inverse_factor,
-                                  const std::vector<std::vector<double>>& y) {
-    std::vector<Factor> factors;
-    for (size_t k = 0; k < y.size(); ++k) {
-      Factor factor{1.0 / inverse_factor[k], 0.0, y[k], y[k]};
+  std::vector<EigenMode> improved(std::vector<Factor> factors) {
+    for (Factor& factor : factors) {
       if (!pencil_symmetric_) improve(factor);  // its left mode is not known yet
       for (int round = 0;; ++round) {
         factor.value = rayleigh_factor(factor);
@@ -331,7 +328,6 @@ class LinearBuckling : private StressedStructure {
         if (round == stability_limit.most_rounds || factor.residual <= stability_limit.small_residual) break;
         improve(factor);
       }
-      factors.push_back(std::move(factor));
     }
     std::stable_sort(factors.begin(), factors.end(),
                      [](const Factor& a, const Factor& b) { return rank(a.value) < rank(b.value); });
@@ -375,44 +371,6 @@ class LinearBuckling : private StressedStructure {
     return asymmetry(together);
   }
 
-  std::vector<MixedVector> motions_at(const State& state, const std::vector<std::vector<double>>& y) {
-    const Tangent tangent = tangent_at(state);
-    unknowns_.reduce(tangent);
-    std::vector<MixedVector> motions;
-    for (const std::vector<double>& one : y) motions.push_back(complete_motion(tangent, unknowns_, one));
-    return motions;
-  }
-
-  /// Weights of the compliance that the cap adds, between all modes, at one state: lower triangle, column-major.
-  std::vector<double> added_at(const State& state, const std::vector<std::vector<double>>& y) {
-    const int m = static_cast<int>(y.size());
-    const std::vector<MixedVector> motion = motions_at(state, y);
-    std::vector<double> weights(static_cast<size_t>(m) * m, 0.0);
-    for (int j = 0; j < m; ++j)
-      for (int i = j; i < m; ++i)
-        weights[i + static_cast<size_t>(j) * m] = cap_compliance_form(model_, cap_, motion[i], motion[j]);
-    return weights;
-  }
-
-  /// Rayleigh-Ritz in the modes found (K-orthonormal), with the true compliance in K and in K_g.
-  std::vector<EigenMode> corrected(const std::vector<double>& inverse_factor, const std::vector<std::vector<double>>& y,
-                                   double t) {
-    const int m = static_cast<int>(y.size());
-    const std::vector<double> plus = added_at(state_at(t), y), minus = added_at(state_at(-t), y);
-    std::vector<double> stiffness = added_at(reference_, y), prestress(stiffness.size());
-    for (size_t i = 0; i < prestress.size(); ++i) prestress[i] = -(plus[i] - minus[i]) / (2.0 * t);
-    for (int i = 0; i < m; ++i) {
-      stiffness[i * (m + 1)] += 1.0;
-      prestress[i * (m + 1)] += inverse_factor[i];
-    }
-    std::vector<double> values(m), work(4 * m + 1);
-    int info = 0;
-    Teuchos::LAPACK<int, double>().SYGV(1, 'V', 'L', m, prestress.data(), m, stiffness.data(), m, values.data(),
-                                        work.data(), 4 * m + 1, &info);
-    if (info != 0) throw LinearSolverError("the small eigenvalue problem failed: dsygv " + std::to_string(info));
-    return sorted_modes(values, prestress, y);
-  }
-
   /// At the reference state.
   std::vector<EigenMode> modes_of(const std::vector<Factor>& factors) {
     const Tangent tangent = tangent_at(reference_);
@@ -423,31 +381,6 @@ class LinearBuckling : private StressedStructure {
       normalize_mode(model_, mode);
       result.push_back({factor.value, std::move(mode), factor.residual, factor.confirmed});
     }
-    return result;
-  }
-
-  /// Not symmetric: low by what the cap does, about 1e-5 of them.
-  std::vector<EigenMode> uncorrected(const std::vector<double>& inverse_factor,
-                                     const std::vector<std::vector<double>>& y) {
-    const int m = static_cast<int>(y.size());
-    std::vector<double> identity(static_cast<size_t>(m) * m, 0.0);
-    for (int i = 0; i < m; ++i) identity[i * (m + 1)] = 1.0;
-    return sorted_modes(inverse_factor, identity, y);
-  }
-
-  /// At the reference state.
-  std::vector<EigenMode> sorted_modes(const std::vector<double>& inverse_factor, const std::vector<double>& weights,
-                                      const std::vector<std::vector<double>>& y) {
-    const int m = static_cast<int>(y.size());
-    const std::vector<MixedVector> motion = motions_at(reference_, y);
-    std::vector<EigenMode> result;
-    for (int k = 0; k < m; ++k) {
-      MixedVector mode = combination(motion, &weights[static_cast<size_t>(k) * m]);
-      normalize_mode(model_, mode);
-      result.push_back({1.0 / inverse_factor[k], std::move(mode)});
-    }
-    std::stable_sort(result.begin(), result.end(),
-                     [](const EigenMode& a, const EigenMode& b) { return rank(a.eigenvalue) < rank(b.eigenvalue); });
     return result;
   }
 };
