@@ -267,10 +267,10 @@ KernelView<double*> take_end_angles(const Model& model) {
 }
 
 /// Element residuals, interior rows straight into `out`; `scales`: of these rows, null: unscaled; `spin`: of the frame
-/// that carries their masses.
+/// that carries their masses; `fields_alone`: without all else.
 void evaluate_elements(const Model& model, const State& state, const KernelView<double* [3]>& line_fields,
                        const Vec& spin, const ResidualScales* scales, const KernelView<double*>& end_angles,
-                       MixedVector& out) {
+                       MixedVector& out, bool fields_alone = false) {
   const Structure& structure = model.structure();
   StructureViews views = structure.views;
   views.field_value = line_fields;
@@ -278,6 +278,7 @@ void evaluate_elements(const Model& model, const State& state, const KernelView<
   equations.largest_end_angle = end_angles;
   equations.interior_residual = out.writable_interior(false);
   equations.scales_interior = scales != nullptr;
+  equations.fields_alone = fields_alone;
   if (scales != nullptr) equations.interior_scales = *scales;
   for (size_t b = 0; b < structure.blocks.size(); ++b)
     if (state.in_plane)
@@ -336,14 +337,9 @@ void element_rows(const Model& model, const State& state, double load_factor, El
 void load_derivative(const Model& model, const State& state, double load_factor, const ResidualScales& scales,
                      MixedVector& rows) {
   rows.fill(0.0);
-  if (!model.line_fields().empty()) {
-    // fields enter linearly: their contribution is the residual with their derivative minus that without any
-    const std::vector<double> slopes = model.line_fields().slopes(load_factor), none(slopes.size(), 0.0);
-    MixedVector without = rows.clone(false);
-    evaluate_elements(model, state, line_fields_of(model, none), {}, nullptr, take_end_angles(model), without);
-    evaluate_elements(model, state, line_fields_of(model, slopes), {}, nullptr, take_end_angles(model), rows);
-    rows.update(-1.0, without, 1.0);
-  }
+  if (!model.line_fields().empty())
+    evaluate_elements(model, state, line_fields_of(model, model.line_fields().slopes(load_factor)), {}, nullptr,
+                      take_end_angles(model), rows, true);
   if (model.rotating() != nullptr) add_frame_slopes(model, state, load_factor, rows);
   const KernelView<double*> vertex = rows.vertex();
   for (const auto& energy : model.external()) energy->add_slopes(state, load_factor, vertex);

@@ -33,6 +33,7 @@ struct ElementEquations {
   KernelView<double*> interior_residual;        ///< increments layout of each element, block after block
   ResidualScales interior_scales;               ///< what interior_residual is divided by ...
   bool scales_interior = false;                 ///< ... if it is
+  bool fields_alone = false;                    ///< of line fields alone, which enter linearly
   KernelView<double* [12]> condensed_residual;  ///< (element, 12): gradient after elimination of the interior
   KernelView<double**> condensed_tangent;       ///< (element, kFullTangent or kSymmetricTangent), spatial
   KernelView<double*> response;                 ///< ElementBlock::response_size() of each element, block after block

@@ -136,8 +136,11 @@ struct ResidualLoop {
     const ElementPack<K, General, W> pack(gather, number);
     const ElementKinematics<K, Real> kinematics(pack.in, gather.block.interior);
     ElementGradient<K, Real> gradient;
-    element_gradient(pack.in, kinematics, gather.tables, gather.block.interior, gather.block.reference_layout,
-                     pack.section, gradient);
+    if (to.fields_alone)
+      clear(gradient);
+    else
+      element_gradient(pack.in, kinematics, gather.tables, gather.block.interior, gather.block.reference_layout,
+                       pack.section, gradient);
     if (gather.has_fields()) add_field_gradient(pack.fields, kinematics, gather.tables, gradient);
     Real interior_row[pack.kIncrements], vertex_row[12];
     store_residual(gradient, kinematics, gather.block.interior, interior_row, vertex_row);

@@ -24,8 +24,8 @@ struct PlanarResidualLoop {
     const PackInPlane<K, W> plane(gather.planar, lanes);
     PlanarState<K, Real> state;
     gather.load(number, lanes, plane, state);
-    PlanarGradient<K, Real> g;
-    planar_gradient(state, gather.tables, g);
+    PlanarGradient<K, Real> g{};
+    if (!to.fields_alone) planar_gradient(state, gather.tables, g);
     const int first = gather.block.first_element;
     if (gather.has_fields()) store_loads(lanes, first, gather.add_fields(lanes, plane, state, g), to.planar_loads);
     const Vec2<Real> force = (1.0 / state.length) * (state.triad * g.slope[0]);
