@@ -1,7 +1,10 @@
 #include "discretization/quantities/quantity_derivative.hpp"
 
 #include "discretization/state/element_polynomials.hpp"
-#include "kernels/element/section.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
 
 namespace mixbeam {
 
@@ -97,60 +100,27 @@ void StateDerivative::add_length(int member, double weight) {
   }
 }
 
+/// Energies of an element are quadratic in its N and M: central differences are exact.
 void StateDerivative::add_energy(double force, double moment) {
   force_energy_ += force;
   moment_energy_ += moment;
   for_each_owned_element(model_->structure(), *state_, [&](const ElementView& element) {
-    double* rows = element.increments_in(interior_);
-    if (element.block().general_section)
-      add_general_energy_of(element, force, moment, rows);
-    else
-      add_energy_of(element, force, moment, rows);
+    double *rows = element.increments_in(interior_), *numbers = element.unknowns();
+    const int moments = element.layout().moment(0), all = element.layout().relative_rotation(1);
+    const auto energy_with = [&](int i, double value) {
+      const double kept = std::exchange(numbers[i], value);
+      const StrainEnergy energy = element_energy(element);
+      numbers[i] = kept;
+      return force * energy.force + moment * energy.moment;
+    };
+    for (int i = 0; i < all; ++i) {
+      double size = 0.0;
+      for (int k = i < moments ? 0 : moments; k < (i < moments ? moments : all); ++k)
+        size = std::max(size, std::abs(numbers[k]));
+      const double step = size > 0.0 ? size : 1.0, up = numbers[i] + step, down = numbers[i] - step;
+      rows[i] += (energy_with(i, up) - energy_with(i, down)) / (up - down);
+    }
   });
-}
-
-void StateDerivative::add_energy_of(const ElementView& element, double force, double moment, double* rows) const {
-  const SectionConstants& section = element.section();
-  const double h = element.length();
-  for_each_force_rule(element.order(), element.block().force_integration, [&](int first, int count, int from, int to) {
-    double points[kMaximumOrder + 1], weights[kMaximumOrder + 1];
-    gauss_rule(count, points, weights);
-    for (int q = 0; q < count; ++q)
-      for (int i = from; i < to; ++i)
-        rows[element.layout().force(first + q) + i] +=
-            force * 0.5 * h * weights[q] * section.force_compliance[i] * element.force(first + q)[i];
-  });
-  for (int j = 0; j <= element.order(); ++j)
-    for (int i = 0; i < 3; ++i)
-      rows[element.layout().moment(j) + i] +=
-          moment * h / (2 * j + 1) * section.moment_compliance[i] * element.moment(j)[i];
-}
-
-/// Each of the two energies has half of what couples them.
-void StateDerivative::add_general_energy_of(const ElementView& element, double force, double moment,
-                                            double* rows) const {
-  const int k = element.order(), n = element.layout().force_points;
-  const GeneralSection<> section{&element.block().compliance(element.index(), 0), {k, n}, 0.0, 0.0};
-  double points[kMaximumOrder + 1], weights[kMaximumOrder + 1], P[kMaximumOrder + 1];
-  const double half = 0.5 * element.length(), coupled = 0.5 * (force + moment);
-  gauss_rule(n, points, weights);
-  for (int q = 0; q < n; ++q) {
-    legendre(k, points[q], P);
-    const Vec present = element.force(q);
-    const Mat coupling = section.force_moment(q);
-    add_to(rows + element.layout().force(q), (half * weights[q]) * (force * (section.force_force(q) * present) +
-                                                                    coupled * (coupling * element.moment_at(P))));
-    for (int j = 0; j <= k; ++j)
-      add_to(rows + element.layout().moment(j),
-             (half * weights[q] * coupled * P[j]) * transpose_times(coupling, present));
-  }
-  gauss_rule(k + 1, points, weights);
-  for (int q = 0; q <= k; ++q) {
-    legendre(k, points[q], P);
-    const Vec strain = section.moment_moment(q) * element.moment_at(P);
-    for (int j = 0; j <= k; ++j)
-      add_to(rows + element.layout().moment(j), (half * weights[q] * moment * P[j]) * strain);
-  }
 }
 
 }  // namespace mixbeam

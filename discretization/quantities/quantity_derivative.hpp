@@ -58,8 +58,6 @@ class StateDerivative {
   ElementView element_at(const PlaceInElement& place) const {
     return {model_->structure(), *state_, place.local_element};
   }
-  void add_energy_of(const ElementView& element, double force, double moment, double* rows) const;
-  void add_general_energy_of(const ElementView& element, double force, double moment, double* rows) const;
 
   const Model* model_;
   const State* state_;

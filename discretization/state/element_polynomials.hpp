@@ -10,6 +10,8 @@
 
 namespace mixbeam {
 
+struct StrainEnergy;
+
 /// The numbers of a state by vertices and elements of the mesh: those of a snapshot, or of a share.
 template <class Number>
 class StateNumbers {
@@ -80,5 +82,8 @@ Vec force_at(const ElementView& element, double xi);
 void add_force_derivative(const ElementView& element, double xi, const Vec& weight, double* rows);
 /// Force at xi through its spatial components, which are smoother where the element turns.
 Vec force_through_space_at(const ElementView& element, double xi);
+
+/// Strain energy of one element, see sampling.hpp.
+StrainEnergy element_energy(const ElementView& element);
 
 }  // namespace mixbeam

@@ -1,5 +1,6 @@
 /// Strain energy of a state and of its parts: see sampling.hpp and structure_parts.hpp.
 #include "discretization/mesh/element_view.hpp"
+#include "discretization/state/element_polynomials.hpp"
 #include "discretization/state/structure_parts.hpp"
 #include "kernels/element/section.hpp"
 
@@ -36,6 +37,8 @@ StrainEnergy general_element_energy(const ElementView& element) {
   return energy;
 }
 
+}  // namespace
+
 StrainEnergy element_energy(const ElementView& element) {
   if (element.block().general_section) return general_element_energy(element);
   const SectionConstants& section = element.section();
@@ -58,8 +61,6 @@ StrainEnergy element_energy(const ElementView& element) {
     }
   return energy;
 }
-
-}  // namespace
 
 std::vector<StrainEnergy> strain_energy_of_parts(const Model& model, const State& state, const StructureParts& parts) {
   std::vector<StrainEnergy> sums(parts.count);
