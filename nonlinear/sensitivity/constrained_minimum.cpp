@@ -43,9 +43,9 @@ class MinimumSearch {
     nlopt_set_upper_bounds(search, problem_.space.upper.data());
     nlopt_set_min_objective(search, objective, this);
     if (equations_ > 0)
-      nlopt_add_equality_mconstraint(search, static_cast<unsigned>(equations_), equations_of, this, allowed.data());
+      nlopt_add_equality_mconstraint(search, static_cast<unsigned>(equations_), rows_of, &equality_, allowed.data());
     if (inequalities > 0)
-      nlopt_add_inequality_mconstraint(search, static_cast<unsigned>(inequalities), inequalities_of, this,
+      nlopt_add_inequality_mconstraint(search, static_cast<unsigned>(inequalities), rows_of, &inequality_,
                                        allowed.data());
     nlopt_set_xtol_rel(search, kSettledUnknowns);
     nlopt_set_ftol_rel(search, kSettledObjective);
@@ -110,19 +110,16 @@ class MinimumSearch {
     });
     return value;
   }
-  static void equations_of(unsigned m, double* values, unsigned, const double*, double* gradient, void* data) {
-    static_cast<MinimumSearch*>(data)->give(1, m, values, gradient);
-  }
-  static void inequalities_of(unsigned m, double* values, unsigned, const double*, double* gradient, void* data) {
-    auto& self = *static_cast<MinimumSearch*>(data);
-    self.give(1 + self.equations_, m, values, gradient);
-  }
-  /// Constraints are asked for where the objective was, after it.
-  void give(std::size_t first, std::size_t count, double* values, double* gradient) const {
-    std::copy_n(result_.values.begin() + static_cast<std::ptrdiff_t>(first), count, values);
-    if (gradient != nullptr)
-      std::copy_n(result_.derivatives.begin() + static_cast<std::ptrdiff_t>(first * unknowns_), count * unknowns_,
-                  gradient);
+  /// Constraints from one of the values on.
+  struct Constraints {
+    const MinimumSearch* search;
+    std::size_t first;
+  };
+  /// They are asked for where the objective was, after it.
+  static void rows_of(unsigned m, double* values, unsigned n, const double*, double* gradient, void* data) {
+    const auto& [search, first] = *static_cast<const Constraints*>(data);
+    std::copy_n(search->result_.values.data() + first, m, values);
+    if (gradient != nullptr) std::copy_n(search->result_.derivatives.data() + first * n, m * n, gradient);
   }
 
   /// What rounding keeps off a bound is at it.
@@ -210,6 +207,7 @@ class MinimumSearch {
   const SearchProblem& problem_;
   std::size_t equations_;
   std::size_t unknowns_;
+  Constraints equality_{this, 1}, inequality_{this, 1 + equations_};
   std::unique_ptr<nlopt_opt_s, void (*)(nlopt_opt)> search_;
   SearchResult result_{};
   std::vector<double> at_{}, looked_at_{};  ///< unknowns of the last values and derivatives

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <random>
 
 namespace mixbeam {
@@ -174,14 +173,6 @@ struct Curve {
   double step = 0.0;
   std::vector<State> states{};
 };
-
-Adjoint sum_of(const Adjoint& a, const Adjoint& b) {
-  Adjoint sum = scaled_adjoint(a, 1.0);
-  sum.add(1.0, b);
-  return sum;
-}
-
-double nan_number() { return std::numeric_limits<double>::quiet_NaN(); }
 
 class CriticalLoad {
  public:
@@ -377,8 +368,11 @@ class CriticalLoad {
   /// Of the modes themselves; then of the second variations in each mode and in each sum of two.
   NumberDerivatives of_second_variations() {
     for (int a = 0; a < count(); ++a)
-      for (int b = a + 1; b < count(); ++b)
-        curves_.push_back(along(sum_of(tangent_->modes()[a], tangent_->modes()[b])));
+      for (int b = a + 1; b < count(); ++b) {
+        Adjoint sum = scaled_adjoint(tangent_->modes()[a], 1.0);
+        sum.add(1.0, tangent_->modes()[b]);
+        curves_.push_back(along(sum));
+      }
     NumberDerivatives derivatives(tangent_->beside(), state_, [this](const NumberDerivatives::Moved& moved) {
       std::vector<double> values(tangent_->modes().size(), 0.0);
       for (const Curve& curve : curves_) values.push_back(second_variation(curve, *moved.model, moved.load_factor));
@@ -486,7 +480,7 @@ class CriticalLoad {
       for (std::size_t e = 0; e < (breaking.*measured).size(); ++e)
         for (std::size_t i = first; i < first + 3; ++i)
           if (std::abs((breaking.*measured)[e][i]) > kBreaksSymmetry * largest)
-            for (const Numbers numbers : lost) (gradient.*numbers)[e][i] = nan_number();
+            for (const Numbers numbers : lost) (gradient.*numbers)[e][i] = std::nan("");
     }
   }
 
