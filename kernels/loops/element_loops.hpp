@@ -189,7 +189,7 @@ struct TangentLoop {
     MeanRows<K, Real> mean_rows;
     const bool has_potential = !pack.fields.have_no_potential();
     const typename Real::Mask unsymmetric = without_potential(pack.lanes, !has_potential);
-    if (any<W>(~unsymmetric))
+    if (has_potential || any<W>(~unsymmetric))
       solve_in_lanes(element.system, element.response, element.condensed, counts() ? signs : nullptr);
     if (!has_potential) {
       const Kinematics copy = kinematics;  // only this one has its address taken
