@@ -11,8 +11,8 @@ namespace mixbeam {
 /// Throws InputError where a scene whose modes keep to a plane has none.
 void require_plane(const Model& model);
 
-/// Momenta of all ranks in one vector: those of each element of the mesh in turn, then those of the bodies. All
-/// functions but equations() are collective.
+/// Momenta of all ranks in one vector: those of each element of the mesh in turn, then those of the bodies. Functions
+/// that return momenta, strains, sums or norms are collective.
 class Masses {
  public:
   /// Inertia alone; condense() makes the rest. `in_plane`: of a model with a plane: what leaves it has no mass, and

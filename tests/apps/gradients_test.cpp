@@ -123,11 +123,9 @@ TEST_F(GradientList, OfACriticalLoadThatDidNotComeIsACheckThatFailed) {
 }
 
 TEST_F(GradientList, LeavesOutQuantitiesThatAPatternMeans) {
-  const Ended ended = run(
-      "{Quantities: {tip: {Quantity: displacement, Point: tip}, far: {Quantity: formula, Formula: tip_y / tip_z}, "
-      "none: "
-      "{Quantity: formula, Formula: tip_z / tip_z}, count: {Quantity: negative eigenvalues}}, Gradient: {Of: ['*'], "
-      "With Respect To: [Sections/*/EI3]}}");
+  const Ended ended = run(R"yaml({Quantities: {tip: {Quantity: displacement, Point: tip}, far: {Quantity: formula,
+  Formula: tip_y / tip_z}, none: {Quantity: formula, Formula: tip_z / tip_z}, count: {Quantity: negative eigenvalues}},
+  Gradient: {Of: ['*'], With Respect To: [Sections/*/EI3]}})yaml");
   EXPECT_EQ(ended.exit_code, kOk) << ended.err << ended.out;
   expect_in(ended.out, {"gradient of tip.y", "no derivative: the gradient of \"count\": the quantity",
                         "no derivative: the gradient of \"far\": it has no finite value", "unknown"});
