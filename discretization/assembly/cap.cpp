@@ -90,9 +90,11 @@ Cap cap_for(const Model& model, const ResidualScales& scales, double raise) {
 void cap_compliance_rows(const Model& model, const Cap& cap, const ResidualScales& scales, const MixedVector& increment,
                          MixedVector& rows) {
   Kokkos::deep_copy(rows.vertex(), 0.0);
-  const KernelView<double*> interior = rows.writable_interior(false);
-  for (const ElementBlock& block : model.structure().blocks)
-    cap_compliance_rows(block, cap.structure, increment.interior(), interior);
+  {
+    const KernelView<double*> interior = rows.writable_interior(false);
+    for (const ElementBlock& block : model.structure().blocks)
+      cap_compliance_rows(block, cap.structure, increment.interior(), interior);
+  }  // a view that is still held would be taken for another owner, and the rows copied
   scale_rows(model, scales, rows);
 }
 

@@ -1,7 +1,5 @@
 #include "discretization/mesh/mixed_vector.hpp"
 
-#include "kernels/execution/pack.hpp"
-
 #include <Teuchos_CommHelpers.hpp>
 
 #include <cmath>
@@ -14,11 +12,10 @@ namespace {
 
 using Entries = KernelView<double*>;
 using ConstEntries = KernelView<const double*>;
+/// Numbers that are read; not counted as an owner, or a vector that reads its own would part from them to be written
+/// to.
+using Sources = Kokkos::View<const double*, Kokkos::LayoutRight, MemorySpace, Kokkos::MemoryTraits<Kokkos::Unmanaged>>;
 using Range = Kokkos::RangePolicy<ExecutionSpace>;
-
-/// Entries that one call of a kernel works on: as many registers full as make the call itself cheap. Runs do not depend
-/// on the number of threads, and with them which entries share a register.
-constexpr size_t kRun = 64 * kLanes;
 
 /// action(i) for every entry; entries must not depend on each other.
 template <class Action>
@@ -179,10 +176,13 @@ void MixedVector::assign(const MixedVector& other) {
 }
 
 void MixedVector::scale(double factor) {
-  for (const Entries& part : {vertex(), writable_interior(true)}) {
-    const Entries y = part;
+  const Sources old[2] = {std::as_const(*this).vertex(), interior_};
+  const Entries out[2] = {writable_vertex(false), writable_interior(false)};
+  for (int part = 0; part < 2; ++part) {
+    const Entries y = out[part];
+    const Sources x = old[part];
     for_each_entry(
-        "mixbeam::vector::scale", y.extent(0), KOKKOS_LAMBDA(size_t i) { y(i) *= factor; });
+        "mixbeam::vector::scale", y.extent(0), KOKKOS_LAMBDA(size_t i) { y(i) = factor * x(i); });
   }
 }
 
@@ -193,12 +193,12 @@ void MixedVector::update(double a, const MixedVector& x, double gamma) {
 
 void MixedVector::update(double a, const MixedVector& x, double b, const MixedVector& y, double gamma) {
   // the sources first: writing may part this vector from one of them
-  const ConstEntries first[2] = {x.vertex(), x.interior_}, second[2] = {y.vertex(), y.interior_},
-                     old[2] = {std::as_const(*this).vertex(), interior_};
+  const Sources first[2] = {x.vertex(), x.interior_}, second[2] = {y.vertex(), y.interior_},
+                old[2] = {std::as_const(*this).vertex(), interior_};
   const Entries out[2] = {writable_vertex(false), writable_interior(false)};
   for (int part = 0; part < 2; ++part) {
     const Entries z = out[part];
-    const ConstEntries p = first[part], q = second[part], before = old[part];
+    const Sources p = first[part], q = second[part], before = old[part];
     for_each_entry(
         "mixbeam::vector::update", z.extent(0), KOKKOS_LAMBDA(size_t i) {
           double value = gamma == 0.0 ? 0.0 : gamma * before(i);  // a zero factor must not spread a not-a-number
@@ -212,11 +212,11 @@ void MixedVector::update(double a, const MixedVector& x, double b, const MixedVe
 /// this_i = action(this_i, other_i)
 template <class Action>
 void MixedVector::combine_with(const MixedVector& other, const Action& action) {
-  const ConstEntries in[2] = {other.vertex(), other.interior_}, old[2] = {std::as_const(*this).vertex(), interior_};
+  const Sources in[2] = {other.vertex(), other.interior_}, old[2] = {std::as_const(*this).vertex(), interior_};
   const Entries out[2] = {writable_vertex(false), writable_interior(false)};
   for (int part = 0; part < 2; ++part) {
     const Entries y = out[part];
-    const ConstEntries x = in[part], own = old[part];
+    const Sources x = in[part], own = old[part];
     for_each_entry(
         "mixbeam::vector::combine", y.extent(0), KOKKOS_LAMBDA(size_t i) { y(i) = action(own(i), x(i)); });
   }
@@ -241,31 +241,6 @@ double MixedVector::maximum_norm() const {
   return maximum_over_ranks(*vertex_dofs_->getMap()->getComm(),
                             std::max(largest_magnitude(vertex()), largest_magnitude(interior_)));
 }
-
-namespace {
-
-/// Sum of term(i) over the entries of one array, in an order that does not depend on the number of threads.
-template <class Term>
-double ordered_sum(size_t n, const Term& term) {
-  constexpr size_t side_by_side = 4;  // sums that wait for each other would take the time of their latency
-  const size_t runs = (n + kRun - 1) / kRun;
-  const Entries partial(Kokkos::view_alloc("mixbeam::vector::partial_sums", Kokkos::WithoutInitializing), runs);
-  Kokkos::parallel_for(
-      "mixbeam::vector::sum", Range(0, runs), KOKKOS_LAMBDA(size_t run) {
-        const size_t end = (run + 1) * kRun < n ? (run + 1) * kRun : n;
-        double sum[side_by_side] = {};
-        size_t i = run * kRun;
-        for (; i + side_by_side <= end; i += side_by_side)
-          for (size_t j = 0; j < side_by_side; ++j) sum[j] += term(i + j);
-        for (; i < end; ++i) sum[0] += term(i);
-        partial(run) = (sum[0] + sum[1]) + (sum[2] + sum[3]);
-      });
-  double total = 0.0;
-  for (size_t run = 0; run < runs; ++run) total += partial(run);
-  return total;
-}
-
-}  // namespace
 
 /// Sums term(entry here, entry there) over all ranks, each entry counted once.
 template <class Term>

@@ -5,6 +5,7 @@
 #include "discretization/mesh/structure.hpp"
 #include "discretization/mesh/tpetra_types.hpp"
 #include "discretization/mesh/view_pool.hpp"
+#include "kernels/execution/pack.hpp"
 
 #include <cmath>
 #include <memory>
@@ -117,6 +118,32 @@ Largest<kinds> largest_of(const char* label, int count, const RaiseAll& raise_al
   Largest<kinds> largest;
   Kokkos::parallel_reduce(label, Kokkos::RangePolicy<ExecutionSpace>(0, count), Loop{raise_all}, largest);
   return largest;
+}
+
+/// Entries that one call of a kernel works on: as many registers full as make the call itself cheap. Runs do not depend
+/// on the number of threads, and with them which entries share a register.
+constexpr size_t kRun = 64 * kLanes;
+
+/// Sum of term(i), 0 <= i < n, in an order that does not depend on the number of threads.
+template <class Term>
+double ordered_sum(size_t n, const Term& term) {
+  constexpr size_t side_by_side = 4;  // sums that wait for each other would take the time of their latency
+  const size_t runs = (n + kRun - 1) / kRun;
+  const KernelView<double*> partial(Kokkos::view_alloc("mixbeam::vector::partial_sums", Kokkos::WithoutInitializing),
+                                    runs);
+  Kokkos::parallel_for(
+      "mixbeam::vector::sum", Kokkos::RangePolicy<ExecutionSpace>(0, runs), KOKKOS_LAMBDA(size_t run) {
+        const size_t end = (run + 1) * kRun < n ? (run + 1) * kRun : n;
+        double sum[side_by_side] = {};
+        size_t i = run * kRun;
+        for (; i + side_by_side <= end; i += side_by_side)
+          for (size_t j = 0; j < side_by_side; ++j) sum[j] += term(i + j);
+        for (; i < end; ++i) sum[0] += term(i);
+        partial(run) = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+      });
+  double total = 0.0;
+  for (size_t run = 0; run < runs; ++run) total += partial(run);
+  return total;
 }
 
 /// Largest component of a displacement or force, and of a rotation or moment.
