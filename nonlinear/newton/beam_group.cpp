@@ -254,10 +254,10 @@ NOX::Abstract::Group::ReturnType BeamGroup::applyJacobianInverse(Teuchos::Parame
   try {
     if (linearization_->tangent().is_planar() && !problem_->model.is_in_plane(rhs)) linearize_here(true);
     linearization_->solve(rhs, increment.values(), choice_.enough);
-    if (!choice_.keeps_cap) {
+    if (!choice_.keeps_cap && feels_cap(*linearization_, increment.values(), choice_.enough)) {
       const double cap_ratio = linearization_->tangent().cap().least_ratio;
-      remove_cap_compliance(*linearization_, cap_ratio > 0.0 ? cap_ratio : newton_limit.rigid_ratio,
-                            increment.values());
+      remove_cap_compliance(*linearization_, cap_ratio > 0.0 ? cap_ratio : newton_limit.rigid_ratio, increment.values(),
+                            choice_.enough);
     }
   } catch (const LinearSolverError& error) {
     problem_->last_failure = error.what();

@@ -78,15 +78,24 @@ void Linearization::cap_compliance_rows(const MixedVector& increment, MixedVecto
   mixbeam::cap_compliance_rows(tangent_.model(), tangent_.cap(), tangent_.point().scales, increment, rows);
 }
 
+bool feels_cap(const Linearization& linearization, const MixedVector& motion, double enough) {
+  const Tangent& tangent = linearization.tangent();
+  const LargestParts size = largest_parts(*tangent.model().map()->getComm(), motion.vertex());
+  ResidualScales as_moved = tangent.point().scales;
+  as_moved.strain = as_moved.rotation = std::max(size.moved / tangent.model().structure().length, size.turned);
+  as_moved.displacement_noise = 0.0;
+  return !(largest_cap_compliance_row(tangent.model(), tangent.cap(), as_moved, motion) <= enough);
+}
+
 // With S = J_c^-1 (-.): d = d_0 + S g and g = D d, so (I - D S) g = D d_0.
-bool remove_cap_compliance(Linearization& linearization, double cap_ratio, MixedVector& increment) {
+bool remove_cap_compliance(Linearization& linearization, double cap_ratio, MixedVector& increment, double reduction) {
   MixedVector left_out = increment.clone(false);
   linearization.cap_compliance_rows(increment, left_out);
   const double beta = norm_of(left_out);
   if (!(beta > 0.0) || !std::isfinite(beta)) return false;
   std::vector<MixedVector> basis, response;
   basis.push_back(std::move(left_out));
-  const GmresResult found = gmres(basis, beta, newton_limit.reduction, newton_limit.most_vectors,
+  const GmresResult found = gmres(basis, beta, std::max(reduction, newton_limit.reduction), newton_limit.most_vectors,
                                   [&](const MixedVector& of, MixedVector& next) {
                                     response.push_back(increment.clone(false));
                                     linearization.solve(of, response.back());
@@ -112,10 +121,12 @@ bool remove_cap_compliance_where_it_slows(Linearization& linearization, const Mi
   // Strains of the order of the squared rotation are left by the linearisation.
   const double spin = increment.largest_vertex_spin();
   const double from_rotation = spin * spin / scales.rotation;
-  if (!(left > newton_limit.negligible_cap * std::max(model.options().residual_tolerance, from_rotation))) return false;
+  const double held_anyway = std::max(model.options().residual_tolerance, from_rotation);
+  if (!(left > newton_limit.negligible_cap * held_anyway)) return false;
   if (!(left > newton_limit.negligible_cap * compatibility_norm(model, residual))) return false;
   try {
-    return remove_cap_compliance(linearization, cap.least_ratio, increment);
+    return remove_cap_compliance(linearization, cap.least_ratio, increment,
+                                 newton_limit.negligible_cap * held_anyway / left);
   } catch (const LinearSolverError&) {
     return false;  // the increment is still that of the capped tangent, which only converges more slowly
   }

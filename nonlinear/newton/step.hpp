@@ -77,10 +77,15 @@ State moved(const BeamProblem& problem, const State& from, const MixedVector& in
 ///
 /// From d with J_c d = -r to d with (J_c + D) d = -r. `cap_ratio`: of the cap to the largest finite stiffness
 /// (Cap::least_ratio); what answers less belongs to closed frames that are exactly rigid, may carry any stress of their
-/// own, and are not changed. The increment stays as it is where the iteration gains nothing. Returns whether it gained
-/// something. Throws LinearSolverError, the increment being untouched then. Collective; the same for any number of
-/// threads.
-bool remove_cap_compliance(Linearization& linearization, double cap_ratio, MixedVector& increment);
+/// own, and are not changed. `reduction`: of what the cap leaves out, where more is enough than the thresholds ask for.
+/// The increment stays as it is where the iteration gains nothing. Returns whether it gained something. Throws
+/// LinearSolverError, the increment being untouched then. Collective; the same for any number of threads.
+bool remove_cap_compliance(Linearization& linearization, double cap_ratio, MixedVector& increment,
+                           double reduction = 0.0);
+
+/// Whether the strains that the cap has left out of a motion are more than the share `enough` of its largest rotation,
+/// or displacement over the length. Collective.
+bool feels_cap(const Linearization& linearization, const MixedVector& motion, double enough);
 
 /// The same where the cap would slow down the iteration.
 bool remove_cap_compliance_where_it_slows(Linearization& linearization, const MixedVector& residual,
