@@ -89,6 +89,22 @@ void recount_unsymmetric(Spectrum& spectrum) {
 /// Inverse iterations from an arbitrary vector: next to zero each gains many digits.
 constexpr int kInverseIterations = 3;
 
+/// Entries of a vector that is parallel to no mode: multiples of the golden ratio without their whole parts, from 0.5
+/// to 1.5.
+KOKKOS_INLINE_FUNCTION double arbitrary(double number) {
+  constexpr double golden = 0.6180339887498949;
+  const double multiple = golden * number;
+  return 0.5 + (multiple - std::floor(multiple));
+}
+
+using Rows = Kokkos::RangePolicy<ExecutionSpace>;
+
+/// Measures motions of vertices, (6 * vertex + component).
+struct VertexWeights {
+  double moved, turned;
+  KOKKOS_INLINE_FUNCTION double operator()(size_t row) const { return row % kVertexDofs < 3 ? moved : turned; }
+};
+
 /// How near to zero an eigenvalue of a tangent may be, by inverse iteration: signs of pivots next to one are those of
 /// rounding.
 struct NearestEigenvalue {
@@ -108,7 +124,7 @@ double rounding_level(const SparseMatrix& a, const std::vector<double>& y) {
 /// Of a matrix that is factorised.
 NearestEigenvalue nearest_eigenvalue(const SparseMatrix& a, InertiaSolver& solver) {
   std::vector<double> y(a.rows());
-  for (int i = 0; i < a.rows(); ++i) y[i] = 1.0 + 0.5 * std::sin(1.0 + i);  // parallel to no mode
+  for (int i = 0; i < a.rows(); ++i) y[i] = arbitrary(i);
   double length = std::sqrt(dot_product(y, y)), size = HUGE_VAL;
   for (int i = 0; i < kInverseIterations; ++i) {
     for (double& x : y) x /= length;
@@ -128,32 +144,37 @@ NearestEigenvalue nearest_eigenvalue(const Tangent& tangent,
                                      const std::function<double(const DofVector&)>& rounding_of_form = {}) {
   const Model& model = tangent.model();
   const Structure& structure = model.structure();
+  const Teuchos::Comm<int>& comm = *model.map()->getComm();
   DofVector x(model.map()), b(model.map());
-  const size_t rows = MixedVector::view_of(x).extent(0);
+  const KernelView<double*> motion = MixedVector::view_of(x), force = MixedVector::view_of(b);
+  const int rows = static_cast<int>(motion.extent(0));
   const double L = structure.length, share = structure.bending_reference / (L * model.mesh().vertices());
-  const auto weight = [&](size_t i) { return i % kVertexDofs < 3 ? share / (L * L) : share; };
-  const auto length_of = [&](const DofVector& v, bool is_force) {
-    const KernelView<const double*> values = MixedVector::view_of(v);
-    double sum = 0.0, all = 0.0;
-    for (size_t i = 0; i < rows; ++i) sum += values(i) * values(i) * (is_force ? 1.0 / weight(i) : weight(i));
-    Teuchos::reduceAll(*model.map()->getComm(), Teuchos::REDUCE_SUM, 1, &sum, &all);
-    return std::sqrt(all);
-  };
-  for (size_t i = 0; i < rows; ++i) {
-    const double number = kVertexDofs * structure.local_vertex_to_global[i / kVertexDofs] + i % kVertexDofs;
-    MixedVector::view_of(x)(i) = 1.0 + 0.5 * std::sin(1.0 + number);
-  }
+  const VertexWeights weights{share / (L * L), share};
+  const auto* global_vertex = structure.local_vertex_to_global.data();
+  Kokkos::parallel_for(
+      "mixbeam::nearest::start", Rows(0, rows), KOKKOS_LAMBDA(int i) {
+        motion(i) = arbitrary(static_cast<double>(kVertexDofs) * global_vertex[i / kVertexDofs] + i % kVertexDofs);
+      });
   NearestEigenvalue nearest;
-  double length = length_of(x, false);
+  const auto length = [&] {
+    return std::sqrt(
+        sum_over_ranks(comm, ordered_sum(
+                                 rows, KOKKOS_LAMBDA(size_t i) { return motion(i) * motion(i) * weights(i); })));
+  };
+  double moved = length();
   for (int step = 0; step < kInverseIterations; ++step) {
-    for (size_t i = 0; i < rows; ++i) MixedVector::view_of(b)(i) = weight(i) / length * MixedVector::view_of(x)(i);
-    tangent.project_on_free_motions(MixedVector::view_of(b));
-    const double force = length_of(b, true);
+    const double scale = 1.0 / moved;
+    Kokkos::parallel_for(
+        "mixbeam::nearest::force", Rows(0, rows), KOKKOS_LAMBDA(int i) { force(i) = scale * weights(i) * motion(i); });
+    tangent.project_on_free_motions(force);
+    const double pushed = std::sqrt(
+        sum_over_ranks(comm, ordered_sum(
+                                 rows, KOKKOS_LAMBDA(size_t i) { return force(i) * force(i) / weights(i); })));
     solve(b, x);
-    length = length_of(x, false);
-    nearest.size = force / length;
+    moved = length();
+    nearest.size = pushed / moved;
   }
-  if (rounding_of_form) nearest.rounding = rounding_of_form(x) / (length * length);
+  if (rounding_of_form) nearest.rounding = rounding_of_form(x) / (moved * moved);
   return nearest;
 }
 
