@@ -39,6 +39,9 @@ constexpr int kVerticesOfMode = 3;
 /// Whose residual had fallen this far, and was still at its lowest, would have arrived with more iterations.
 constexpr double kFallen = 1e-2;
 
+/// Of the length: the sag of a member that cannot stretch is what the tolerance of its strain lets through, 1e-5.
+constexpr double kHardlyMoved = 1e-3;
+
 /// Load factors are sums of rounded steps.
 constexpr double kFactorRounding = 1e-9;
 
@@ -173,13 +176,22 @@ std::optional<double> condition_of_tangent(BeamProblem& problem, const SolverPar
   }
 }
 
-/// Whether even the smallest step leaves strains in a member that is rigid, or nearly so, while some are imposed.
-bool is_incompatible(const FailureReport& report, const Model& model, const PathEnd& end) {
+/// Whether even the smallest step leaves strains in a member that is rigid, or nearly so.
+bool is_rigid_where_it_fails(const FailureReport& report, const Model& model, const PathEnd& end) {
   const FailedAttempt& last = report.attempts.back();
   if (!report.step_at_minimum || !last.peak || last.peak->place.kind != RowKind::element_force) return false;
   const int section = model.structure().member_section[member_index(model.scene(), last.peak->place.member)];
   const Cap cap = cap_for(model, scales_of(model, end.state, end.load_factor));
-  return cap.cuts_off_force(section, last.peak->place.component) && imposes_deformation(model.scene());
+  return cap.cuts_off_force(section, last.peak->place.component);
+}
+
+/// Whether the structure has hardly moved and a straight member would have to stretch.
+bool is_taut(const FailureReport& report, const Model& model, const PathEnd& end) {
+  const EquationPlace& place = report.attempts.back().peak->place;
+  const Member& member = model.scene().members[member_index(model.scene(), place.member)];
+  const double moved = magnitude_of(model, end.state, end.load_factor).displacement;
+  return place.component == 0 && member.curve.shape == CurveShape::line &&
+         moved < kHardlyMoved * model.structure().length;
 }
 
 FailureCause cause_of(const FailureReport& report, const Model& model, const PathEnd& end) {
@@ -194,7 +206,10 @@ FailureCause cause_of(const FailureReport& report, const Model& model, const Pat
   if (lost) return FailureCause::overflow;
   if (last.end == AttemptEnd::linear_solver) return FailureCause::linear_solver;
   if (last.end == AttemptEnd::refused) return FailureCause::path_lost;
-  if (is_incompatible(report, model, end)) return FailureCause::incompatible;
+  if (is_rigid_where_it_fails(report, model, end)) {
+    if (imposes_deformation(model.scene())) return FailureCause::incompatible;
+    if (is_taut(report, model, end)) return FailureCause::taut;
+  }
   const bool falls = last.last_residual == last.smallest_residual && last.last_residual < kFallen * last.first_residual;
   return falls ? FailureCause::slow : FailureCause::wandering;
 }

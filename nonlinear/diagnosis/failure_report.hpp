@@ -21,6 +21,7 @@ enum class FailureCause {
   linear_solver,    ///< the tangent is regular, but could not be solved with
   path_lost,        ///< equilibria go on, but not to the end of the stage
   incompatible,     ///< strains or motions are imposed that members without give cannot take on
+  taut,             ///< loads act across a straight member that cannot stretch and is held at both ends
   slow,             ///< the residual was still falling when the iterations were used up
   wandering         ///< the residual did not fall
 };

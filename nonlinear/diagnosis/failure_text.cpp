@@ -232,11 +232,11 @@ class Adviser {
     const EquationPlace& place = report_.attempts.back().peak->place;
     add(AdviceKind::finite_stiffness,
         "Give member \"" + excerpt(place.member) + "\" " + (place.component == 0 ? "an axial" : "a shear") +
-            " stiffness (" + (place.component == 0 ? "\"EA\"" : "\"GA2\", \"GA3\"") +
-            "), or remove eigenstrains and prescribed motions that are compatible only if it changes its length or " +
-            "shears. Where it is straight and has to buckle, \"Branch\" in "
-            "\"Analysis\" "
-            "chooses the side.");
+            " stiffness (" + (place.component == 0 ? "\"EA\"" : "\"GA2\", \"GA3\"") + "), " +
+            (report_.cause == FailureCause::taut
+                 ? "or let one of its ends move along it: \"Fixed Displacement\" of its support."
+                 : "or remove eigenstrains and prescribed motions that are compatible only if it changes its length or "
+                   "shears. Where it is straight and has to buckle, \"Branch\" in \"Analysis\" chooses the side."));
   }
 
  private:
@@ -295,6 +295,7 @@ const std::map<FailureCause, std::vector<Advising>> kAdvice = {
       &Adviser::stay_below}},
     {FailureCause::incompatible,
      {&Adviser::finite_stiffness, &Adviser::smaller_minimum_step, &Adviser::more_elements, &Adviser::stay_below}},
+    {FailureCause::taut, {&Adviser::finite_stiffness}},
     {FailureCause::slow,
      {&Adviser::jump, &Adviser::more_iterations, &Adviser::smaller_minimum_step, &Adviser::smaller_rotation,
       &Adviser::more_elements}},
@@ -314,6 +315,8 @@ const std::map<FailureCause, const char*> kWords = {
     {FailureCause::path_lost, "the path continues from here, but not to the end of the stage"},
     {FailureCause::incompatible,
      "imposed strains or motions are incompatible with members that are inextensible or shear rigid, or nearly so"},
+    {FailureCause::taut,
+     "a straight member that cannot stretch is held at both ends: no finite axial force carries a load across it"},
     {FailureCause::slow, "Newton's method was converging, but had too few iterations"},
     {FailureCause::wandering, "Newton's method did not converge from the last equilibrium to the next"}};
 

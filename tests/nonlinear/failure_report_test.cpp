@@ -302,6 +302,28 @@ TEST(FailureReport, APathWithoutDirectionIsNotTheFaultOfALoad) {
   EXPECT_EQ(text_of(report).find("nan"), std::string::npos);
 }
 
+/// A member that cannot stretch between two clamps, or with one that lets its end slide.
+Outcome load_across(bool slides) {
+  Scene scene = cantilever(section(kRigid, kRigid, 1.0, 1.0), 1.0, 2, 8);
+  scene.supports.push_back(scene.supports.front());
+  scene.supports.back().point = "tip";
+  scene.supports.back().displacement_fixed[0] = !slides;
+  DistributedLoad load;
+  load.member = "beam";
+  load.force = {0, 0, -1.0};
+  scene.distributed_loads = {load};
+  return follow(scene);
+}
+
+TEST(FailureReport, OfALoadAcrossAMemberThatCannotStretch) {
+  const Outcome outcome = load_across(false);
+  ASSERT_TRUE(outcome.result.report.has_value());
+  EXPECT_EQ(outcome.result.report->cause, FailureCause::taut) << outcome.result.failure;
+  EXPECT_EQ(outcome.result.report->next.front().kind, AdviceKind::finite_stiffness);
+  expect_in(outcome.result.failure, {"no finite axial force", "\"EA\"", "\"Fixed Displacement\""});
+  EXPECT_TRUE(load_across(true).result.finished);
+}
+
 TEST(FailureReport, OfTooFewIterations) {
   const Outcome outcome = follow(elastica(10.0), in_steps(1.0, 0.9, 4));
   ASSERT_TRUE(outcome.result.report.has_value());
