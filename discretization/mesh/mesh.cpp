@@ -222,8 +222,7 @@ int vertex_of(const Mesh& mesh, const std::string& point) {
   if (entry != mesh.vertex_of_point.end()) return entry->second;
   std::vector<std::string> names;
   for (const auto& [name, vertex] : mesh.vertex_of_point) names.push_back(name);
-  throw InputError("no member touches a point named \"" + point + "\"; did you mean \"" + nearest_name(point, names) +
-                   "\"?");
+  throw InputError("no member touches a point named \"" + point + "\"" + did_you_mean(point, names));
 }
 
 int member_index(const Scene& scene, const std::string& name) {
@@ -232,7 +231,7 @@ int member_index(const Scene& scene, const std::string& name) {
   if (entry != members.end()) return static_cast<int>(entry - members.begin());
   std::vector<std::string> names;
   for (const Member& member : members) names.push_back(member.name);
-  throw InputError("there is no member named \"" + name + "\"; did you mean \"" + nearest_name(name, names) + "\"?");
+  throw InputError("there is no member named \"" + name + "\"" + did_you_mean(name, names));
 }
 
 double characteristic_length(const Mesh& mesh) {
