@@ -65,6 +65,12 @@ class RotatingElements {
   const FrameSpin& spin() const { return spin_; }
   /// The frame of a block at some angular velocity.
   FrameViews frame(size_t block, const Vec& spin) const { return {blocks_[block].mass, blocks_[block].place, spin}; }
+  /// The same of some elements of it that follow each other.
+  FrameViews frame(size_t block, const Vec& spin, int first, int count) const {
+    const auto rows = std::make_pair(first, first + count);
+    return {Kokkos::subview(blocks_[block].mass, rows, Kokkos::ALL),
+            Kokkos::subview(blocks_[block].place, rows, Kokkos::ALL), spin};
+  }
   /// Force per length on the undeformed structure times the length of its member, where that is largest, at
   /// amplitude 1.
   double largest_force() const { return largest_force_; }

@@ -146,12 +146,12 @@ struct VibrationLoop {
 
   void operator()(int e) const {
     const ElementBlock& block = vibrating.block;
-    const bool has_inertia = vibrating.momentum.extent(0) > 0;
+    const bool has_inertia = vibrating.momentum.extent(0) > 0, moves = has_inertia || frame.turns();
     double matrix[kMotions * kMotions] = {}, velocity[6 * (K + 1) * kMotions];
     double* strain = &vibrating.strain(e, 0);
     std::fill_n(strain, vibrating.layout().stresses() * kMotions, 0.0);
-    if (has_inertia) std::fill_n(velocity, 6 * (K + 1) * kMotions, 0.0);
-    const MotionRows velocities{has_inertia ? velocity : nullptr, kMotions};
+    if (moves) std::fill_n(velocity, 6 * (K + 1) * kMotions, 0.0);
+    const MotionRows velocities{moves ? velocity : nullptr, kMotions};
     const ElementInput<double> in = input_of(block, state, e);
     const ElementMatrices<K> matrices{
         tables, block.interior, block.reference_layout, {strain, kMotions}, {matrix, kMotions}, velocities};

@@ -103,15 +103,19 @@ template <class Action>
 void AdjointOperator::for_each_part(bool condenses, const Action& action) const {
   StructureViews structure = tangent_->cap().structure;
   structure.field_value = point_.line_fields;
-  for (const ElementBlock& block : model_.structure().blocks) {
+  const RotatingElements* rotating = model_.rotating();
+  for (size_t b = 0; b < model_.structure().blocks.size(); ++b) {
+    const ElementBlock& block = model_.structure().blocks[b];
     VibratingBlock part = allocate_static_block(block, std::min(kPart, block.count), condenses);
     part.transposed = transposed_;
     for (int first = 0; first < block.count; first += kPart) {
       part.block = part_of(block, first, std::min(kPart, block.count - first));
       action(part, [&] {
+        const Vec spin = model_.frame().at(point_.load_factor);
         evaluate_vibration(part, structure, state_.views, 0.0,
                            condenses ? VibrationUse::condensed : VibrationUse::matrices,
-                           tangent_->elements().condensed_tangent);
+                           tangent_->elements().condensed_tangent,
+                           rotating == nullptr ? FrameViews() : rotating->frame(b, spin, first, part.block.count));
       });
     }
   }

@@ -254,8 +254,6 @@ void add_number(const SceneNumber& number, std::vector<RecordedGradient>& gradie
 void require_differentiable(const BeamProblem& problem) {
   if (problem.model.map()->getComm()->getSize() > 1)
     throw InputError("gradients are computed by one process alone; allowed: a run without mpirun");
-  if (!problem.model.scene().rotating_frames.empty())
-    throw InputError("gradients of structures in a rotating frame are not computed; allowed: a scene without it");
 }
 
 std::vector<RecordedGradient> gradients_of(BeamProblem& problem, const State& state, double load_factor,

@@ -82,11 +82,6 @@ TEST_F(GradientList, RefusesWhatTheSceneDoesNotHave) {
     EXPECT_EQ(ended.exit_code, kBadInput) << gradient;
     expect_in(ended.err, {message, "allowed"});
   }
-  const Ended turning = run(
-      "{Scene: {Sections: {strip: {Mass: 1}}, Rotating Frame: {Axis: [0, 0, 1], Angular Velocity: 0.1}}, Quantities: "
-      "{tip: {Quantity: displacement, Point: tip}}, Gradient: {Of: [tip.x], With Respect To: [Sections/*/EI3]}}");
-  EXPECT_EQ(turning.exit_code, kBadInput);
-  expect_in(turning.err, {"the structure turns", "allowed"});
 }
 
 /// The strip as a column: P L^2 = pi^2 EI / 4; a force across it is an imperfection.

@@ -22,9 +22,8 @@ constexpr double kOfDifferences = 1e-8, kStep = 0.02;
 
 /// Of derivatives that are zero, in the units of the scenes here.
 constexpr double kNothing = 1e-11;
-/// Error of the gradient of a follower with the tangent itself, at least.
+/// Error of the gradient with the tangent of a follower itself, or with that of a structure at rest, at least.
 constexpr double kNotTransposed = 1e-3;
-constexpr int kModes = 3;
 
 QuantitySet set_of(const std::vector<Quantity>& quantities, const Scene& scene) {
   const ParameterSource source("scene.xml");
@@ -33,16 +32,13 @@ QuantitySet set_of(const std::vector<Quantity>& quantities, const Scene& scene) 
 
 std::vector<double> values_in(const QuantitySet& set, const Simulation& simulation) {
   const std::vector<Reaction> reactions = simulation.reactions();
-  QuantityState at{simulation.model(), simulation.state(), simulation.load_factor(), reactions,
-                   simulation.strain_energy()};
-  at.natural_frequency = simulation.natural_frequency();
-  return set.values(at);
+  return set.values(
+      {simulation.model(), simulation.state(), simulation.load_factor(), reactions, simulation.strain_energy()});
 }
 
 Simulation polished(const Scene& scene) {
   SolverParameters parameters;
   parameters.analysis.stability = false;
-  parameters.analysis.modes.number = kModes;
   Simulation simulation = solved(scene, parameters);
   simulation.polish();
   return simulation;
@@ -198,29 +194,86 @@ TEST(Gradients, UnderFollowers) {
   expect_as_differences(scene, quantities, of_followers(scene));
 }
 
-/// The tangent itself in place of its transpose.
-TEST(Gradients, TangentThatIsNotTransposedFails) {
-  const Scene scene = cantilever_of_followers();
-  const QuantitySet set = set_of({quantity("u", "displacement", {{"Point", "tip"}, {"Component", "y"}})}, scene);
-  const Simulation simulation = polished(scene);
-  BeamProblem problem(scene, this_rank(), {});
+/// Of the deflection of the tip by EI3, with the equations of another scene, or its tangent itself.
+double slope_by_bending(const Scene& equations, const Simulation& simulation, bool transposed) {
+  BeamProblem problem(equations, this_rank(), {});
   StateDerivative quantity(problem.model, simulation.state());
   quantity.add_displacement(simulation.model().structure().partition.place(vertex_of(simulation.model().mesh(), "tip")),
                             {{0, 1, 0}});
-  const Parameter bending = of_stiffness(scene, 5, kStep);
-  const double wanted = differences(scene, set, bending)[0];
-  for (const bool transposed : {true, false}) {
-    AdjointOperator adjoint(problem, simulation.state(), simulation.load_factor(), transposed);
-    double sum = 0.0;
-    RecordedGradient found;
-    find_by_element(simulation.state(), quantity, adjoint.solve(quantity), found);
-    for (const std::array<double, 6>& stiffness : found.stiffness) sum += stiffness[5];
-    const double error = std::abs(sum / wanted - 1.0);
-    if (transposed)
-      EXPECT_LT(error, kOfDifferences);
-    else
-      EXPECT_GT(error, kNotTransposed);
+  AdjointOperator adjoint(problem, simulation.state(), simulation.load_factor(), transposed);
+  RecordedGradient found;
+  find_by_element(simulation.state(), quantity, adjoint.solve(quantity), found);
+  double sum = 0.0;
+  for (const std::array<double, 6>& stiffness : found.stiffness) sum += stiffness[5];
+  return sum;
+}
+
+double difference_by_bending(const Scene& scene) {
+  const QuantitySet set = set_of({quantity("u", "displacement", {{"Point", "tip"}, {"Component", "y"}})}, scene);
+  return differences(scene, set, of_stiffness(scene, 5, kStep))[0];
+}
+
+/// The tangent itself in place of its transpose.
+TEST(Gradients, TangentThatIsNotTransposedFails) {
+  const Scene scene = cantilever_of_followers();
+  const Simulation simulation = polished(scene);
+  const double wanted = difference_by_bending(scene);
+  EXPECT_LT(std::abs(slope_by_bending(scene, simulation, true) / wanted - 1.0), kOfDifferences);
+  EXPECT_GT(std::abs(slope_by_bending(scene, simulation, false) / wanted - 1.0), kNotTransposed);
+}
+
+/// Masses beside the axis of a member and a body, in a frame that turns about an axis of space.
+Scene in_rotating_frame(Scene scene) {
+  scene.name += " in a frame";
+  scene.sections[0].mass = 2.0;
+  scene.sections[0].mass_offset = {0.02, -0.03};
+  scene.sections[0].rotary_inertia = {0.05, 0.02, 0.03};
+  scene.point_masses = {{"tip", 0.5, {0.03, 0.04, 0.05}}};
+  scene.rotating_frames = {{{-0.3, 0.1, 0.2}, {2, -1, 4}}};
+  scene.members[0].order = scene.members[0].elements = 2;
+  return scene;
+}
+
+std::vector<Parameter> of_frame(const Scene& scene) {
+  const auto of_section = [](const std::string& name, double value, auto number) {
+    return Parameter{name, value, kStep * value, [=](Scene& changed, double to) { number(changed) = to; }};
+  };
+  return {of_force(scene, 0, 1, 0.5 * kStep * scene.point_loads[0].force[1]),
+          of_place(scene, 1, 0, 0.01),
+          of_stiffness(scene, 4, kStep),
+          of_stiffness(scene, 5, kStep),
+          of_section("mass", 2.0, [](Scene& of) -> double& { return of.sections[0].mass; }),
+          of_section("offset", 0.02, [](Scene& of) -> double& { return of.sections[0].mass_offset[0]; }),
+          of_section("inertia", 0.02, [](Scene& of) -> double& { return of.sections[0].rotary_inertia[1]; }),
+          of_section("body", 0.5, [](Scene& of) -> double& { return of.point_masses[0].mass; }),
+          of_section("inertia of the body", 0.03, [](Scene& of) -> double& { return of.point_masses[0].inertia[0]; }),
+          of_section("velocity", 4.0, [](Scene& of) -> double& { return of.rotating_frames[0].velocity[2]; }),
+          {"place of the axis", 0.1, 0.01, [](Scene& of, double to) { of.rotating_frames[0].point[1] = to; }}};
+}
+
+/// Under followers, and of rigid sections under dead loads.
+TEST(Gradients, InARotatingFrame) {
+  Scene rigid = elastica(2.0, 2, 2);
+  rigid.sections[0].bending_stiffness = {30.0, 20.0};
+  rigid.sections[0].torsional_stiffness = 40.0;
+  for (const Scene& still : {cantilever_of_followers(), rigid}) {
+    const Scene scene = in_rotating_frame(still);
+    std::vector<Quantity> quantities = usual("tip", scene.members[0].name);
+    quantities.push_back(quantity("rf", "reaction force", {{"Point", scene.supports[0].point}}));
+    quantities.push_back(quantity("rm", "reaction moment", {{"Point", scene.supports[0].point}}));
+    expect_as_differences(scene, quantities, of_frame(scene));
   }
+}
+
+/// The state of the frame that turns, with the tangent at rest.
+TEST(Gradients, TangentWithoutTheFrameFails) {
+  const Scene scene = in_rotating_frame(cantilever_of_followers());
+  const Simulation simulation = polished(scene);
+  const double wanted = difference_by_bending(scene);
+  Scene at_rest = scene;
+  at_rest.rotating_frames.clear();
+  EXPECT_LT(std::abs(slope_by_bending(scene, simulation, true) / wanted - 1.0), kOfDifferences);
+  EXPECT_GT(std::abs(slope_by_bending(at_rest, simulation, true) / wanted - 1.0), kNotTransposed);
 }
 
 /// Joints of every kind, supports and springs along general axes, a follower: numbers of all of them.

@@ -259,8 +259,6 @@ void require_known(const GradientParameters& asked, const XmlParameters& xml, co
   if (!scene.imperfection_modes.empty())
     throw xml.source.error(path,
                            "given, but the geometry has modes laid on it; allowed: scenes without such imperfections");
-  if (!scene.rotating_frames.empty())
-    throw xml.source.error(path, "given, but the structure turns; allowed: scenes without the list \"Rotating Frame\"");
 }
 
 bool asks_for_critical_points(const GradientParameters& asked) {

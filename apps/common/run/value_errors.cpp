@@ -130,9 +130,7 @@ std::vector<unsigned char> asked_inside(const StateDerivative& quantity) {
 std::vector<ErrorOfMember> shares_of_wanted(const QuantitySet& set, const std::string& name,
                                             const Simulation& simulation, const ErrorEstimate& estimate) {
   const RicherStates richer(simulation, estimate);
-  if (richer.states.size() != 1 || simulation.model().map()->getComm()->getSize() > 1 ||
-      !simulation.scene().rotating_frames.empty())
-    return {};
+  if (richer.states.size() != 1 || simulation.model().map()->getComm()->getSize() > 1) return {};
   const WantedError worst = wanted_error(set, name, simulation, richer);
   const Model& model = richer.states.front().model();
   State state = richer.states.front().state();
