@@ -19,28 +19,15 @@ constexpr double kCapLeftInAdjoint = 1e-14;
 constexpr int kMostCapSolvesOfAdjoint = 200;
 /// Beyond it a gradient has fewer than nine digits: closed frames that are exactly rigid carry any stress of their own.
 constexpr double kMostCapLeftInAdjoint = 1e-9;
-/// Of the usual cap, where nothing is refined: that leaves 1e-10 of rounding in the derivative of an elastica, this one
-/// 1e-12.
-constexpr double kCapOfAdjoint = 1e-2;
+/// Of the usual cap, which leaves 1e-11 of rounding in the derivative of an elastica, this one 1e-13.
+constexpr double kCapOfAdjoint = 4e-3;
+/// Rounding of one solution: a tenth of the machine's times the square of the number of elements. No more of the cap
+/// needs to be taken out of long chains.
+constexpr double kShareOfRounding = 2e-17;
 /// Elements whose matrices are kept at a time: as many as caches hold.
 constexpr int kPart = 128;
 /// Rounding of a solve beyond which it is refined: share of the sum of the terms of a row.
 constexpr double kRefinedAdjoint = 1e-15;
-
-/// Refinements of a whole solution: one to three as a rule, each of which takes what is left to its share, as far as
-/// rounding: of products, and of one solution without a cap, a tenth of the machine's times the square of the number of
-/// elements.
-constexpr int kMostRefinements = 6;
-constexpr double kFastRefinement = 1e-2, kRefined = 1e-14, kShareOfRounding = 2e-17;
-
-/// Whether all that acts in rows is in those of elements and loads: free motions of joints and of supports that hold
-/// a part of the rotations, or spring against them, depend on the state.
-bool knows_all_rows(const Conditions& conditions) {
-  return conditions.joints.empty() &&
-         std::all_of(conditions.supports.begin(), conditions.supports.end(), [](const VertexSupport& support) {
-           return support.rotation_kind != SupportRotation::vector && norm(support.rotation_stiffness) == 0.0;
-         });
-}
 
 std::vector<double> values_of(const DofMatrix& matrix) {
   const auto local = matrix.getLocalMatrixHost();
@@ -53,7 +40,6 @@ AdjointOperator::AdjointOperator(BeamProblem& problem, const State& state, doubl
     : model_(problem.model),
       state_(state),
       transposed_(transposed),
-      knows_all_rows_(knows_all_rows(model_.conditions())),
       residual_(model_.create_vector()),
       point_(mixed_residual(model_, state, load_factor, residual_)),
       vertex_rows_("mixbeam::adjoint::rows", model_.structure().local_elements()),
@@ -70,8 +56,7 @@ bool AdjointOperator::is_symmetric() const {
 
 /// The matrix over what chains leave is that of the tangent; of its transpose the chains alone are taken.
 void AdjointOperator::linearize(bool in_space) {
-  tangent_.emplace(model_, point_, cap_for(model_, point_.scales, knows_all_rows_ ? 1.0 : kCapOfAdjoint),
-                   TangentKind{in_space, false});
+  tangent_.emplace(model_, point_, cap_for(model_, point_.scales, kCapOfAdjoint), TangentKind{in_space, false});
   const auto keep = [&](Entries& entries) {
     return [&](const MatrixRows&) { entries = values_of(*system_.matrix()); };
   };
@@ -243,17 +228,19 @@ void AdjointOperator::take_out_cap(Adjoint& adjoint) {
   excess_rows(adjoint.field, excess);
   const double beta = norm_of(excess);
   if (!(beta > 0.0) || !std::isfinite(beta)) return;
+  const double elements = model_.structure().length / model_.structure().shortest_element;
+  const double rounding = kShareOfRounding * elements * elements;
   std::vector<MixedVector> basis;
   std::vector<Adjoint> responses;
   basis.push_back(std::move(excess));
-  const GmresResult left_out =
-      gmres(basis, beta, kCapLeftInAdjoint, kMostCapSolvesOfAdjoint, [&](const MixedVector& of, MixedVector& next) {
-        responses.push_back(respond(of));
-        excess_rows(responses.back().field, next);
-        next.update(1.0, of, -1.0);
-        return true;
-      });
-  if (!(left_out.left <= kMostCapLeftInAdjoint * beta))
+  const GmresResult left_out = gmres(basis, beta, std::max(kCapLeftInAdjoint, rounding), kMostCapSolvesOfAdjoint,
+                                     [&](const MixedVector& of, MixedVector& next) {
+                                       responses.push_back(respond(of));
+                                       excess_rows(responses.back().field, next);
+                                       next.update(1.0, of, -1.0);
+                                       return true;
+                                     });
+  if (!(left_out.left <= std::max(kMostCapLeftInAdjoint, rounding) * beta))
     throw LinearSolverError(
         "the adjoint equations were not solved: rigid members share forces that nothing determines");
   for (size_t k = 0; k < left_out.y.size(); ++k) adjoint.add(left_out.y[k], responses[k]);
@@ -272,9 +259,10 @@ void AdjointOperator::add_turning(const DofVector& held, const KernelView<double
   }
 }
 
-/// Computes q_x + R_x^T t of rows q_x after an adjoint, with the true compliance; at_supports: there alone.
-MixedVector AdjointOperator::left_of(const MixedVector& rows, const Adjoint& adjoint, Parts parts) const {
-  std::vector<unsigned char> is_held(model_.structure().local_vertices(), parts == Parts::all ? 1 : 0);
+/// q_x + R_x^T t at vertices that supports hold, with the true compliance. `rows`: q_x, but for what supports hold of
+/// it, which t has.
+std::vector<double> AdjointOperator::held_rows(const MixedVector& rows, const Adjoint& adjoint) const {
+  std::vector<unsigned char> is_held(model_.structure().local_vertices(), 0);
   for (const VertexSupport& support : model_.conditions().supports) is_held[support.vertex] = 1;
   MixedVector left = rows.clone(true);
   const KernelView<const double* [6]> motion = model_.local_increment(adjoint.field);
@@ -289,36 +277,9 @@ MixedVector AdjointOperator::left_of(const MixedVector& rows, const Adjoint& adj
   });
   add_at_vertices(vertex);
   add_product(outside_, adjoint.field.vertex_dofs(), vertex);
-  return left;
-}
-
-/// Condensed equations of long chains lose digits that those of elements have, and a cap that shifts no forces goes
-/// with them. Returns whether the adjoint has converged: where forces are shared by stiffness it does not without
-/// GMRES.
-bool AdjointOperator::refine(const MixedVector& rows, bool with_gmres, Adjoint& adjoint) {
-  const double elements = model_.structure().length / model_.structure().shortest_element;
-  const double enough = std::max(kRefined, kShareOfRounding * elements * elements);
-  const double whole = norm_of(adjoint.field);
-  double before = whole;
-  for (int pass = 0; pass < kMostRefinements; ++pass) {
-    Adjoint more = respond(left_of(rows, adjoint, Parts::all));
-    if (with_gmres) take_out_cap(more);
-    const double size = norm_of(more.field);
-    if (!(size <= kFastRefinement * before)) return size <= enough * whole;
-    adjoint.add(1.0, more);
-    if (size * size <= enough * whole * before) return true;  // as the next one would be
-    before = size;
-  }
-  return false;
-}
-
-/// q_x + R_x^T t at vertices that supports hold. `rows`: q_x, but for what supports hold of it, which t has.
-std::vector<double> AdjointOperator::held_rows(const MixedVector& rows, const Adjoint& adjoint) const {
-  const MixedVector left = left_of(rows, adjoint, Parts::at_supports);
-  std::vector<double> held(left.vertex().extent(0), 0.0);
-  for (const VertexSupport& support : model_.conditions().supports)
-    for (size_t i = vertex_row(support.vertex, 0); i < vertex_row(support.vertex, kVertexDofs); ++i)
-      held[i] = left.vertex()(i);
+  std::vector<double> held(vertex.extent(0), 0.0);
+  for (size_t i = 0; i < held.size(); ++i)
+    if (is_held[i / kVertexDofs] != 0) held[i] = vertex(i);
   return held;
 }
 
@@ -371,10 +332,7 @@ Adjoint AdjointOperator::solve(const StateDerivative& quantity, const DofVector*
   MixedVector rows = own.clone(true);
   if (holds) add_product(whole_, held, rows.vertex());
   Adjoint adjoint = respond(rows, holds ? &held : nullptr, projected);
-  if (tangent_->cap().cuts_off && (!knows_all_rows_ || !refine(own, false, adjoint))) {
-    take_out_cap(adjoint);
-    if (knows_all_rows_) refine(own, true, adjoint);
-  }
+  take_out_cap(adjoint);
   adjoint.held = held_rows(own, adjoint);
   return adjoint;
 }

@@ -54,7 +54,6 @@ class AdjointOperator {
 
  private:
   using Entries = std::vector<double>;  ///< of the matrix over the vertices that chains leave
-  enum class Parts { all, at_supports };
 
   bool is_planar_for(const MixedVector& rows, const DofVector& held) const;
   void linearize(bool in_space);
@@ -68,13 +67,11 @@ class AdjointOperator {
   void add_at_vertices(const KernelView<double*>& vertex) const;
   void add_product(const Entries& matrix, const DofVector& motion, const KernelView<double*>& rows) const;
   void add_turning(const DofVector& held, const KernelView<double*>& rows) const;
-  MixedVector left_of(const MixedVector& rows, const Adjoint& adjoint, Parts parts) const;
-  bool refine(const MixedVector& rows, bool with_gmres, Adjoint& adjoint);
   std::vector<double> held_rows(const MixedVector& rows, const Adjoint& adjoint) const;
 
   const Model& model_;
   State state_;
-  bool transposed_, knows_all_rows_;
+  bool transposed_;
   MixedVector residual_;
   EvaluationPoint point_;
   std::optional<Tangent> tangent_{};
