@@ -56,7 +56,9 @@ bool AdjointOperator::is_symmetric() const {
 
 /// The matrix over what chains leave is that of the tangent; of its transpose the chains alone are taken.
 void AdjointOperator::linearize(bool in_space) {
-  tangent_.emplace(model_, point_, cap_for(model_, point_.scales, kCapOfAdjoint), TangentKind{in_space, false});
+  const Cap usual = cap_for(model_, point_.scales);
+  tangent_.emplace(model_, point_, usual.cuts_off ? cap_for(model_, point_.scales, kCapOfAdjoint) : usual,
+                   TangentKind{in_space, false});
   const auto keep = [&](Entries& entries) {
     return [&](const MatrixRows&) { entries = values_of(*system_.matrix()); };
   };

@@ -162,7 +162,7 @@ class Gradients {
       Adjoint adjoint = adjoint_->solve(of);
       if (request_.by_element) find_by_element(state_, of, adjoint, gradient);
       by_adjoint_.push_back(place);
-      derivatives_->add(std::move(adjoint), adjoint_->held_motion(of));
+      if (!request_.numbers.empty()) derivatives_->add(std::move(adjoint), adjoint_->held_motion(of));
       return gradient;
     } catch (const std::invalid_argument& error) {
       const std::string why = "the gradient of \"" + excerpt(name) + "\": " + error.what();
