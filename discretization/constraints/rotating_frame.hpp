@@ -65,7 +65,7 @@ class RotatingElements {
   const FrameSpin& spin() const { return spin_; }
   /// The frame of a block at some angular velocity.
   FrameViews frame(size_t block, const Vec& spin) const { return {blocks_[block].mass, blocks_[block].place, spin}; }
-  /// The same of some elements of it that follow each other.
+  /// Gives that of some elements of it, which follow each other.
   FrameViews frame(size_t block, const Vec& spin, int first, int count) const {
     const auto rows = std::make_pair(first, first + count);
     return {Kokkos::subview(blocks_[block].mass, rows, Kokkos::ALL),
