@@ -389,6 +389,37 @@ int stages_of(const std::string& text) {
   return most;
 }
 
+/// Load factor from which something acts; before any where a formula says it.
+double finite_begin(double begins) { return std::isfinite(begins) ? begins : kBeforeAny; }
+
+/// Of what is followed at a point: "displacement" of "tip.displacement".
+std::string kind_of_series(const std::string& name) {
+  const std::size_t dot = name.rfind('.');
+  return dot == std::string::npos ? name : name.substr(dot + 1);
+}
+
+/// Number of the connected part of each member of the file, from "0*3 1*2"; none where it does not say.
+std::vector<int> connected_parts(const ResultHeader& header) {
+  std::vector<int> parts;
+  const std::string known = header.property("connected_parts");
+  int number = 0, count = 0, length = 0;
+  for (const char* text = known.c_str(); std::sscanf(text, " %d*%d%n", &number, &count, &length) == 2; text += length)
+    parts.insert(parts.end(), static_cast<std::size_t>(std::max(count, 0)), number);
+  return parts;
+}
+
+/// Numbers of the members that a text names: in quotes, or in the path of an entry.
+Json named_members(const SaidOfScene& said, const std::vector<std::string>& members) {
+  std::string text = said.refusal;
+  for (const std::string& warning : said.warnings) text += " " + warning;
+  Json named = Json::array();
+  for (std::size_t m = 0; m < members.size(); ++m)
+    if (text.find("\"" + members[m] + "\"") != std::string::npos ||
+        text.find("/ Members / " + members[m] + " /") != std::string::npos)
+      named.push_back(m);
+  return named;
+}
+
 /// Builds the ViewData of a run; see there.
 class ViewWriter {
  public:
@@ -425,29 +456,574 @@ class ViewWriter {
   ViewData data() { return std::move(data_); }
 
  private:
-  void thin();
-  void describe_run();
-  void describe_members();
-  void describe_preview(const SaidOfScene& said);
-  void add_sections();
-  void add_modes();
-  void add_mode(const std::string& group, std::size_t step, Json described);
-  void add_marks();
-  void add_point_loads();
-  void add_motions(const Table& supports);
-  void add_line_loads();
-  void add_gradients();
-  std::vector<double> sensitivities(const std::string& group, std::size_t stiffness) const;
-  void read_steps();
-  Json camera(const std::vector<Point>& points) const;
-  bool shows_directions() const;
-  void add_series();
-  std::map<std::string, double> floors_of_series() const;
+  /// All samples, or every n-th of each member and its last one; where members are too many, every m-th member.
+  void thin() {
+    const auto& members = run_.members();
+    const std::size_t most = limits_.samples;
+    const std::size_t every = 2 * members.size() > most ? (2 * members.size() + most - 1) / most : 1;
+    for (std::size_t m = 0; m < members.size(); m += every) shown_members_.push_back(m);
+    const auto with_stride = [&](std::size_t stride) {
+      std::size_t sum = 0;
+      for (const std::size_t m : shown_members_) sum += (members[m].share.rows - 1 + stride - 1) / stride + 1;
+      return sum;
+    };
+    std::size_t stride = 1;
+    const std::size_t longest = run_.samples();
+    while (stride < longest && with_stride(stride) > most) ++stride;
+    for (const std::size_t m : shown_members_) {
+      firsts_.push_back(kept_.size());
+      const std::size_t last = members[m].share.rows - 1;
+      for (std::size_t i = 0; i < last; i += stride) kept_.push_back(members[m].first_sample + i);
+      kept_.push_back(members[m].first_sample + last);
+    }
+    firsts_.push_back(kept_.size());
+  }
+
+  void describe_run() {
+    data_.load_case = run_.header().property("load_case");
+    data_.scene_name = run_.header().scene_name;
+    data_.title = data_.scene_name + (data_.load_case.empty() ? "" : ", load case " + data_.load_case);
+    data_.description = {{"title", data_.title},
+                         {"units", {units_.length, units_.force}},
+                         {"version", run_.header().version},
+                         {"stages", stages_of(run_.header().scene_xml)},
+                         {"center", center_},
+                         {"notes", Json::array()},
+                         {"samples", kept_.size()},
+                         {"units_of", Json::object()}};
+  }
+
+  void describe_members() {
+    if (kept_.size() < run_.samples())
+      note(formatted("Thinned: %zu of %zu samples and %zu of %zu members are drawn; the result file has all.",
+                     kept_.size(), run_.samples(), shown_members_.size(), run_.members().size()));
+    Json names = Json::array();
+    for (const std::size_t m : shown_members_) names.push_back(run_.members()[m].name);
+    data_.description["members"] = names;
+    data_.description["all_members"] = run_.members().size();
+    data_.description["first_sample"] = std::vector<std::size_t>(firsts_.begin(), firsts_.end() - 1);
+    PageRows places = drawn(reference_);
+    for (std::size_t i = 0; i < places.values.size(); ++i) places.values[i] -= center_[i % 3];
+    add("reference", places, kForPlaces);
+    add("arc_length", drawn(arc_), kForPlaces);
+  }
+
+  /// In place of fields: sections, and parts where some are not connected.
+  void describe_preview(const SaidOfScene& said) {
+    const std::vector<int> all_parts = connected_parts(run_.header());
+    std::vector<std::string> parts, names;
+    for (const std::size_t m : shown_members_) {
+      names.push_back(run_.members()[m].name);
+      if (m < all_parts.size()) parts.push_back("part " + std::to_string(all_parts[m] + 1));
+    }
+    Json fields = Json::array();
+    const auto add_groups = [&](const char* label, const std::vector<std::string>& of, bool always) {
+      std::vector<std::string> known = of;
+      std::sort(known.begin(), known.end(), [](const std::string& a, const std::string& b) {
+        return a.size() != b.size() && a.rfind("part ", 0) == 0 && b.rfind("part ", 0) == 0 ? a.size() < b.size()
+                                                                                            : a < b;
+      });
+      known.erase(std::unique(known.begin(), known.end()), known.end());
+      if (of.size() != shown_members_.size() || (known.size() < 2 && !always)) return;
+      Json of_members = Json::array();
+      for (const std::string& one : of)
+        of_members.push_back(std::find(known.begin(), known.end(), one) - known.begin());
+      const std::size_t most = std::max<std::size_t>(known.size() - 1, 1);
+      fields.push_back({{"name", label},
+                        {"label", label},
+                        {"unit", ""},
+                        {"signed", false},
+                        {"extremes", Json::array({Json::array({0, most})})},
+                        {"names", known},
+                        {"of_members", of_members}});
+    };
+    add_groups("connected part", parts, false);
+    add_groups("section", sections_, true);
+    data_.description["fields"] = fields;
+    if (const std::string drawn = run_.header().property("drawn"); !drawn.empty()) note(drawn);
+    data_.description["preview"] = {
+        {"refusal", said.refusal}, {"warnings", said.warnings}, {"named", named_members(said, names)}};
+    for (Json& mode : data_.description["modes"]) mode["kind"] = "motion without strain";
+  }
+
+  void add_sections() {
+    constexpr std::size_t kSizes = 4, kWidth = kSizes * kPlacesAlongMember;  // width, height, wall, web at each place
+    const Table shapes(run_.acting(), "sections"), members(run_.acting(), "members");
+    std::vector<double> lengths;
+    for (const std::size_t m : shown_members_)
+      lengths.push_back(arc_[run_.members()[m].first_sample + run_.members()[m].share.rows - 1]);
+    double rod = std::min(kThinRod * size_, kSlenderRod * median_of(lengths));
+    for (std::size_t i = 0; i < shapes.rows(); ++i)  // a wire is thinner than what has a shape
+      if (shapes.word("shape", i) != "none") rod = std::min(rod, shapes.row("dimensions", i, kWidth)[0]);
+    PageRows dimensions;
+    dimensions.columns = kSizes;
+    for (std::size_t i = 0; i < kept_.size(); ++i)
+      dimensions.values.insert(dimensions.values.end(), {rod, rod, 0.0, 0.0});
+    strength_.assign(run_.samples(), kUnknown);
+    kinds_.assign(shown_members_.size(), "none");
+    sections_.assign(shown_members_.size(), "");
+    for (std::size_t at = 0; at < shown_members_.size() && shapes.rows() > 0; ++at) {
+      const auto row = static_cast<std::size_t>(members.row("section", shown_members_[at], 1)[0]);
+      sections_[at] = shapes.word("name", row);
+      std::string kind = shapes.word("shape", row);
+      if (kind == "none") continue;
+      if (kind.rfind(kDrawnAs, 0) == 0) kind.erase(0, std::string(kDrawnAs).size());
+      const double* sizes = shapes.row("dimensions", row, kWidth);
+      std::array<double, kPlacesAlongMember> known{};
+      for (std::size_t p = 0; p < known.size(); ++p) {
+        const double one = shapes.row("strength", row, kPlacesAlongMember)[p];
+        known[p] = one > 0.0 ? one : kUnknown;  // 0: not given
+      }
+      for (std::size_t i = firsts_[at]; i < firsts_[at + 1]; ++i) {
+        const double x = arc_[kept_[i]] / lengths[at];
+        for (std::size_t k = 0; k < kSizes; ++k)
+          dimensions.values[kSizes * i + k] = along(sizes + k, kPlacesAlongMember, kSizes, x);
+        if (kind == "circle" || kind == "tube") dimensions.values[kSizes * i + 1] = dimensions.values[kSizes * i];
+        strength_[kept_[i]] = along(known.data(), kPlacesAlongMember, 1, x);
+      }
+      kinds_[at] = kind[0] == 'T' || kind[0] == 'L' || kind[0] == 'U' ? with_centroid(kind, sizes) : kind;
+    }
+    add("dimensions", dimensions, kForReading);
+    data_.description["kinds"] = kinds_;
+    data_.description["sections"] = sections_;
+    const auto without = std::count(kinds_.begin(), kinds_.end(), "none");
+    if (without == 0) return;
+    const bool all = static_cast<std::size_t>(without) == kinds_.size();
+    note(std::string(all ? "Members are" : "Members without a Shape are") +
+         formatted(" drawn as round rods of diameter %.3g", rod) +
+         (units_.length.empty() ? "." : " " + units_.length + "."));
+  }
+
+  void add_modes() {
+    data_.description["modes"] = Json::array();
+    const auto& steps = run_.steps();
+    const auto for_each = [&](const std::string& kind, const auto& action) {
+      for (std::size_t s = 0; s < steps.size(); ++s) {
+        const bool is_in_file = kind == "buckling" && s == 0;  // of the undeformed structure: in the file itself
+        const std::string about = is_in_file ? "" : steps[s].group;
+        for (std::size_t i = 0; i < run_.count(about, kind); ++i)
+          action(s, (about.empty() ? "" : about + "/") + kind + "/" + std::to_string(i));
+      }
+    };
+    for_each("critical_points", [&](std::size_t step, const std::string& group) {
+      add("critical-displacement-" + std::to_string(data_.description["modes"].size()),
+          drawn(run_.field(group, "displacement")), kForReading);
+      add_mode(group, step,
+               {{"kind", run_.word(group, "kind")},
+                {"factor", run_.number(group, "load_factor")},
+                {"modes", run_.number(group, "modes")},
+                {"before", run_.number(group, "negative_before")},
+                {"after", run_.number(group, "negative_after")}});
+    });
+    for_each("buckling", [&](std::size_t step, const std::string& group) {
+      add_mode(group, step, {{"kind", "buckling mode"}, {"factor", run_.number(group, "load_factor")}});
+    });
+    for_each("vibration", [&](std::size_t step, const std::string& group) {
+      add_mode(group, step,
+               {{"kind", "natural mode"}, {"factor", steps[step].load_factor}, {"omega", run_.number(group, "omega")}});
+    });
+  }
+
+  /// `described`: without the step.
+  void add_mode(const std::string& group, std::size_t step, Json described) {
+    const std::vector<double> all = run_.field(group, "mode");
+    const double largest = longest_of(all);
+    PageRows mode = drawn(all);
+    for (double& value : mode.values) value /= largest > 0.0 ? largest : 1.0;
+    Json& modes = data_.description["modes"];
+    add("mode-" + std::to_string(modes.size()), mode, kForDrawing);
+    described["step"] = step;
+    modes.push_back(std::move(described));
+  }
+
+  void add_marks() {
+    for (const char* kind : {"supports", "joints", "forces", "moments", "shifts", "turns", "line_loads", "strained"})
+      data_.description[kind] = Json::array();
+    const Table supports(run_.acting(), "supports"), joints(run_.acting(), "joints"),
+        strains(run_.acting(), "eigenstrains");
+    for (std::size_t i = 0; i < supports.rows(); ++i) {
+      const double *place = supports.row("place", i, 2), *fixed = supports.row("fixed", i, 6),
+                   *stiffness = supports.row("stiffness", i, 6);
+      const std::size_t at = nearest(sample_at(place[0], place[1]));
+      const auto is_set = [](double one) { return one > 0.0; };
+      data_.description["supports"].push_back({at, kind_of_support(fixed)});
+      if (std::any_of(stiffness, stiffness + 6, is_set) && std::any_of(fixed, fixed + 6, is_set))
+        data_.description["supports"].push_back({at, "spring"});
+    }
+    for (std::size_t i = 0; i < joints.rows(); ++i) {
+      const double* place = joints.row("place", i, 2);
+      data_.description["joints"].push_back({nearest(sample_at(place[0], place[1])), joints.word("kind", i)});
+    }
+    add_point_loads();
+    add_motions(supports);
+    add_line_loads();
+    const double last = run_.steps().back().load_factor;
+    std::set<std::size_t> strained;
+    for (std::size_t i = 0; i < strains.rows(); ++i) {
+      const double begins = strains.row("begins", i, 1)[0];
+      if (std::isfinite(begins) && !(begins < last)) continue;
+      const auto member = static_cast<std::size_t>(strains.row("member", i, 1)[0]);
+      const auto at = std::find(shown_members_.begin(), shown_members_.end(), member);
+      if (at != shown_members_.end()) strained.insert(static_cast<std::size_t>(at - shown_members_.begin()));
+    }
+    data_.description["strained"] = strained;
+  }
+
+  void add_point_loads() {
+    const Table loads(run_.acting(), "point_loads");
+    for (std::size_t i = 0; i < loads.rows(); ++i) {
+      const double* place = loads.row("place", i, 2);
+      const std::size_t sample = sample_at(place[0], place[1]);
+      const bool follows = loads.row("follower", i, 1)[0] != 0.0;
+      const double begins = loads.row("begins", i, 1)[0];
+      add_arrow("forces", sample, loads.row("force", i, 3), follows, begins);
+      add_arrow("moments", sample, loads.row("moment", i, 3), follows, begins);
+    }
+  }
+
+  /// Prescribed ones of supports.
+  void add_motions(const Table& supports) {
+    for (std::size_t i = 0; i < supports.rows(); ++i) {
+      const double *place = supports.row("place", i, 2), *axes = supports.row("axes", i, 9),
+                   *prescribed = supports.row("prescribed", i, 6);
+      Point shift{}, turn{};
+      for (std::size_t a = 0; a < 3; ++a)
+        for (std::size_t c = 0; c < 3; ++c) {
+          shift[c] += prescribed[a] * axes[3 * a + c];
+          turn[c] += prescribed[3 + a] * axes[3 * a + c];
+        }
+      const std::size_t sample = sample_at(place[0], place[1]);
+      const double begins = supports.row("begins", i, 1)[0];
+      add_arrow("shifts", sample, shift.data(), false, begins);
+      add_arrow("turns", sample, turn.data(), false, begins);
+    }
+  }
+
+  void add_line_loads() {
+    const Table loads(run_.acting(), "line_loads");
+    for (std::size_t i = 0; i < loads.rows(); ++i) {
+      const double number = loads.row("member", i, 1)[0];
+      const double* force = loads.row("force", i, 3 * kPlacesAlongMember);
+      const SampledMember& member = run_.members()[static_cast<std::size_t>(number)];
+      const double length = arc_[member.first_sample + member.share.rows - 1];
+      Json places = Json::array(), forces = Json::array();
+      bool acts = false;
+      for (int p = 0; p < kPlacesAlongMember; ++p) {
+        places.push_back(nearest(sample_at(number, length * p / (kPlacesAlongMember - 1))));
+        forces.push_back({force[3 * p], force[3 * p + 1], force[3 * p + 2]});
+        acts = acts || norm_of(force + 3 * p) > 0.0;
+      }
+      if (acts)
+        data_.description["line_loads"].push_back(
+            {places, forces, loads.row("follower", i, 1)[0] != 0.0, finite_begin(loads.row("begins", i, 1)[0])});
+    }
+  }
+
+  /// Of quantities by stiffnesses of elements, at the end of the path.
+  void add_gradients() {
+    const std::array<const char*, 6> stiffnesses = {"EA", "GA₂", "GA₃", "GIₜ", "EI₂", "EI₃"};
+    const std::string& end = run_.steps().back().group;
+    for (std::size_t q = 0; q + 1 < run_.count(end, "gradients"); ++q) {
+      const std::string group = "gradients/" + std::to_string(q);
+      if (!run_.has(end + "/" + group, "stiffness")) continue;
+      for (std::size_t i = 0; i < stiffnesses.size(); ++i) {
+        const std::string name = "gradient_" + std::to_string(q) + "_" + std::to_string(i);
+        gradients_[name] = {group, i};
+        fields_.push_back({name,
+                           "gradient of " + run_.word(end + "/" + group, "quantity") + " by " + stiffnesses[i] +
+                               ": share of the stiffness, per length",
+                           name,
+                           {},
+                           true});
+      }
+    }
+  }
+
+  /// C dq/dC over the length of the element, at every sample: from the derivatives by C and by 1 / C, whose ratio is
+  /// -C^2.
+  std::vector<double> sensitivities(const std::string& group, std::size_t stiffness) const {
+    const std::vector<double> by = run_.numbers(group, "stiffness", 6), inverse = run_.numbers(group, "compliance", 6);
+    std::vector<double> values;
+    std::size_t at = stiffness;
+    for (const SampledMember& member : run_.members())
+      for (int e = 0; e < member.elements; ++e, at += 6) {
+        const std::size_t first = values.size(), points = member.share.rows / static_cast<std::size_t>(member.elements);
+        const double length = arc_.at(first + points - 1) - arc_[first];
+        values.insert(values.end(), points,
+                      std::copysign(std::sqrt(std::abs(by.at(at) * inverse.at(at))), by[at]) / length);
+      }
+    return values;
+  }
+
+  /// Those that there is memory for; the path in short.
+  void read_steps() {
+    const auto& steps = run_.steps();
+    const double room = std::max(2.0, kMostNumbers / (kNumbersOfSample * static_cast<double>(kept_.size())));
+    const std::vector<std::size_t> read = evenly(steps.size(), static_cast<std::size_t>(room));
+    std::vector<Point> hull = corners(points_of(reference_, center_));
+    const bool turns = shows_directions();
+    for (std::size_t s = 0; s < steps.size(); ++s) {
+      HeldStep held(run_, steps[s], strength_, size_, units_.megapascals());
+      largest_.push_back(longest_of(held.field("displacement")));
+      force_floors_ = held.force_floors;
+      if (!std::binary_search(read.begin(), read.end(), s)) continue;
+      const std::vector<Point> far = corners(points_of(run_.field(steps[s].group, "position"), center_));
+      hull.insert(hull.end(), far.begin(), far.end());
+      ReadStep& step = steps_.emplace_back();
+      step.described = {
+          {"number", steps[s].number}, {"factor", steps[s].load_factor}, {"stable", steps[s].stable}, {"place", s}};
+      for (const auto& [name, gradient] : gradients_) {
+        if (s + 1 < steps.size()) break;
+        held.take(name, sensitivities(steps[s].group + "/" + gradient.group, gradient.stiffness));
+        step.arrays[name] = drawn(held.field(name));
+      }
+      for (const PageField& field : fields_) step.extremes.push_back(held.extremes(field));
+      for (const char* name : {"displacement", kForces[0], kForces[1], kStrains[0], kStrains[1], kStresses[0],
+                               kStresses[1], kStresses[2], "utilisation", "triad"})
+        if ((name != std::string("triad") || turns) && held.has(name)) step.arrays[name] = drawn(held.field(name));
+    }
+    Json corners_of_hull = Json::array();
+    constexpr double kDecimals = 1e9;
+    for (const Point& p : corners(hull))
+      corners_of_hull.push_back({std::nearbyint(p[0] * kDecimals) / kDecimals,
+                                 std::nearbyint(p[1] * kDecimals) / kDecimals,
+                                 std::nearbyint(p[2] * kDecimals) / kDecimals});
+    data_.description["hull"] = corners_of_hull;
+    data_.description["camera"] = camera(hull);
+    data_.description["size"] = size_;
+  }
+
+  /// Elevation and azimuth [degrees]: upon the plane in which all lies, else where most is seen.
+  Json camera(const std::vector<Point>& points) const {
+    vector_algebra::Box box;
+    for (const Point& point : points) box.enclose(point);
+    const Point spread = vector_algebra::difference(box.high, box.low);
+    const auto is_flat = [&](std::size_t axis) { return spread[axis] <= kFlat * size_; };
+    if (is_flat(2)) return {90.0, -90.0};
+    if (is_flat(1)) return {0.0, -90.0};
+    if (is_flat(0)) return {0.0, 0.0};
+    return best_view(points);
+  }
+
+  /// Whether something drawn turns with the sections: round ones follow their line, if their diagrams do not matter.
+  bool shows_directions() const {
+    if (kept_.size() * run_.steps().size() <= kFewNumbers) return true;
+    const std::set<std::string> round = {"circle", "tube", "none"};
+    if (std::any_of(kinds_.begin(), kinds_.end(), [&](const std::string& kind) { return round.count(kind) == 0; }))
+      return true;
+    for (const char* kind : {"forces", "moments", "line_loads"})
+      for (const Json& load : data_.description[kind])
+        if (load[2].get<bool>()) return true;
+    return false;
+  }
+
+  /// What can be drawn over the path: a row for each step, then one for each critical point.
+  void add_series() {
+    const auto& steps = run_.steps();
+    std::vector<std::string> points;  // groups of critical points
+    for (const SampledStep& step : steps)
+      for (std::size_t i = 0; i < run_.count(step.group, "critical_points"); ++i)
+        points.push_back(step.group + "/critical_points/" + std::to_string(i));
+    std::vector<std::string> names;
+    std::vector<std::vector<double>> columns;
+    const auto begin = [&](const std::string& name) -> std::vector<double>& {
+      names.push_back(name);
+      return columns.emplace_back();
+    };
+    std::vector<double>& factors = begin("load factor");
+    for (const SampledStep& step : steps) factors.push_back(step.load_factor);
+    for (const std::string& point : points) factors.push_back(run_.number(point, "load_factor"));
+    const auto whole = [&](const std::string& name, const std::function<double(std::size_t)>& value) {
+      std::vector<double>& column = begin(name);
+      for (std::size_t s = 0; s < steps.size(); ++s) column.push_back(value(s));
+      column.resize(steps.size() + points.size(), kUnknown);
+    };
+    const MonitoredSeries *quantities = nullptr, *energy = nullptr;
+    for (const MonitoredSeries& series : run_.monitor()) {
+      if (series.name == kQuantitySeries) quantities = &series;
+      if (series.name == "strain_energy" && series.columns == 1) energy = &series;
+    }
+    const std::vector<std::string>& asked = run_.header().quantities;
+    for (std::size_t q = 0; quantities != nullptr && quantities->columns == asked.size() && q < asked.size(); ++q)
+      whole(asked[q], [&](std::size_t s) { return quantities->values[quantities->columns * s + q]; });
+    const std::map<std::string, double> floors = floors_of_series();
+    for (const MonitoredSeries& series : run_.monitor()) {
+      if (series.columns != 3 || series.name == kQuantitySeries) continue;
+      if (columns.size() > kMostSeries) break;
+      const double floor = floors.at(kind_of_series(series.name));
+      std::vector<Point> rows;
+      for (std::size_t s = 0; s < steps.size(); ++s) {
+        Point& row = rows.emplace_back();
+        for (std::size_t a = 0; a < 3; ++a) {
+          const double value = series.values[3 * s + a];
+          row[a] = std::abs(value) > floor ? value : 0.0;
+        }
+      }
+      for (const std::string& point : points) {
+        Point& row = rows.emplace_back();
+        row.fill(kUnknown);
+        if (run_.count(point, "monitor") == 0 || !run_.has(point + "/monitor", series.name)) continue;
+        const std::vector<double> known = run_.numbers(point + "/monitor", series.name);
+        if (known.size() == 3) std::copy(known.begin(), known.end(), row.begin());
+      }
+      for (std::size_t a = 0; a < 3; ++a) {
+        std::vector<double>& column = begin(series.name + "." + "xyz"[a]);
+        for (const Point& row : rows) column.push_back(row[a]);
+      }
+      std::vector<double>& column = begin(series.name + ".norm");
+      for (const Point& row : rows) column.push_back(norm_of(row.data()));
+    }
+    whole("largest displacement", [&](std::size_t s) { return largest_[s]; });
+    if (energy != nullptr) whole("strain energy", [&](std::size_t s) { return energy->values[s]; });
+    PageRows table;
+    table.columns = columns.size();
+    for (std::size_t r = 0; r < steps.size() + points.size(); ++r)
+      for (const std::vector<double>& column : columns) table.values.push_back(column[r]);
+    add("series", table, kForPlaces);
+    data_.description["series_names"] = names;
+    Json stable = Json::array();
+    for (const SampledStep& step : steps) stable.push_back(step.stable);
+    data_.description["stable"] = stable;
+    data_.description["abscissa"] = telling_series(names, columns);
+  }
+
+  /// Round-off of what is followed, by its kind: relative to the largest of any point and step, and to section forces
+  /// at the end.
+  std::map<std::string, double> floors_of_series() const {
+    std::map<std::string, double> largest;
+    for (const MonitoredSeries& series : run_.monitor())
+      if (series.columns == 3) {
+        double& known = largest[kind_of_series(series.name)];
+        known = std::max(known, largest_of(series.values));
+      }
+    double &force = largest["reaction_force"], &moment = largest["reaction_moment"];
+    const double own_force = force;
+    force = std::max(force, moment / size_);
+    moment = std::max(moment, own_force * size_);
+    for (auto& [kind, value] : largest) value *= kNoise;
+    force = std::max(force, force_floors_[0]);
+    moment = std::max(moment, force_floors_[1]);
+    return largest;
+  }
+
+  /// The first quantity that the scene asks for, else of displacements the one that changes most.
   std::string telling_series(const std::vector<std::string>& names,
-                             const std::vector<std::vector<double>>& columns) const;
-  Json taken_out();
-  void add_steps();
-  double pack_steps(const std::vector<std::size_t>& shown, std::map<std::string, PackedNumbers>& held) const;
+                             const std::vector<std::vector<double>>& columns) const {
+    const auto change = [&](std::size_t c) {
+      const auto end = columns[c].begin() + static_cast<std::ptrdiff_t>(run_.steps().size());
+      if (std::any_of(columns[c].begin(), end, [](double value) { return !std::isfinite(value); })) return -1.0;
+      const auto [low, high] = std::minmax_element(columns[c].begin(), end);
+      return *high - *low;
+    };
+    const std::size_t asked = run_.header().quantities.size();
+    for (std::size_t c = 1; c <= asked && c < names.size(); ++c)
+      if (names[c] == run_.header().quantities[c - 1] && change(c) > 0.0) return names[c];
+    std::string best = "largest displacement";
+    double most = kMoved * size_;
+    for (std::size_t c = 0; c < names.size(); ++c) {
+      const bool is_component =
+          names[c].find(".displacement.") != std::string::npos && kind_of_series(names[c]) != "norm";
+      if (is_component && change(c) > most) {
+        most = change(c);
+        best = names[c];
+      }
+    }
+    return best;
+  }
+
+  /// {section: compliances (6,)} where strains are these times the forces in all steps; the strains are then taken out
+  /// of the steps. Nothing where they are not.
+  Json taken_out() {
+    const std::set<std::string> unique(sections_.begin(), sections_.end());
+    const std::vector<std::string> names(unique.begin(), unique.end());
+    std::vector<std::size_t> group(kept_.size());
+    for (std::size_t m = 0; m < sections_.size(); ++m)
+      for (std::size_t i = firsts_[m]; i < firsts_[m + 1]; ++i)
+        group[i] = static_cast<std::size_t>(std::lower_bound(names.begin(), names.end(), sections_[m]) - names.begin());
+    Json found = Json::object();
+    for (const std::string& name : names) found[name] = Json::array();
+    for (std::size_t pair = 0; pair < kForces.size(); ++pair)
+      for (std::size_t c = 0; c < 3; ++c) {
+        std::vector<double> above(names.size()), below(names.size());
+        for (ReadStep& step : steps_) {
+          const PageRows &force = step.arrays[kForces[pair]], &strain = step.arrays[kStrains[pair]];
+          for (std::size_t i = 0; i < kept_.size(); ++i) {
+            above[group[i]] += force.row(i)[c] * strain.row(i)[c];
+            below[group[i]] += force.row(i)[c] * force.row(i)[c];
+          }
+        }
+        for (std::size_t n = 0; n < names.size(); ++n) above[n] = below[n] > 0.0 ? above[n] / below[n] : 0.0;
+        for (ReadStep& step : steps_) {
+          const PageRows &force = step.arrays[kForces[pair]], &strain = step.arrays[kStrains[pair]];
+          double largest = 0.0;
+          for (std::size_t i = 0; i < kept_.size(); ++i) largest = std::max(largest, std::abs(strain.row(i)[c]));
+          const double unit = largest / std::exp2(kForReading - 1);
+          for (std::size_t i = 0; i < kept_.size(); ++i)
+            if (std::abs(strain.row(i)[c] - above[group[i]] * force.row(i)[c]) > kSame * unit) return Json::object();
+        }
+        for (std::size_t n = 0; n < names.size(); ++n) found[names[n]].push_back(above[n]);
+      }
+    for (ReadStep& step : steps_)
+      for (const char* strain : kStrains) step.arrays.erase(strain);
+    return found;
+  }
+
+  void add_steps() {
+    data_.description["compliance"] = taken_out();
+    double room = limits_.bytes;
+    for (const auto& [name, bytes] : data_.arrays) room -= static_cast<double>(bytes.size());
+    std::map<std::string, PackedNumbers> held;
+    std::size_t count = steps_.size();
+    std::vector<std::size_t> shown = evenly(steps_.size(), count);
+    double bytes = pack_steps(shown, held);
+    while (bytes > room && count > limits_.fewest_steps) {
+      const double fits = std::max(0.0, static_cast<double>(count) * room / bytes);
+      count = std::max(limits_.fewest_steps, std::min(count - 1, static_cast<std::size_t>(fits)));
+      shown = evenly(steps_.size(), count);
+      bytes = pack_steps(shown, held);
+    }
+    for (auto& [name, numbers] : held) hold(name, std::move(numbers));
+    if (shown.size() < run_.steps().size())
+      note(formatted("%zu of %zu steps are drawn; the load path has all.", shown.size(), run_.steps().size()));
+    Json steps = Json::array(), fields = Json::array();
+    for (const std::size_t i : shown) steps.push_back(steps_[i].described);
+    for (std::size_t f = 0; f < fields_.size(); ++f) {
+      const PageField& field = fields_[f];
+      Json extremes = Json::array();
+      bool is_there = false;
+      for (const std::size_t i : shown) {
+        extremes.push_back(steps_[i].extremes[f]);
+        is_there = is_there || !steps_[i].extremes[f].is_null();
+      }
+      if (is_there)
+        fields.push_back({{"name", field.name},
+                          {"label", field.label},
+                          {"unit", units_.of(field.source)},
+                          {"source", field.source},
+                          {"components", field.components.empty() ? std::vector<std::size_t>{0} : field.components},
+                          {"signed", field.is_signed},
+                          {"extremes", extremes}});
+    }
+    data_.description["steps"] = steps;
+    data_.description["fields"] = fields;
+  }
+
+  /// Backwards from the last step, which the page shows first. Returns the bytes.
+  double pack_steps(const std::vector<std::size_t>& shown, std::map<std::string, PackedNumbers>& held) const {
+    held.clear();
+    double bytes = 0.0;
+    for (std::size_t at = shown.size(); at-- > 0;)
+      for (const auto& [name, rows] : steps_[shown[at]].arrays) {
+        const auto next = held.find(name + "-" + std::to_string(at + 1)),
+                   behind = held.find(name + "-" + std::to_string(at + 2));
+        const PackedNumbers* const later = next == held.end() ? nullptr : &next->second;
+        const PackedNumbers* const further = later == nullptr || behind == held.end() ? nullptr : &behind->second;
+        PackedNumbers& numbers = held[name + "-" + std::to_string(at)] =
+            packed(rows, name == "triad" ? kForDrawing : kForReading, later, further);
+        bytes += static_cast<double>(numbers.bytes.size());
+      }
+    return bytes;
+  }
 
   void add(const std::string& name, const PageRows& rows, int bits) { hold(name, packed(rows, bits)); }
   void hold(const std::string& name, PackedNumbers numbers) {
@@ -455,13 +1031,40 @@ class ViewWriter {
     data_.arrays.emplace_back(name, std::move(numbers.bytes));
   }
   /// Of a field: rows of the samples that are drawn.
-  PageRows drawn(const std::vector<double>& values) const;
+  PageRows drawn(const std::vector<double>& values) const {
+    PageRows rows;
+    rows.columns = values.size() / run_.samples();
+    rows.values.reserve(kept_.size() * rows.columns);
+    for (const std::size_t sample : kept_)
+      for (std::size_t c = 0; c < rows.columns; ++c) rows.values.push_back(values[sample * rows.columns + c]);
+    return rows;
+  }
+
   void note(const std::string& text) { data_.description["notes"].push_back(text); }
   /// Of a place (member, arc length).
-  std::size_t sample_at(double member, double arc_length) const;
+  std::size_t sample_at(double number, double arc_length) const {
+    const SampledMember& member = run_.members()[static_cast<std::size_t>(number)];
+    std::size_t best = member.first_sample;
+    for (std::size_t i = member.first_sample; i < member.first_sample + member.share.rows; ++i)
+      if (std::abs(arc_[i] - arc_length) < std::abs(arc_[best] - arc_length)) best = i;
+    return best;
+  }
+
   /// Number among those drawn of the nearest one that is.
-  std::size_t nearest(std::size_t sample) const;
-  void add_arrow(const char* kind, std::size_t sample, const double* vector, bool follows, double begins);
+  std::size_t nearest(std::size_t sample) const {
+    const auto above = std::lower_bound(kept_.begin(), kept_.end(), sample);
+    if (above == kept_.begin()) return 0;
+    const auto below = above - 1;
+    const bool takes_below = above == kept_.end() || sample - *below <= *above - sample;
+    return static_cast<std::size_t>((takes_below ? below : above) - kept_.begin());
+  }
+
+  void add_arrow(const char* kind, std::size_t sample, const double* vector, bool follows, double begins) {
+    const double length = norm_of(vector);
+    if (!(length > 0.0)) return;
+    const Point direction = {vector[0] / length, vector[1] / length, vector[2] / length};
+    data_.description[kind].push_back({nearest(sample), direction, follows, finite_begin(begins)});
+  }
 
   const SampledFile& run_;
   const PageLimits& limits_;
@@ -488,636 +1091,6 @@ class ViewWriter {
   };
   std::map<std::string, PageGradient> gradients_;  ///< by their source
 };
-
-PageRows ViewWriter::drawn(const std::vector<double>& values) const {
-  PageRows rows;
-  rows.columns = values.size() / run_.samples();
-  rows.values.reserve(kept_.size() * rows.columns);
-  for (const std::size_t sample : kept_)
-    for (std::size_t c = 0; c < rows.columns; ++c) rows.values.push_back(values[sample * rows.columns + c]);
-  return rows;
-}
-
-/// All samples, or every n-th of each member and its last one; where members are too many, every m-th member.
-void ViewWriter::thin() {
-  const auto& members = run_.members();
-  const std::size_t most = limits_.samples;
-  const std::size_t every = 2 * members.size() > most ? (2 * members.size() + most - 1) / most : 1;
-  for (std::size_t m = 0; m < members.size(); m += every) shown_members_.push_back(m);
-  const auto with_stride = [&](std::size_t stride) {
-    std::size_t sum = 0;
-    for (const std::size_t m : shown_members_) sum += (members[m].share.rows - 1 + stride - 1) / stride + 1;
-    return sum;
-  };
-  std::size_t stride = 1;
-  const std::size_t longest = run_.samples();
-  while (stride < longest && with_stride(stride) > most) ++stride;
-  for (const std::size_t m : shown_members_) {
-    firsts_.push_back(kept_.size());
-    const std::size_t last = members[m].share.rows - 1;
-    for (std::size_t i = 0; i < last; i += stride) kept_.push_back(members[m].first_sample + i);
-    kept_.push_back(members[m].first_sample + last);
-  }
-  firsts_.push_back(kept_.size());
-}
-
-void ViewWriter::describe_run() {
-  data_.load_case = run_.header().property("load_case");
-  data_.scene_name = run_.header().scene_name;
-  data_.title = data_.scene_name + (data_.load_case.empty() ? "" : ", load case " + data_.load_case);
-  data_.description = {{"title", data_.title},
-                       {"units", {units_.length, units_.force}},
-                       {"version", run_.header().version},
-                       {"stages", stages_of(run_.header().scene_xml)},
-                       {"center", center_},
-                       {"notes", Json::array()},
-                       {"samples", kept_.size()},
-                       {"units_of", Json::object()}};
-}
-
-void ViewWriter::describe_members() {
-  if (kept_.size() < run_.samples())
-    note(formatted("Thinned: %zu of %zu samples and %zu of %zu members are drawn; the result file has all.",
-                   kept_.size(), run_.samples(), shown_members_.size(), run_.members().size()));
-  Json names = Json::array();
-  for (const std::size_t m : shown_members_) names.push_back(run_.members()[m].name);
-  data_.description["members"] = names;
-  data_.description["all_members"] = run_.members().size();
-  data_.description["first_sample"] = std::vector<std::size_t>(firsts_.begin(), firsts_.end() - 1);
-  PageRows places = drawn(reference_);
-  for (std::size_t i = 0; i < places.values.size(); ++i) places.values[i] -= center_[i % 3];
-  add("reference", places, kForPlaces);
-  add("arc_length", drawn(arc_), kForPlaces);
-}
-
-void ViewWriter::add_sections() {
-  constexpr std::size_t kSizes = 4, kWidth = kSizes * kPlacesAlongMember;  // width, height, wall, web at each place
-  const Table shapes(run_.acting(), "sections"), members(run_.acting(), "members");
-  std::vector<double> lengths;
-  for (const std::size_t m : shown_members_)
-    lengths.push_back(arc_[run_.members()[m].first_sample + run_.members()[m].share.rows - 1]);
-  double rod = std::min(kThinRod * size_, kSlenderRod * median_of(lengths));
-  for (std::size_t i = 0; i < shapes.rows(); ++i)  // a wire is thinner than what has a shape
-    if (shapes.word("shape", i) != "none") rod = std::min(rod, shapes.row("dimensions", i, kWidth)[0]);
-  PageRows dimensions;
-  dimensions.columns = kSizes;
-  for (std::size_t i = 0; i < kept_.size(); ++i)
-    dimensions.values.insert(dimensions.values.end(), {rod, rod, 0.0, 0.0});
-  strength_.assign(run_.samples(), kUnknown);
-  kinds_.assign(shown_members_.size(), "none");
-  sections_.assign(shown_members_.size(), "");
-  for (std::size_t at = 0; at < shown_members_.size() && shapes.rows() > 0; ++at) {
-    const auto row = static_cast<std::size_t>(members.row("section", shown_members_[at], 1)[0]);
-    sections_[at] = shapes.word("name", row);
-    std::string kind = shapes.word("shape", row);
-    if (kind == "none") continue;
-    if (kind.rfind(kDrawnAs, 0) == 0) kind.erase(0, std::string(kDrawnAs).size());
-    const double* sizes = shapes.row("dimensions", row, kWidth);
-    std::array<double, kPlacesAlongMember> known{};
-    for (std::size_t p = 0; p < known.size(); ++p) {
-      const double one = shapes.row("strength", row, kPlacesAlongMember)[p];
-      known[p] = one > 0.0 ? one : kUnknown;  // 0: not given
-    }
-    for (std::size_t i = firsts_[at]; i < firsts_[at + 1]; ++i) {
-      const double x = arc_[kept_[i]] / lengths[at];
-      for (std::size_t k = 0; k < kSizes; ++k)
-        dimensions.values[kSizes * i + k] = along(sizes + k, kPlacesAlongMember, kSizes, x);
-      if (kind == "circle" || kind == "tube") dimensions.values[kSizes * i + 1] = dimensions.values[kSizes * i];
-      strength_[kept_[i]] = along(known.data(), kPlacesAlongMember, 1, x);
-    }
-    kinds_[at] = kind[0] == 'T' || kind[0] == 'L' || kind[0] == 'U' ? with_centroid(kind, sizes) : kind;
-  }
-  add("dimensions", dimensions, kForReading);
-  data_.description["kinds"] = kinds_;
-  data_.description["sections"] = sections_;
-  const auto without = std::count(kinds_.begin(), kinds_.end(), "none");
-  if (without == 0) return;
-  const bool all = static_cast<std::size_t>(without) == kinds_.size();
-  note(std::string(all ? "Members are" : "Members without a Shape are") +
-       formatted(" drawn as round rods of diameter %.3g", rod) +
-       (units_.length.empty() ? "." : " " + units_.length + "."));
-}
-
-/// `described`: without the step.
-void ViewWriter::add_mode(const std::string& group, std::size_t step, Json described) {
-  const std::vector<double> all = run_.field(group, "mode");
-  const double largest = longest_of(all);
-  PageRows mode = drawn(all);
-  for (double& value : mode.values) value /= largest > 0.0 ? largest : 1.0;
-  Json& modes = data_.description["modes"];
-  add("mode-" + std::to_string(modes.size()), mode, kForDrawing);
-  described["step"] = step;
-  modes.push_back(std::move(described));
-}
-
-void ViewWriter::add_modes() {
-  data_.description["modes"] = Json::array();
-  const auto& steps = run_.steps();
-  const auto for_each = [&](const std::string& kind, const auto& action) {
-    for (std::size_t s = 0; s < steps.size(); ++s) {
-      const bool is_in_file = kind == "buckling" && s == 0;  // of the undeformed structure: in the file itself
-      const std::string about = is_in_file ? "" : steps[s].group;
-      for (std::size_t i = 0; i < run_.count(about, kind); ++i)
-        action(s, (about.empty() ? "" : about + "/") + kind + "/" + std::to_string(i));
-    }
-  };
-  for_each("critical_points", [&](std::size_t step, const std::string& group) {
-    add("critical-displacement-" + std::to_string(data_.description["modes"].size()),
-        drawn(run_.field(group, "displacement")), kForReading);
-    add_mode(group, step,
-             {{"kind", run_.word(group, "kind")},
-              {"factor", run_.number(group, "load_factor")},
-              {"modes", run_.number(group, "modes")},
-              {"before", run_.number(group, "negative_before")},
-              {"after", run_.number(group, "negative_after")}});
-  });
-  for_each("buckling", [&](std::size_t step, const std::string& group) {
-    add_mode(group, step, {{"kind", "buckling mode"}, {"factor", run_.number(group, "load_factor")}});
-  });
-  for_each("vibration", [&](std::size_t step, const std::string& group) {
-    add_mode(group, step,
-             {{"kind", "natural mode"}, {"factor", steps[step].load_factor}, {"omega", run_.number(group, "omega")}});
-  });
-}
-
-std::size_t ViewWriter::sample_at(double number, double arc_length) const {
-  const SampledMember& member = run_.members()[static_cast<std::size_t>(number)];
-  std::size_t best = member.first_sample;
-  for (std::size_t i = member.first_sample; i < member.first_sample + member.share.rows; ++i)
-    if (std::abs(arc_[i] - arc_length) < std::abs(arc_[best] - arc_length)) best = i;
-  return best;
-}
-
-std::size_t ViewWriter::nearest(std::size_t sample) const {
-  const auto above = std::lower_bound(kept_.begin(), kept_.end(), sample);
-  if (above == kept_.begin()) return 0;
-  const auto below = above - 1;
-  const bool takes_below = above == kept_.end() || sample - *below <= *above - sample;
-  return static_cast<std::size_t>((takes_below ? below : above) - kept_.begin());
-}
-
-/// Load factor from which something acts; before any where a formula says it.
-double finite_begin(double begins) { return std::isfinite(begins) ? begins : kBeforeAny; }
-
-void ViewWriter::add_arrow(const char* kind, std::size_t sample, const double* vector, bool follows, double begins) {
-  const double length = norm_of(vector);
-  if (!(length > 0.0)) return;
-  const Point direction = {vector[0] / length, vector[1] / length, vector[2] / length};
-  data_.description[kind].push_back({nearest(sample), direction, follows, finite_begin(begins)});
-}
-
-void ViewWriter::add_point_loads() {
-  const Table loads(run_.acting(), "point_loads");
-  for (std::size_t i = 0; i < loads.rows(); ++i) {
-    const double* place = loads.row("place", i, 2);
-    const std::size_t sample = sample_at(place[0], place[1]);
-    const bool follows = loads.row("follower", i, 1)[0] != 0.0;
-    const double begins = loads.row("begins", i, 1)[0];
-    add_arrow("forces", sample, loads.row("force", i, 3), follows, begins);
-    add_arrow("moments", sample, loads.row("moment", i, 3), follows, begins);
-  }
-}
-
-/// Prescribed ones of supports.
-void ViewWriter::add_motions(const Table& supports) {
-  for (std::size_t i = 0; i < supports.rows(); ++i) {
-    const double *place = supports.row("place", i, 2), *axes = supports.row("axes", i, 9),
-                 *prescribed = supports.row("prescribed", i, 6);
-    Point shift{}, turn{};
-    for (std::size_t a = 0; a < 3; ++a)
-      for (std::size_t c = 0; c < 3; ++c) {
-        shift[c] += prescribed[a] * axes[3 * a + c];
-        turn[c] += prescribed[3 + a] * axes[3 * a + c];
-      }
-    const std::size_t sample = sample_at(place[0], place[1]);
-    const double begins = supports.row("begins", i, 1)[0];
-    add_arrow("shifts", sample, shift.data(), false, begins);
-    add_arrow("turns", sample, turn.data(), false, begins);
-  }
-}
-
-void ViewWriter::add_line_loads() {
-  const Table loads(run_.acting(), "line_loads");
-  for (std::size_t i = 0; i < loads.rows(); ++i) {
-    const double number = loads.row("member", i, 1)[0];
-    const double* force = loads.row("force", i, 3 * kPlacesAlongMember);
-    const SampledMember& member = run_.members()[static_cast<std::size_t>(number)];
-    const double length = arc_[member.first_sample + member.share.rows - 1];
-    Json places = Json::array(), forces = Json::array();
-    bool acts = false;
-    for (int p = 0; p < kPlacesAlongMember; ++p) {
-      places.push_back(nearest(sample_at(number, length * p / (kPlacesAlongMember - 1))));
-      forces.push_back({force[3 * p], force[3 * p + 1], force[3 * p + 2]});
-      acts = acts || norm_of(force + 3 * p) > 0.0;
-    }
-    if (acts)
-      data_.description["line_loads"].push_back(
-          {places, forces, loads.row("follower", i, 1)[0] != 0.0, finite_begin(loads.row("begins", i, 1)[0])});
-  }
-}
-
-void ViewWriter::add_marks() {
-  for (const char* kind : {"supports", "joints", "forces", "moments", "shifts", "turns", "line_loads", "strained"})
-    data_.description[kind] = Json::array();
-  const Table supports(run_.acting(), "supports"), joints(run_.acting(), "joints"),
-      strains(run_.acting(), "eigenstrains");
-  for (std::size_t i = 0; i < supports.rows(); ++i) {
-    const double *place = supports.row("place", i, 2), *fixed = supports.row("fixed", i, 6),
-                 *stiffness = supports.row("stiffness", i, 6);
-    const std::size_t at = nearest(sample_at(place[0], place[1]));
-    const auto is_set = [](double one) { return one > 0.0; };
-    data_.description["supports"].push_back({at, kind_of_support(fixed)});
-    if (std::any_of(stiffness, stiffness + 6, is_set) && std::any_of(fixed, fixed + 6, is_set))
-      data_.description["supports"].push_back({at, "spring"});
-  }
-  for (std::size_t i = 0; i < joints.rows(); ++i) {
-    const double* place = joints.row("place", i, 2);
-    data_.description["joints"].push_back({nearest(sample_at(place[0], place[1])), joints.word("kind", i)});
-  }
-  add_point_loads();
-  add_motions(supports);
-  add_line_loads();
-  const double last = run_.steps().back().load_factor;
-  std::set<std::size_t> strained;
-  for (std::size_t i = 0; i < strains.rows(); ++i) {
-    const double begins = strains.row("begins", i, 1)[0];
-    if (std::isfinite(begins) && !(begins < last)) continue;
-    const auto member = static_cast<std::size_t>(strains.row("member", i, 1)[0]);
-    const auto at = std::find(shown_members_.begin(), shown_members_.end(), member);
-    if (at != shown_members_.end()) strained.insert(static_cast<std::size_t>(at - shown_members_.begin()));
-  }
-  data_.description["strained"] = strained;
-}
-
-/// Of quantities by stiffnesses of elements, at the end of the path.
-void ViewWriter::add_gradients() {
-  const std::array<const char*, 6> stiffnesses = {"EA", "GA₂", "GA₃", "GIₜ", "EI₂", "EI₃"};
-  const std::string& end = run_.steps().back().group;
-  for (std::size_t q = 0; q + 1 < run_.count(end, "gradients"); ++q) {
-    const std::string group = "gradients/" + std::to_string(q);
-    if (!run_.has(end + "/" + group, "stiffness")) continue;
-    for (std::size_t i = 0; i < stiffnesses.size(); ++i) {
-      const std::string name = "gradient_" + std::to_string(q) + "_" + std::to_string(i);
-      gradients_[name] = {group, i};
-      fields_.push_back({name,
-                         "gradient of " + run_.word(end + "/" + group, "quantity") + " by " + stiffnesses[i] +
-                             ": share of the stiffness, per length",
-                         name,
-                         {},
-                         true});
-    }
-  }
-}
-
-/// C dq/dC over the length of the element, at every sample: from the derivatives by C and by 1 / C, whose ratio is
-/// -C^2.
-std::vector<double> ViewWriter::sensitivities(const std::string& group, std::size_t stiffness) const {
-  const std::vector<double> by = run_.numbers(group, "stiffness", 6), inverse = run_.numbers(group, "compliance", 6);
-  std::vector<double> values;
-  std::size_t at = stiffness;
-  for (const SampledMember& member : run_.members())
-    for (int e = 0; e < member.elements; ++e, at += 6) {
-      const std::size_t first = values.size(), points = member.share.rows / static_cast<std::size_t>(member.elements);
-      const double length = arc_.at(first + points - 1) - arc_[first];
-      values.insert(values.end(), points,
-                    std::copysign(std::sqrt(std::abs(by.at(at) * inverse.at(at))), by[at]) / length);
-    }
-  return values;
-}
-
-/// Those that there is memory for; the path in short.
-void ViewWriter::read_steps() {
-  const auto& steps = run_.steps();
-  const double room = std::max(2.0, kMostNumbers / (kNumbersOfSample * static_cast<double>(kept_.size())));
-  const std::vector<std::size_t> read = evenly(steps.size(), static_cast<std::size_t>(room));
-  std::vector<Point> hull = corners(points_of(reference_, center_));
-  const bool turns = shows_directions();
-  for (std::size_t s = 0; s < steps.size(); ++s) {
-    HeldStep held(run_, steps[s], strength_, size_, units_.megapascals());
-    largest_.push_back(longest_of(held.field("displacement")));
-    force_floors_ = held.force_floors;
-    if (!std::binary_search(read.begin(), read.end(), s)) continue;
-    const std::vector<Point> far = corners(points_of(run_.field(steps[s].group, "position"), center_));
-    hull.insert(hull.end(), far.begin(), far.end());
-    ReadStep& step = steps_.emplace_back();
-    step.described = {
-        {"number", steps[s].number}, {"factor", steps[s].load_factor}, {"stable", steps[s].stable}, {"place", s}};
-    for (const auto& [name, gradient] : gradients_) {
-      if (s + 1 < steps.size()) break;
-      held.take(name, sensitivities(steps[s].group + "/" + gradient.group, gradient.stiffness));
-      step.arrays[name] = drawn(held.field(name));
-    }
-    for (const PageField& field : fields_) step.extremes.push_back(held.extremes(field));
-    for (const char* name : {"displacement", kForces[0], kForces[1], kStrains[0], kStrains[1], kStresses[0],
-                             kStresses[1], kStresses[2], "utilisation", "triad"})
-      if ((name != std::string("triad") || turns) && held.has(name)) step.arrays[name] = drawn(held.field(name));
-  }
-  Json corners_of_hull = Json::array();
-  constexpr double kDecimals = 1e9;
-  for (const Point& p : corners(hull))
-    corners_of_hull.push_back({std::nearbyint(p[0] * kDecimals) / kDecimals,
-                               std::nearbyint(p[1] * kDecimals) / kDecimals,
-                               std::nearbyint(p[2] * kDecimals) / kDecimals});
-  data_.description["hull"] = corners_of_hull;
-  data_.description["camera"] = camera(hull);
-  data_.description["size"] = size_;
-}
-
-/// Elevation and azimuth [degrees]: upon the plane in which all lies, else where most is seen.
-Json ViewWriter::camera(const std::vector<Point>& points) const {
-  vector_algebra::Box box;
-  for (const Point& point : points) box.enclose(point);
-  const Point spread = vector_algebra::difference(box.high, box.low);
-  const auto is_flat = [&](std::size_t axis) { return spread[axis] <= kFlat * size_; };
-  if (is_flat(2)) return {90.0, -90.0};
-  if (is_flat(1)) return {0.0, -90.0};
-  if (is_flat(0)) return {0.0, 0.0};
-  return best_view(points);
-}
-
-/// Whether something drawn turns with the sections: round ones follow their line, if their diagrams do not matter.
-bool ViewWriter::shows_directions() const {
-  if (kept_.size() * run_.steps().size() <= kFewNumbers) return true;
-  const std::set<std::string> round = {"circle", "tube", "none"};
-  if (std::any_of(kinds_.begin(), kinds_.end(), [&](const std::string& kind) { return round.count(kind) == 0; }))
-    return true;
-  for (const char* kind : {"forces", "moments", "line_loads"})
-    for (const Json& load : data_.description[kind])
-      if (load[2].get<bool>()) return true;
-  return false;
-}
-
-/// Of what is followed at a point: "displacement" of "tip.displacement".
-std::string kind_of_series(const std::string& name) {
-  const std::size_t dot = name.rfind('.');
-  return dot == std::string::npos ? name : name.substr(dot + 1);
-}
-
-/// Round-off of what is followed, by its kind: relative to the largest of any point and step, and to section forces at
-/// the end.
-std::map<std::string, double> ViewWriter::floors_of_series() const {
-  std::map<std::string, double> largest;
-  for (const MonitoredSeries& series : run_.monitor())
-    if (series.columns == 3) {
-      double& known = largest[kind_of_series(series.name)];
-      known = std::max(known, largest_of(series.values));
-    }
-  double &force = largest["reaction_force"], &moment = largest["reaction_moment"];
-  const double own_force = force;
-  force = std::max(force, moment / size_);
-  moment = std::max(moment, own_force * size_);
-  for (auto& [kind, value] : largest) value *= kNoise;
-  force = std::max(force, force_floors_[0]);
-  moment = std::max(moment, force_floors_[1]);
-  return largest;
-}
-
-/// What can be drawn over the path: a row for each step, then one for each critical point.
-void ViewWriter::add_series() {
-  const auto& steps = run_.steps();
-  std::vector<std::string> points;  // groups of critical points
-  for (const SampledStep& step : steps)
-    for (std::size_t i = 0; i < run_.count(step.group, "critical_points"); ++i)
-      points.push_back(step.group + "/critical_points/" + std::to_string(i));
-  std::vector<std::string> names;
-  std::vector<std::vector<double>> columns;
-  const auto begin = [&](const std::string& name) -> std::vector<double>& {
-    names.push_back(name);
-    return columns.emplace_back();
-  };
-  std::vector<double>& factors = begin("load factor");
-  for (const SampledStep& step : steps) factors.push_back(step.load_factor);
-  for (const std::string& point : points) factors.push_back(run_.number(point, "load_factor"));
-  const auto whole = [&](const std::string& name, const std::function<double(std::size_t)>& value) {
-    std::vector<double>& column = begin(name);
-    for (std::size_t s = 0; s < steps.size(); ++s) column.push_back(value(s));
-    column.resize(steps.size() + points.size(), kUnknown);
-  };
-  const MonitoredSeries *quantities = nullptr, *energy = nullptr;
-  for (const MonitoredSeries& series : run_.monitor()) {
-    if (series.name == kQuantitySeries) quantities = &series;
-    if (series.name == "strain_energy" && series.columns == 1) energy = &series;
-  }
-  const std::vector<std::string>& asked = run_.header().quantities;
-  for (std::size_t q = 0; quantities != nullptr && quantities->columns == asked.size() && q < asked.size(); ++q)
-    whole(asked[q], [&](std::size_t s) { return quantities->values[quantities->columns * s + q]; });
-  const std::map<std::string, double> floors = floors_of_series();
-  for (const MonitoredSeries& series : run_.monitor()) {
-    if (series.columns != 3 || series.name == kQuantitySeries) continue;
-    if (columns.size() > kMostSeries) break;
-    const double floor = floors.at(kind_of_series(series.name));
-    std::vector<Point> rows;
-    for (std::size_t s = 0; s < steps.size(); ++s) {
-      Point& row = rows.emplace_back();
-      for (std::size_t a = 0; a < 3; ++a) {
-        const double value = series.values[3 * s + a];
-        row[a] = std::abs(value) > floor ? value : 0.0;
-      }
-    }
-    for (const std::string& point : points) {
-      Point& row = rows.emplace_back();
-      row.fill(kUnknown);
-      if (run_.count(point, "monitor") == 0 || !run_.has(point + "/monitor", series.name)) continue;
-      const std::vector<double> known = run_.numbers(point + "/monitor", series.name);
-      if (known.size() == 3) std::copy(known.begin(), known.end(), row.begin());
-    }
-    for (std::size_t a = 0; a < 3; ++a) {
-      std::vector<double>& column = begin(series.name + "." + "xyz"[a]);
-      for (const Point& row : rows) column.push_back(row[a]);
-    }
-    std::vector<double>& column = begin(series.name + ".norm");
-    for (const Point& row : rows) column.push_back(norm_of(row.data()));
-  }
-  whole("largest displacement", [&](std::size_t s) { return largest_[s]; });
-  if (energy != nullptr) whole("strain energy", [&](std::size_t s) { return energy->values[s]; });
-  PageRows table;
-  table.columns = columns.size();
-  for (std::size_t r = 0; r < steps.size() + points.size(); ++r)
-    for (const std::vector<double>& column : columns) table.values.push_back(column[r]);
-  add("series", table, kForPlaces);
-  data_.description["series_names"] = names;
-  Json stable = Json::array();
-  for (const SampledStep& step : steps) stable.push_back(step.stable);
-  data_.description["stable"] = stable;
-  data_.description["abscissa"] = telling_series(names, columns);
-}
-
-/// The first quantity that the scene asks for, else of displacements the one that changes most.
-std::string ViewWriter::telling_series(const std::vector<std::string>& names,
-                                       const std::vector<std::vector<double>>& columns) const {
-  const auto change = [&](std::size_t c) {
-    const auto end = columns[c].begin() + static_cast<std::ptrdiff_t>(run_.steps().size());
-    if (std::any_of(columns[c].begin(), end, [](double value) { return !std::isfinite(value); })) return -1.0;
-    const auto [low, high] = std::minmax_element(columns[c].begin(), end);
-    return *high - *low;
-  };
-  const std::size_t asked = run_.header().quantities.size();
-  for (std::size_t c = 1; c <= asked && c < names.size(); ++c)
-    if (names[c] == run_.header().quantities[c - 1] && change(c) > 0.0) return names[c];
-  std::string best = "largest displacement";
-  double most = kMoved * size_;
-  for (std::size_t c = 0; c < names.size(); ++c) {
-    const bool is_component =
-        names[c].find(".displacement.") != std::string::npos && kind_of_series(names[c]) != "norm";
-    if (is_component && change(c) > most) {
-      most = change(c);
-      best = names[c];
-    }
-  }
-  return best;
-}
-
-/// {section: compliances (6,)} where strains are these times the forces in all steps; the strains are then taken out of
-/// the steps. Nothing where they are not.
-Json ViewWriter::taken_out() {
-  const std::set<std::string> unique(sections_.begin(), sections_.end());
-  const std::vector<std::string> names(unique.begin(), unique.end());
-  std::vector<std::size_t> group(kept_.size());
-  for (std::size_t m = 0; m < sections_.size(); ++m)
-    for (std::size_t i = firsts_[m]; i < firsts_[m + 1]; ++i)
-      group[i] = static_cast<std::size_t>(std::lower_bound(names.begin(), names.end(), sections_[m]) - names.begin());
-  Json found = Json::object();
-  for (const std::string& name : names) found[name] = Json::array();
-  for (std::size_t pair = 0; pair < kForces.size(); ++pair)
-    for (std::size_t c = 0; c < 3; ++c) {
-      std::vector<double> above(names.size()), below(names.size());
-      for (ReadStep& step : steps_) {
-        const PageRows &force = step.arrays[kForces[pair]], &strain = step.arrays[kStrains[pair]];
-        for (std::size_t i = 0; i < kept_.size(); ++i) {
-          above[group[i]] += force.row(i)[c] * strain.row(i)[c];
-          below[group[i]] += force.row(i)[c] * force.row(i)[c];
-        }
-      }
-      for (std::size_t n = 0; n < names.size(); ++n) above[n] = below[n] > 0.0 ? above[n] / below[n] : 0.0;
-      for (ReadStep& step : steps_) {
-        const PageRows &force = step.arrays[kForces[pair]], &strain = step.arrays[kStrains[pair]];
-        double largest = 0.0;
-        for (std::size_t i = 0; i < kept_.size(); ++i) largest = std::max(largest, std::abs(strain.row(i)[c]));
-        const double unit = largest / std::exp2(kForReading - 1);
-        for (std::size_t i = 0; i < kept_.size(); ++i)
-          if (std::abs(strain.row(i)[c] - above[group[i]] * force.row(i)[c]) > kSame * unit) return Json::object();
-      }
-      for (std::size_t n = 0; n < names.size(); ++n) found[names[n]].push_back(above[n]);
-    }
-  for (ReadStep& step : steps_)
-    for (const char* strain : kStrains) step.arrays.erase(strain);
-  return found;
-}
-
-/// Backwards from the last step, which the page shows first. Returns the bytes.
-double ViewWriter::pack_steps(const std::vector<std::size_t>& shown, std::map<std::string, PackedNumbers>& held) const {
-  held.clear();
-  double bytes = 0.0;
-  for (std::size_t at = shown.size(); at-- > 0;)
-    for (const auto& [name, rows] : steps_[shown[at]].arrays) {
-      const auto next = held.find(name + "-" + std::to_string(at + 1)),
-                 behind = held.find(name + "-" + std::to_string(at + 2));
-      const PackedNumbers* const later = next == held.end() ? nullptr : &next->second;
-      const PackedNumbers* const further = later == nullptr || behind == held.end() ? nullptr : &behind->second;
-      PackedNumbers& numbers = held[name + "-" + std::to_string(at)] =
-          packed(rows, name == "triad" ? kForDrawing : kForReading, later, further);
-      bytes += static_cast<double>(numbers.bytes.size());
-    }
-  return bytes;
-}
-
-void ViewWriter::add_steps() {
-  data_.description["compliance"] = taken_out();
-  double room = limits_.bytes;
-  for (const auto& [name, bytes] : data_.arrays) room -= static_cast<double>(bytes.size());
-  std::map<std::string, PackedNumbers> held;
-  std::size_t count = steps_.size();
-  std::vector<std::size_t> shown = evenly(steps_.size(), count);
-  double bytes = pack_steps(shown, held);
-  while (bytes > room && count > limits_.fewest_steps) {
-    const double fits = std::max(0.0, static_cast<double>(count) * room / bytes);
-    count = std::max(limits_.fewest_steps, std::min(count - 1, static_cast<std::size_t>(fits)));
-    shown = evenly(steps_.size(), count);
-    bytes = pack_steps(shown, held);
-  }
-  for (auto& [name, numbers] : held) hold(name, std::move(numbers));
-  if (shown.size() < run_.steps().size())
-    note(formatted("%zu of %zu steps are drawn; the load path has all.", shown.size(), run_.steps().size()));
-  Json steps = Json::array(), fields = Json::array();
-  for (const std::size_t i : shown) steps.push_back(steps_[i].described);
-  for (std::size_t f = 0; f < fields_.size(); ++f) {
-    const PageField& field = fields_[f];
-    Json extremes = Json::array();
-    bool is_there = false;
-    for (const std::size_t i : shown) {
-      extremes.push_back(steps_[i].extremes[f]);
-      is_there = is_there || !steps_[i].extremes[f].is_null();
-    }
-    if (is_there)
-      fields.push_back({{"name", field.name},
-                        {"label", field.label},
-                        {"unit", units_.of(field.source)},
-                        {"source", field.source},
-                        {"components", field.components.empty() ? std::vector<std::size_t>{0} : field.components},
-                        {"signed", field.is_signed},
-                        {"extremes", extremes}});
-  }
-  data_.description["steps"] = steps;
-  data_.description["fields"] = fields;
-}
-
-/// Number of the connected part of each member of the file, from "0*3 1*2"; none where it does not say.
-std::vector<int> connected_parts(const ResultHeader& header) {
-  std::vector<int> parts;
-  const std::string known = header.property("connected_parts");
-  int number = 0, count = 0, length = 0;
-  for (const char* text = known.c_str(); std::sscanf(text, " %d*%d%n", &number, &count, &length) == 2; text += length)
-    parts.insert(parts.end(), static_cast<std::size_t>(std::max(count, 0)), number);
-  return parts;
-}
-
-/// Numbers of the members that a text names: in quotes, or in the path of an entry.
-Json named_members(const SaidOfScene& said, const std::vector<std::string>& members) {
-  std::string text = said.refusal;
-  for (const std::string& warning : said.warnings) text += " " + warning;
-  Json named = Json::array();
-  for (std::size_t m = 0; m < members.size(); ++m)
-    if (text.find("\"" + members[m] + "\"") != std::string::npos ||
-        text.find("/ Members / " + members[m] + " /") != std::string::npos)
-      named.push_back(m);
-  return named;
-}
-
-/// In place of fields: sections, and parts where some are not connected.
-void ViewWriter::describe_preview(const SaidOfScene& said) {
-  const std::vector<int> all_parts = connected_parts(run_.header());
-  std::vector<std::string> parts, names;
-  for (const std::size_t m : shown_members_) {
-    names.push_back(run_.members()[m].name);
-    if (m < all_parts.size()) parts.push_back("part " + std::to_string(all_parts[m] + 1));
-  }
-  Json fields = Json::array();
-  const auto add_groups = [&](const char* label, const std::vector<std::string>& of, bool always) {
-    std::vector<std::string> known = of;
-    std::sort(known.begin(), known.end(), [](const std::string& a, const std::string& b) {
-      return a.size() != b.size() && a.rfind("part ", 0) == 0 && b.rfind("part ", 0) == 0 ? a.size() < b.size() : a < b;
-    });
-    known.erase(std::unique(known.begin(), known.end()), known.end());
-    if (of.size() != shown_members_.size() || (known.size() < 2 && !always)) return;
-    Json of_members = Json::array();
-    for (const std::string& one : of) of_members.push_back(std::find(known.begin(), known.end(), one) - known.begin());
-    const std::size_t most = std::max<std::size_t>(known.size() - 1, 1);
-    fields.push_back({{"name", label},
-                      {"label", label},
-                      {"unit", ""},
-                      {"signed", false},
-                      {"extremes", Json::array({Json::array({0, most})})},
-                      {"names", known},
-                      {"of_members", of_members}});
-  };
-  add_groups("connected part", parts, false);
-  add_groups("section", sections_, true);
-  data_.description["fields"] = fields;
-  if (const std::string drawn = run_.header().property("drawn"); !drawn.empty()) note(drawn);
-  data_.description["preview"] = {
-      {"refusal", said.refusal}, {"warnings", said.warnings}, {"named", named_members(said, names)}};
-  for (Json& mode : data_.description["modes"]) mode["kind"] = "motion without strain";
-}
 
 }  // namespace
 
