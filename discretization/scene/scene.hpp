@@ -1,5 +1,5 @@
 /// The scene: what a user describes, as plain structs in any consistent set of units (angles in radians).
-/// Reading and validating a scene is `read_scene` (scene_reader.hpp); turning it into elements is `Mesh` (mesh.hpp).
+/// Reading and validating a scene is `read_scene` (read_scene.hpp); turning it into elements is `Mesh` (mesh.hpp).
 #pragma once
 
 #include "discretization/scene/field_table.hpp"

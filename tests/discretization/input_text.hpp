@@ -1,7 +1,7 @@
 /// What the tests of the input share: a small valid scene, changes of it, and looking into error messages.
 #pragma once
 
-#include "discretization/reading/scene_reader.hpp"
+#include "discretization/reading/read_scene.hpp"
 #include "discretization/text/errors.hpp"
 #include "tests/support/scene_file.hpp"
 #include "tests/support/text.hpp"
@@ -37,11 +37,8 @@ Scene:
 
 /// What the list "Scene" describes, whether supports hold it or not: read_scene without its last check.
 inline Scene described_by(const XmlParameters& xml) {
-  Teuchos::ParameterList& list = xml.list->sublist("Scene");
-  Variables variables(list, xml.source);
-  variables.resolve(list, scene_spec(), {"Scene"});
-  validate(list, scene_spec(), xml.source, {"Scene"});
-  return SceneReader(list, {xml.source, {"Scene"}}, variables).read();
+  std::string loose;
+  return read_scene(xml.list->sublist("Scene"), xml.source, {"Scene"}, {nullptr, &loose});
 }
 
 inline Scene scene_from(const std::string& text) { return described_by(parsed(text)); }

@@ -2,6 +2,7 @@
 #include "scene_text.hpp"
 #include "tests/support/files.hpp"
 
+#include "discretization/reading/import.hpp"
 #include "discretization/scene/section_shape.hpp"
 #include "tests/support/numbers.hpp"
 
