@@ -1,8 +1,8 @@
 #include "apps/mixbeam/batch_parameters.hpp"
 
-#include "discretization/parameters/access.hpp"
 #include "discretization/parameters/binding.hpp"
-#include "discretization/parameters/formula_value.hpp"
+#include "discretization/parameters/spec.hpp"
+#include "discretization/parameters/value.hpp"
 #include "discretization/text/csv_file.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"

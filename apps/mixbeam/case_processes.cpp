@@ -7,7 +7,6 @@
 #include "discretization/results/disk_file.hpp"
 #include "discretization/results/result_file.hpp"
 #include "discretization/text/errors.hpp"
-#include "discretization/text/memory_error.hpp"
 
 #include <nlohmann/json.hpp>
 

@@ -2,7 +2,7 @@
 
 #include "apps/common/run/number_path.hpp"
 #include "apps/mixbeam/commands.hpp"
-#include "discretization/parameters/access.hpp"
+#include "discretization/parameters/value.hpp"
 #include "discretization/reading/read_scene.hpp"
 #include "discretization/reading/variables.hpp"
 #include "discretization/scene/load_cases.hpp"

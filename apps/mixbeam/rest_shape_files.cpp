@@ -6,7 +6,6 @@
 #include "apps/mixbeam/commands.hpp"
 #include "discretization/parameters/parameter_file.hpp"
 #include "discretization/text/errors.hpp"
-#include "discretization/text/member_error.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/text_file.hpp"
 #include "kernels/execution/execution_space.hpp"

@@ -7,11 +7,11 @@
 #include "apps/mixbeam/scene_run.hpp"
 #include "apps/mixbeam/view_page.hpp"
 #include "apps/python/arrays.hpp"
-#include "discretization/parameters/formula_value.hpp"
 #include "discretization/parameters/parameter_file.hpp"
 #include "discretization/parameters/print.hpp"
+#include "discretization/parameters/spec.hpp"
 #include "discretization/parameters/value.hpp"
-#include "discretization/text/memory_error.hpp"
+#include "discretization/text/errors.hpp"
 #include "discretization/text/message_text.hpp"
 #include "mixbeam/version.hpp"
 

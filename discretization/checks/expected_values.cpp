@@ -1,8 +1,8 @@
 #include "discretization/checks/expected_values.hpp"
 
-#include "discretization/parameters/access.hpp"
 #include "discretization/parameters/binding.hpp"
 #include "discretization/parameters/validate.hpp"
+#include "discretization/parameters/value.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/scene/names.hpp"
 #include "discretization/text/message_text.hpp"

@@ -3,7 +3,7 @@
 #include "discretization/mesh/vertex_partition.hpp"
 #include "discretization/parameters/spec.hpp"
 #include "discretization/scene/joined_ends.hpp"
-#include "discretization/text/member_error.hpp"
+#include "discretization/text/errors.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 #include "kernels/math/vector_algebra.hpp"

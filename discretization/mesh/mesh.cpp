@@ -4,7 +4,6 @@
 #include "discretization/scene/division.hpp"
 #include "discretization/scene/joined_ends.hpp"
 #include "discretization/text/errors.hpp"
-#include "discretization/text/member_error.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 #include "kernels/math/vector_algebra.hpp"

@@ -3,7 +3,7 @@
 #include "discretization/mesh/element_view.hpp"
 #include "discretization/mesh/reference_element.hpp"
 #include "discretization/scene/formula_pieces.hpp"
-#include "discretization/text/member_error.hpp"
+#include "discretization/text/errors.hpp"
 #include "kernels/element/layout.hpp"
 
 #include <algorithm>

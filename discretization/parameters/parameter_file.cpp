@@ -1,8 +1,7 @@
 #include "discretization/parameters/parameter_file.hpp"
 
-#include "discretization/parameters/formula_value.hpp"
+#include "discretization/parameters/spec.hpp"
 #include "discretization/parameters/value.hpp"
-#include "discretization/parameters/yaml_reader.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/tags.hpp"
 #include "discretization/text/text_file.hpp"

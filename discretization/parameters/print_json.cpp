@@ -1,5 +1,5 @@
+#include "discretization/parameters/parameter_file.hpp"
 #include "discretization/parameters/print.hpp"
-#include "discretization/parameters/yaml_reader.hpp"
 
 #include <nlohmann/json.hpp>
 

@@ -1,10 +1,13 @@
 #include "discretization/parameters/source.hpp"
 
 #include "discretization/text/message_text.hpp"
+#include "discretization/text/number_text.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <limits>
+#include <stdexcept>
 #include <tuple>
 #include <utility>
 
@@ -44,6 +47,17 @@ std::size_t offset_of_entry(const std::string& text, std::size_t key_begin, bool
   at = std::min(text.find(':', at), text.size() - 1) + 1;
   while (at < text.size() && is_blank(text[at])) ++at;
   return at < text.size() && text[at] != '\n' ? at : key_begin;
+}
+
+/// `s and x`
+std::string listed(const std::vector<std::string>& variables) {
+  if (variables.empty()) return "numbers";
+  std::string text;
+  for (std::size_t i = 0; i < variables.size(); ++i) {
+    if (i > 0) text += i + 1 == variables.size() ? " and " : ", ";
+    text += variables[i];
+  }
+  return text;
 }
 
 }  // namespace
@@ -175,6 +189,30 @@ std::string ParameterSource::message(const ParameterPath& path, const std::strin
 
 InputError ParameterSource::error(const ParameterPath& path, const std::string& problem) const {
   return InputError(message(path, problem) + marked(path, problem), key(path));
+}
+
+Expression checked_formula(const std::string& text, const std::vector<std::string>& variables,
+                           const InputPlace& place) {
+  try {
+    return Expression(text, variables);
+  } catch (const std::invalid_argument& error) {
+    throw place.error("value \"" + excerpt(text) + "\" is no formula: " + excerpt(error.what()) +
+                      "; allowed: a formula of " + listed(variables) +
+                      " with + - * / ^ ( ), pi, e, sin, cos, tan, exp, ln, sqrt, abs, min, max, ...");
+  }
+}
+
+void check_finite(const Expression& formula, const std::vector<std::string>& variables,
+                  const std::vector<std::vector<double>>& samples, const InputPlace& place) {
+  for (const std::vector<double>& sample : samples) {
+    const double value = formula(sample);
+    if (std::isfinite(value)) continue;
+    std::string at;
+    for (std::size_t i = 0; i < variables.size(); ++i)
+      at += (i == 0 ? "" : ", ") + variables[i] + " = " + shortest(sample[i]);
+    throw place.error("value \"" + excerpt(formula.text()) + "\" is " + shortest(value) + " at " + at +
+                      "; allowed: a formula that is finite everywhere");
+  }
 }
 
 }  // namespace mixbeam

@@ -170,4 +170,11 @@ std::string allowed_values(const ParameterSpec& parameter) {
   return text;
 }
 
+bool stands_for_number(const ParameterValue& value, const ParameterSpec& spec) {
+  const bool is_array_of_numbers = spec.type == ParameterType::real_array || spec.type == ParameterType::integer_array;
+  if (is_array_of_numbers) return has_type(value, ParameterType::text_array) && holds_formula(value);
+  if (spec.type != ParameterType::real && spec.type != ParameterType::integer) return false;
+  return has_type(value, ParameterType::text) && (holds_formula(value) || !spec.other_words.empty());
+}
+
 }  // namespace mixbeam

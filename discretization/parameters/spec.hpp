@@ -146,4 +146,7 @@ struct SublistSpec {
 /// `double, value > 0, or inf`: what may be written for this parameter.
 std::string allowed_values(const ParameterSpec& parameter);
 
+/// Whether it stands in place of what the parameter declares. A number with other words takes any text for a formula.
+bool stands_for_number(const ParameterValue& value, const ParameterSpec& spec);
+
 }  // namespace mixbeam

@@ -1,7 +1,7 @@
 #include "discretization/parameters/validate.hpp"
 
-#include "discretization/parameters/access.hpp"
-#include "discretization/parameters/formula_value.hpp"
+#include "discretization/parameters/spec.hpp"
+#include "discretization/parameters/value.hpp"
 #include "discretization/text/message_text.hpp"
 
 #include <algorithm>

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "discretization/text/number_text.hpp"
+#include "kernels/math/vector_algebra.hpp"
 
 #include <Teuchos_Array.hpp>
 #include <Teuchos_ParameterList.hpp>
@@ -43,5 +44,37 @@ ParameterValue value_of(const Teuchos::ParameterEntry& entry);
 /// `as_default`: the list remembers that this value was not given.
 void set_value(Teuchos::ParameterList& list, const std::string& name, const ParameterValue& value,
                bool as_default = false);
+
+/// Names of all entries, in the order of the file.
+inline std::vector<std::string> names_of(const Teuchos::ParameterList& list) {
+  std::vector<std::string> names;
+  for (auto entry = list.begin(); entry != list.end(); ++entry) names.push_back(list.name(entry));
+  return names;
+}
+
+/// Whether the user gave this parameter, as opposed to its default; or this list.
+inline bool is_given(const Teuchos::ParameterList& list, const std::string& name) {
+  return list.isSublist(name) || (list.isParameter(name) && !list.getEntry(name).isDefault());
+}
+
+inline Vector3 get_vector(const Teuchos::ParameterList& list, const std::string& name) {
+  const auto& values = list.get<Teuchos::Array<double>>(name);
+  return {values[0], values[1], values[2]};
+}
+
+/// Whether a formula stands in place of a number: `=2*L`. What it says: reading/variables.hpp.
+bool is_formula(const std::string& text);
+/// The same of a value, in an array of any entry.
+bool holds_formula(const ParameterValue& value);
+
+/// An entry as it was written, formulas in it. Behind the number that a formula has become, the entry keeps both in its
+/// documentation: `double =2*L`.
+struct WrittenValue {
+  std::string type{};  ///< in XML; empty: that of the value, or nobody said it
+  ParameterValue value;
+};
+WrittenValue written_value(const Teuchos::ParameterEntry& entry);
+/// The number (text, array) that `written` has become.
+void set_result(Teuchos::ParameterEntry& entry, const ParameterValue& result, const WrittenValue& written);
 
 }  // namespace mixbeam

@@ -1,4 +1,4 @@
-#include "discretization/parameters/xml_reader.hpp"
+#include "discretization/parameters/parameter_file.hpp"
 
 #include "discretization/parameters/value.hpp"
 #include "discretization/text/message_text.hpp"
@@ -347,8 +347,6 @@ class SilentParsing {
 constexpr int kMostAttributes = 100;
 
 }  // namespace
-
-XmlParameters read_xml(const std::string& file) { return parse_xml(text_of_file(file, "an XML file"), file); }
 
 XmlParameters parse_xml(const std::string& text, const std::string& file, Mistakes mistakes) {
   if (trimmed(text).empty()) throw InputError(file + ":1: the file is empty; allowed: a <ParameterList>");

@@ -1,7 +1,7 @@
-#include "discretization/parameters/yaml_reader.hpp"
+#include "discretization/parameters/parameter_file.hpp"
 
-#include "discretization/parameters/formula_value.hpp"
-#include "discretization/parameters/input_place.hpp"
+#include "discretization/parameters/source.hpp"
+#include "discretization/parameters/spec.hpp"
 #include "discretization/text/message_text.hpp"
 
 #include <libxml/xmlstring.h>

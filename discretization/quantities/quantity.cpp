@@ -1,8 +1,8 @@
 #include "discretization/quantities/quantity.hpp"
 
-#include "discretization/parameters/access.hpp"
 #include "discretization/parameters/binding.hpp"
 #include "discretization/parameters/validate.hpp"
+#include "discretization/parameters/value.hpp"
 #include "discretization/quantities/quantity_kind.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/text/message_text.hpp"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "discretization/checks/expected_values.hpp"
-#include "discretization/parameters/input_place.hpp"
+#include "discretization/parameters/source.hpp"
 #include "discretization/parameters/spec.hpp"
 #include "discretization/scene/scene.hpp"
 

@@ -1,7 +1,7 @@
 /// Places of quantities: resolves the words of a user in a scene.
 #pragma once
 
-#include "discretization/parameters/input_place.hpp"
+#include "discretization/parameters/source.hpp"
 #include "discretization/scene/names.hpp"
 
 #include <optional>

@@ -1,6 +1,6 @@
 #include "discretization/reading/scene_parts.hpp"
 
-#include "discretization/parameters/input_place.hpp"
+#include "discretization/parameters/source.hpp"
 #include "discretization/scene/limits.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"

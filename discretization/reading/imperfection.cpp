@@ -2,7 +2,7 @@
 
 #include "discretization/geometry/point_grid.hpp"
 #include "discretization/geometry/reference_curve.hpp"
-#include "discretization/parameters/access.hpp"
+#include "discretization/parameters/value.hpp"
 #include "discretization/reading/import.hpp"
 #include "discretization/reading/scene_parts.hpp"
 #include "discretization/scene/limits.hpp"

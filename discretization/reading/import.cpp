@@ -1,8 +1,8 @@
 #include "discretization/reading/import.hpp"
 
-#include "discretization/parameters/access.hpp"
-#include "discretization/parameters/formula_value.hpp"
+#include "discretization/parameters/spec.hpp"
 #include "discretization/parameters/validate.hpp"
+#include "discretization/parameters/value.hpp"
 #include "discretization/reading/blade_file.hpp"
 #include "discretization/reading/read_scene.hpp"
 #include "discretization/reading/scene_parts.hpp"

@@ -1,7 +1,7 @@
 /// Points, members and entries of other lists of a scene from tables.
 #pragma once
 
-#include "discretization/parameters/input_place.hpp"
+#include "discretization/parameters/source.hpp"
 #include "discretization/parameters/spec.hpp"
 #include "discretization/reading/scene_parts.hpp"
 #include "discretization/scene/scene.hpp"

@@ -5,7 +5,7 @@
 #include "discretization/geometry/isometry.hpp"
 #include "discretization/geometry/placement.hpp"
 #include "discretization/parameters/binding.hpp"
-#include "discretization/parameters/input_place.hpp"
+#include "discretization/parameters/source.hpp"
 #include "discretization/scene/scene.hpp"
 
 #include <Teuchos_ParameterList.hpp>

@@ -1,7 +1,7 @@
 #include "discretization/reading/scene_parts.hpp"
 
-#include "discretization/parameters/access.hpp"
 #include "discretization/parameters/binding.hpp"
+#include "discretization/parameters/value.hpp"
 #include "discretization/scene/limits.hpp"
 #include "discretization/scene/mass.hpp"
 #include "discretization/scene/names.hpp"

@@ -1,9 +1,9 @@
 #include "discretization/reading/variables.hpp"
 
-#include "discretization/parameters/access.hpp"
-#include "discretization/parameters/formula_value.hpp"
+#include "discretization/parameters/spec.hpp"
 #include "discretization/parameters/validate.hpp"
-#include "discretization/text/formula.hpp"
+#include "discretization/parameters/value.hpp"
+#include "discretization/text/expression.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 

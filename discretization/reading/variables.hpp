@@ -1,7 +1,7 @@
 /// Variables of a scene, and formulas of them in place of numbers: `=2*L*sin(theta) + x("tip")`.
 #pragma once
 
-#include "discretization/parameters/input_place.hpp"
+#include "discretization/parameters/source.hpp"
 #include "discretization/parameters/spec.hpp"
 #include "discretization/reading/import.hpp"
 

@@ -1,6 +1,6 @@
 #include "discretization/results/hdf5_writer.hpp"
 
-#include "discretization/text/memory_error.hpp"
+#include "discretization/text/errors.hpp"
 
 #include <algorithm>
 #include <cstdlib>

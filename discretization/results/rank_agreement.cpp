@@ -2,7 +2,7 @@
 
 #include "discretization/results/disk_file.hpp"
 #include "discretization/results/hdf5_writer.hpp"
-#include "discretization/text/memory_error.hpp"
+#include "discretization/text/errors.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
 #include <Teuchos_DefaultSerialComm.hpp>

@@ -1,7 +1,7 @@
 #include "discretization/results/table_file.hpp"
 
 #include "discretization/results/hdf5_writer.hpp"
-#include "discretization/text/memory_error.hpp"
+#include "discretization/text/errors.hpp"
 
 namespace mixbeam {
 

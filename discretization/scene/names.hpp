@@ -1,7 +1,7 @@
 /// Finding points and members of a scene by name, and saying so when there is none.
 #pragma once
 
-#include "discretization/parameters/input_place.hpp"
+#include "discretization/parameters/source.hpp"
 #include "discretization/scene/scene.hpp"
 
 #include <cstddef>

@@ -1,6 +1,9 @@
-/// The two ways in which a run can fail through no fault of the program.
+/// Errors: the two ways in which a run can fail through no fault of the program, and lack of memory.
 #pragma once
 
+#include <cstring>
+#include <exception>
+#include <new>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -20,6 +23,20 @@ class InputError : public std::runtime_error {
   std::string place_;
 };
 
+/// An error that shows only when a member is divided into elements, where the file that it came from is not known:
+/// whoever knows the file adds the place (scene_file.hpp).
+class MemberError : public InputError {
+ public:
+  /// `remark`: after the name, such as ", element 1 of 4".
+  MemberError(std::string member, const std::string& remark, const std::string& problem)
+      : InputError("member \"" + member + "\"" + remark + ": " + problem), member_(std::move(member)) {}
+
+  const std::string& member() const { return member_; }
+
+ private:
+  std::string member_;
+};
+
 /// The input is fine but no equilibrium was found. Exit code 3.
 class ConvergenceError : public std::runtime_error {
  public:
@@ -30,6 +47,18 @@ class ConvergenceError : public std::runtime_error {
 template <class Text>
 void require(bool condition, const Text& otherwise) {
   if (!condition) throw std::invalid_argument(otherwise);
+}
+
+/// Whether memory is not there. Kokkos and Tpetra throw texts of their own, which name the view and its size.
+inline bool is_out_of_memory(const std::exception& error) {
+  return dynamic_cast<const std::bad_alloc*>(&error) != nullptr ||
+         std::strstr(error.what(), "failed to allocate memory") != nullptr ||
+         std::strstr(error.what(), "insufficient memory") != nullptr;
+}
+
+/// Message of an error: its text, but of std::bad_alloc itself, which has none.
+inline std::string reason_of(const std::exception& error) {
+  return std::strcmp(error.what(), std::bad_alloc().what()) == 0 ? "not enough memory" : error.what();
 }
 
 inline constexpr int kInputErrorExitCode = 2;

@@ -1,6 +1,5 @@
 #include "discretization/text/expression.hpp"
 
-#include "discretization/text/formula.hpp"
 #include "discretization/text/message_text.hpp"
 #include "kernels/math/constants.hpp"
 

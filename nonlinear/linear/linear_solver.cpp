@@ -2,7 +2,7 @@
 
 #include "discretization/mesh/mixed_vector.hpp"
 #include "discretization/mesh/vertex_partition.hpp"
-#include "discretization/text/memory_error.hpp"
+#include "discretization/text/errors.hpp"
 #include "discretization/text/number_text.hpp"
 #include "nonlinear/linear/network_factors.hpp"
 

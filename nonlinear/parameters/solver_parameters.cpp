@@ -1,9 +1,9 @@
 #include "nonlinear/parameters/solver_parameters.hpp"
 
-#include "discretization/parameters/access.hpp"
 #include "discretization/parameters/binding.hpp"
 #include "discretization/parameters/validate.hpp"
-#include "discretization/text/memory_error.hpp"
+#include "discretization/parameters/value.hpp"
+#include "discretization/text/errors.hpp"
 #include "discretization/text/number_text.hpp"
 
 #include <NOX_StatusTest_Generic.H>

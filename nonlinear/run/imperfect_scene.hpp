@@ -2,7 +2,7 @@
 #pragma once
 
 #include "discretization/mesh/communicator.hpp"
-#include "discretization/parameters/input_place.hpp"
+#include "discretization/parameters/source.hpp"
 #include "discretization/scene/scene.hpp"
 #include "nonlinear/parameters/solver_parameters.hpp"
 

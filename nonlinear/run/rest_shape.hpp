@@ -3,7 +3,7 @@
 
 #include "discretization/mesh/communicator.hpp"
 #include "discretization/mesh/mesh.hpp"
-#include "discretization/parameters/input_place.hpp"
+#include "discretization/parameters/source.hpp"
 #include "discretization/scene/scene.hpp"
 #include "nonlinear/parameters/solver_parameters.hpp"
 

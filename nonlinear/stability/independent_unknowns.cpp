@@ -1,6 +1,6 @@
 #include "nonlinear/stability/independent_unknowns.hpp"
 
-#include "discretization/text/memory_error.hpp"
+#include "discretization/text/errors.hpp"
 #include "nonlinear/linear/linear_solver.hpp"
 #include "nonlinear/stability/thresholds.hpp"
 

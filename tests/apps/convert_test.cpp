@@ -43,7 +43,7 @@ std::string contents(const Teuchos::ParameterList& list) {
 }
 
 std::string contents_of_file(const fs::path& file) {
-  const XmlParameters xml = read_xml(file.string());
+  const XmlParameters xml = read_parameters(file.string(), {});
   return xml.list->name() + "\n" + contents(*xml.list);
 }
 

@@ -3,7 +3,6 @@
 
 #include "apps/common/run/scene_file.hpp"
 #include "discretization/parameters/parameter_file.hpp"
-#include "discretization/parameters/yaml_reader.hpp"
 #include "process.hpp"
 
 #include <hdf5.h>

@@ -5,7 +5,7 @@
 #include "mixbeam_files.hpp"
 #include "tests/support/solve.hpp"
 
-#include "discretization/parameters/xml_reader.hpp"
+#include "discretization/parameters/parameter_file.hpp"
 #include "kernels/math/rotation.hpp"
 
 #include <cstdio>
@@ -47,7 +47,7 @@ std::string values_of(const Simulation& simulation, int step) {
 
 /// What the solver holds after each step of a scene file with default solver parameters.
 std::string solved_values(const std::string& file) {
-  const XmlParameters xml = read_xml(file);
+  const XmlParameters xml = read_parameters(file, {});
   const Scene scene = read_scene(xml.list->sublist("Scene"), xml.source);
   Simulation simulation(scene, SolverParameters(), test::this_rank());
   std::string text = "step,values\n";

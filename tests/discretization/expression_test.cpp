@@ -1,5 +1,4 @@
 #include "discretization/text/expression.hpp"
-#include "discretization/text/formula.hpp"
 
 #include <gtest/gtest.h>
 

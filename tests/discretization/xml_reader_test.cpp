@@ -1,4 +1,4 @@
-#include "discretization/parameters/xml_reader.hpp"
+#include "discretization/parameters/parameter_file.hpp"
 
 #include "input_text.hpp"
 
@@ -164,14 +164,14 @@ TEST(XmlReader, LimitsTheDepthOfLists) {
 TEST(XmlReader, ReadsAFileAndNamesTheFilesItCannotRead) {
   const std::string file = testing::TempDir() + "mixbeam_xml_reader_test.xml";
   std::ofstream(file) << in_list(parameter("a", "int", "5"));
-  EXPECT_EQ(read_xml(file).list->get<int>("a"), 5);
+  EXPECT_EQ(read_parameters(file, {}).list->get<int>("a"), 5);
   std::ofstream(file) << "";
-  expect_in(message_of([&] { read_xml(file); }), {file, "empty"});
+  expect_in(message_of([&] { read_parameters(file, {}); }), {file, "empty"});
   std::remove(file.c_str());
-  expect_in(message_of([&] { read_xml(file); }), {file, "no such file"});
-  expect_in(message_of([] { read_xml(testing::TempDir()); }), {"is a directory"});
+  expect_in(message_of([&] { read_parameters(file, {}); }), {file, "no such file"});
+  expect_in(message_of([] { read_parameters(testing::TempDir(), {}); }), {"is a directory"});
   // Linux lets this file be opened, and its first bytes are no memory: as a disk that fails.
-  expect_in(message_of([] { read_xml("/proc/self/mem"); }), {"/proc/self/mem", "cannot be read"});
+  expect_in(message_of([] { read_parameters("/proc/self/mem", {}); }), {"/proc/self/mem", "cannot be read"});
 }
 
 }  // namespace

@@ -1,5 +1,4 @@
 /// Scenes in YAML: the list that an XML file gives, with the place of every entry; what is refused, and hostile files.
-#include "discretization/parameters/yaml_reader.hpp"
 
 #include "discretization/parameters/parameter_file.hpp"
 #include "input_text.hpp"

@@ -2,8 +2,8 @@
 // Compiled once for each value of FUZZ_TARGET by fuzz.sh.
 #include "apps/mixbeam/batch_parameters.hpp"
 #include "discretization/checks/expected_values.hpp"
+#include "discretization/parameters/parameter_file.hpp"
 #include "discretization/parameters/validate.hpp"
-#include "discretization/parameters/yaml_reader.hpp"
 #include "discretization/reading/read_scene.hpp"
 #include "discretization/results/records.hpp"
 #include "discretization/text/errors.hpp"

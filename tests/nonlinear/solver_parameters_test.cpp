@@ -1,8 +1,8 @@
 #include "nonlinear/parameters/solver_parameters.hpp"
 
+#include "discretization/parameters/parameter_file.hpp"
 #include "discretization/parameters/print.hpp"
 #include "discretization/parameters/validate.hpp"
-#include "discretization/parameters/yaml_reader.hpp"
 #include "tests/discretization/input_text.hpp"
 
 #include <sstream>

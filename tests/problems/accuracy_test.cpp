@@ -1,6 +1,6 @@
 // What "Accuracy" promises: true errors below it, against closed forms and values by shooting; on far finer meshes
 // where neither exists.
-#include "discretization/parameters/xml_reader.hpp"
+#include "discretization/parameters/parameter_file.hpp"
 #include "discretization/reading/read_scene.hpp"
 #include "nonlinear/run/accurate_run.hpp"
 #include "tests/support/buckling_scenes.hpp"
@@ -124,7 +124,7 @@ TEST(Accuracy, OfARodThatIsTwistedByItsSupport) {
 
 // Behind its limit points the load is small and the frame turned far: neither tells that elements would turn further.
 TEST(Accuracy, OfAFrameThatSnapsBack) {
-  const XmlParameters xml = read_xml(MIXBEAM_SOURCE_DIR "/apps/gallery/snap_back.xml");
+  const XmlParameters xml = read_parameters(MIXBEAM_SOURCE_DIR "/apps/gallery/snap_back.xml", {});
   const Scene frame = read_scene(xml.list->sublist("Scene"), xml.source);
   SolverParameters solver;
   solver.analysis.stability = true;

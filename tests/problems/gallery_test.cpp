@@ -1,6 +1,6 @@
 // Every scene of the gallery, whatever it uses: turned and shifted in space, in other units and by
 // another linear solver, it gives the turned, the scaled and the same answer.
-#include "discretization/parameters/xml_reader.hpp"
+#include "discretization/parameters/parameter_file.hpp"
 #include "discretization/reading/import.hpp"
 #include "discretization/reading/read_scene.hpp"
 #include "discretization/scene/load_cases.hpp"
@@ -33,7 +33,7 @@ std::vector<std::filesystem::path> gallery_files() {
 
 /// The first load case of a scene that has several.
 GalleryScene read_gallery_scene(const std::filesystem::path& file) {
-  XmlParameters xml = read_xml(file.string());
+  XmlParameters xml = read_parameters(file.string(), {});
   import_entries(xml.list->sublist("Scene"), xml.source);
   Scene scene = read_scene(xml.list->sublist("Scene"), xml.source);
   if (!scene.load_cases.empty()) scene = scene_of_case(scene, scene.load_cases.front());

@@ -1,6 +1,6 @@
 // Every scene of the gallery with sections as slender as one likes, up to those that do not stretch or shear at all:
 // the answer tends to the rigid one with the inverse square of the slenderness, in as many iterations, and balances.
-#include "discretization/parameters/xml_reader.hpp"
+#include "discretization/parameters/parameter_file.hpp"
 #include "discretization/reading/read_scene.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "tests/support/solve.hpp"
@@ -31,7 +31,7 @@ struct SceneToStiffen {
 
 /// The first load case of a scene that has several.
 SceneToStiffen read_scene_to_stiffen(const std::string& name) {
-  const XmlParameters xml = read_xml(MIXBEAM_SOURCE_DIR "/apps/gallery/" + name + ".xml");
+  const XmlParameters xml = read_parameters(MIXBEAM_SOURCE_DIR "/apps/gallery/" + name + ".xml", {});
   SceneToStiffen read{read_scene(xml.list->sublist("Scene"), xml.source),
                       read_solver_parameters(xml.list->sublist("Solver"), xml.source)};
   read.solver.analysis = read_analysis_parameters(xml.list->sublist("Analysis"), read.scene, xml.source);

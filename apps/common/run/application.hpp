@@ -6,7 +6,7 @@
 #include "apps/common/run/scene_search.hpp"
 #include "apps/common/run/summary.hpp"
 #include "discretization/checks/expected_values.hpp"
-#include "discretization/parameters/xml_reader.hpp"
+#include "discretization/parameters/parameter_file.hpp"
 #include "discretization/quantities/quantity_set.hpp"
 #include "discretization/results/result_file.hpp"
 #include "nonlinear/run/accurate_run.hpp"

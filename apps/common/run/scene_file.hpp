@@ -3,7 +3,7 @@
 
 #include "apps/common/run/application.hpp"
 #include "apps/common/session/command_line.hpp"
-#include "discretization/text/member_error.hpp"
+#include "discretization/text/errors.hpp"
 
 namespace mixbeam {
 

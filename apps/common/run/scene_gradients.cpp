@@ -2,9 +2,9 @@
 
 #include "apps/common/run/expected_quantity.hpp"
 #include "apps/common/run/number_path.hpp"
-#include "discretization/parameters/access.hpp"
 #include "discretization/parameters/binding.hpp"
-#include "discretization/parameters/xml_reader.hpp"
+#include "discretization/parameters/parameter_file.hpp"
+#include "discretization/parameters/value.hpp"
 #include "discretization/quantities/quantity.hpp"
 #include "discretization/reading/read_scene.hpp"
 #include "discretization/reading/variables.hpp"

@@ -2,7 +2,6 @@
 
 #include "discretization/results/result_file.hpp"
 #include "discretization/text/errors.hpp"
-#include "discretization/text/memory_error.hpp"
 
 #include <mpi.h>
 
