@@ -2,7 +2,6 @@
 #include "apps/common/studies/study.hpp"
 #include "apps/common/studies/variants.hpp"
 #include "apps/common/tables/formatted.hpp"
-#include "apps/common/tables/printed_digits.hpp"
 #include "discretization/text/errors.hpp"
 #include "kernels/math/gauss.hpp"
 #include "kernels/math/legendre.hpp"

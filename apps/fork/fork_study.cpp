@@ -2,7 +2,7 @@
 // independence of the order of loading.
 #include "apps/common/studies/study.hpp"
 #include "apps/common/studies/variants.hpp"
-#include "apps/common/tables/printed_digits.hpp"
+#include "apps/common/tables/formatted.hpp"
 #include "discretization/geometry/reference_curve.hpp"
 #include "kernels/math/vector_algebra.hpp"
 

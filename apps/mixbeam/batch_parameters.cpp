@@ -1,4 +1,4 @@
-#include "apps/mixbeam/batch_parameters.hpp"
+#include "apps/mixbeam/batch_cases.hpp"
 
 #include "discretization/parameters/binding.hpp"
 #include "discretization/parameters/spec.hpp"

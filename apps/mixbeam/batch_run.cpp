@@ -2,7 +2,6 @@
 
 #include "apps/common/session/guarded_run.hpp"
 #include "apps/common/session/interrupt.hpp"
-#include "apps/common/session/last_resort.hpp"
 #include "apps/common/session/mpi_session.hpp"
 #include "apps/common/tables/formatted.hpp"
 #include "apps/mixbeam/run_report.hpp"

@@ -1,6 +1,6 @@
 #include "apps/mixbeam/batch_solver.hpp"
 
-#include "apps/common/run/value_errors.hpp"
+#include "apps/common/run/quantity_values.hpp"
 #include "apps/common/tables/formatted.hpp"
 #include "apps/mixbeam/run_report.hpp"
 #include "discretization/scene/merged_scene.hpp"

@@ -1,8 +1,7 @@
 /// Solves the cases of a batch: in groups, and alone where a group does not do.
 #pragma once
 
-#include "apps/mixbeam/case_quantities.hpp"
-#include "apps/mixbeam/case_scenes.hpp"
+#include "apps/mixbeam/batch_cases.hpp"
 
 #include <chrono>
 #include <functional>

@@ -1,7 +1,7 @@
-#include "apps/mixbeam/case_quantities.hpp"
+#include "apps/mixbeam/batch_cases.hpp"
 
 #include "apps/common/run/followed_points.hpp"
-#include "apps/common/run/value_errors.hpp"
+#include "apps/common/run/quantity_values.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/scene/merged_scene.hpp"

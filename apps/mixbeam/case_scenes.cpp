@@ -1,4 +1,4 @@
-#include "apps/mixbeam/case_scenes.hpp"
+#include "apps/mixbeam/batch_cases.hpp"
 
 #include "apps/common/run/number_path.hpp"
 #include "apps/mixbeam/commands.hpp"

@@ -1,6 +1,6 @@
+#include "apps/common/run/quantity_values.hpp"
 #include "apps/common/run/room_check.hpp"
 #include "apps/common/run/scene_file.hpp"
-#include "apps/common/run/value_errors.hpp"
 #include "apps/common/session/command_line.hpp"
 #include "apps/common/session/guarded_run.hpp"
 #include "apps/common/session/machine_room.hpp"

@@ -1,6 +1,6 @@
 #include "apps/mixbeam/found_scene.hpp"
 
-#include "apps/common/run/expected_quantity.hpp"
+#include "apps/common/run/quantity_values.hpp"
 #include "apps/common/run/scene_file.hpp"
 #include "apps/common/tables/csv_table.hpp"
 #include "apps/common/tables/formatted.hpp"

@@ -1,6 +1,6 @@
 #include "apps/common/run/scene_file.hpp"
 #include "apps/common/session/command_line.hpp"
-#include "apps/mixbeam/batch_parameters.hpp"
+#include "apps/mixbeam/batch_cases.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "discretization/parameters/print.hpp"
 #include "discretization/text/errors.hpp"

@@ -2,7 +2,6 @@
 
 #include "apps/common/session/progress.hpp"
 #include "apps/common/tables/formatted.hpp"
-#include "apps/common/tables/printed_digits.hpp"
 #include "discretization/text/result_names.hpp"
 #include "kernels/math/vector_algebra.hpp"
 

@@ -1,6 +1,6 @@
 #include "apps/mixbeam/scene_run.hpp"
 
-#include "apps/common/run/expected_quantity.hpp"
+#include "apps/common/run/quantity_values.hpp"
 #include "apps/common/run/scene_file.hpp"
 #include "apps/common/session/guarded_run.hpp"
 #include "apps/common/studies/variants.hpp"

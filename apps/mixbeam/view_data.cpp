@@ -1,4 +1,4 @@
-#include "apps/mixbeam/view_data.hpp"
+#include "apps/mixbeam/view_page.hpp"
 
 #include "apps/common/tables/formatted.hpp"
 #include "discretization/text/errors.hpp"

@@ -1,6 +1,6 @@
 #include "apps/python/judged_problem.hpp"
 
-#include "apps/common/run/expected_quantity.hpp"
+#include "apps/common/run/quantity_values.hpp"
 #include "apps/common/run/scene_file.hpp"
 #include "apps/common/studies/variants.hpp"
 #include "discretization/scene/load_cases.hpp"

@@ -1,6 +1,5 @@
 /// What a run hands out: paths, quantities, fields, modes.
-#include "apps/common/run/expected_quantity.hpp"
-#include "apps/common/run/value_errors.hpp"
+#include "apps/common/run/quantity_values.hpp"
 #include "apps/python/arrays.hpp"
 #include "discretization/reading/variables.hpp"
 #include "discretization/scene/section_law.hpp"

@@ -2,7 +2,7 @@
 
 #include "discretization/mesh/element_view.hpp"
 #include "discretization/mesh/reference_element.hpp"
-#include "discretization/scene/mass.hpp"
+#include "discretization/scene/section_law.hpp"
 #include "kernels/math/vector_algebra.hpp"
 #include "kernels/vibration/rotating_frame.hpp"
 

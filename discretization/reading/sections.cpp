@@ -3,7 +3,6 @@
 #include "discretization/parameters/binding.hpp"
 #include "discretization/parameters/value.hpp"
 #include "discretization/scene/limits.hpp"
-#include "discretization/scene/mass.hpp"
 #include "discretization/scene/names.hpp"
 #include "discretization/scene/section_law.hpp"
 #include "discretization/scene/section_shape.hpp"

@@ -1,5 +1,5 @@
 /// Every quantity that a scene may expect, of a rod whose answer is exact.
-#include "apps/common/run/expected_quantity.hpp"
+#include "apps/common/run/quantity_values.hpp"
 
 #include "tests/support/scenes.hpp"
 

@@ -1,5 +1,4 @@
 // What a program that was asked to stop does with results that are written as a whole.
-#include "apps/common/session/last_resort.hpp"
 
 #include "apps/common/session/interrupt.hpp"
 #include "process.hpp"

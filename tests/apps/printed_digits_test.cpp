@@ -1,5 +1,5 @@
 /// Agreement in printed digits: the comparison on which all checks against the paper's tables rest.
-#include "apps/common/tables/printed_digits.hpp"
+#include "apps/common/tables/formatted.hpp"
 
 #include <gtest/gtest.h>
 

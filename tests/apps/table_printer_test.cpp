@@ -1,7 +1,7 @@
 /// The tables that set the paper's values beside our own.
 #include "apps/common/tables/table_printer.hpp"
 
-#include "apps/common/tables/printed_digits.hpp"
+#include "apps/common/tables/formatted.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // What reads the input, for libFuzzer: whatever the bytes, a reader ends with a result or with an InputError.
 // Compiled once for each value of FUZZ_TARGET by fuzz.sh.
-#include "apps/mixbeam/batch_parameters.hpp"
+#include "apps/mixbeam/batch_cases.hpp"
 #include "discretization/checks/expected_values.hpp"
 #include "discretization/parameters/parameter_file.hpp"
 #include "discretization/parameters/validate.hpp"

@@ -1,6 +1,6 @@
 #include "apps/common/run/application.hpp"
 
-#include "apps/common/run/expected_quantity.hpp"
+#include "apps/common/run/quantity_values.hpp"
 #include "apps/common/run/room_check.hpp"
 #include "apps/common/session/interrupt.hpp"
 #include "apps/common/session/progress.hpp"

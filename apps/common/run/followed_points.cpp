@@ -1,6 +1,6 @@
 #include "apps/common/run/followed_points.hpp"
 
-#include "apps/common/run/expected_quantity.hpp"
+#include "apps/common/run/quantity_values.hpp"
 #include "discretization/text/result_names.hpp"
 
 #include <algorithm>

@@ -1,20 +1,103 @@
 /// The runs of an application that leave a result file.
 #include "apps/common/run/application.hpp"
-#include "apps/common/run/expected_quantity.hpp"
 #include "apps/common/run/followed_points.hpp"
-#include "apps/common/run/monitor_table.hpp"
+#include "apps/common/run/quantity_values.hpp"
 #include "apps/common/run/room_check.hpp"
-#include "apps/common/run/value_errors.hpp"
 #include "apps/common/session/progress.hpp"
+#include "apps/common/tables/csv_table.hpp"
+#include "discretization/results/stored_run.hpp"
+#include "discretization/state/record_fields.hpp"
 #include "discretization/text/number_text.hpp"
 #include "discretization/text/result_names.hpp"
 #include "discretization/text/text_file.hpp"
 
+#include <array>
 #include <map>
+#include <optional>
 #include <set>
 #include <utility>
 
 namespace mixbeam {
+
+/// What is followed over a run, as a CSV file with one row for each completed step: number of the step, load factor,
+/// iterations, residual, energies, then every monitored quantity by its name, vectors as <name>.x, .y, .z,
+/// and whether the state is stable: true, false, neutral, unknown.
+class MonitorTable {
+ public:
+  /// The columns of the series kQuantitySeries; where they are indices of members, the names are written.
+  struct Quantities {
+    std::vector<std::string> names{};
+    std::vector<bool> is_member{};
+    std::vector<std::string> members{};
+  };
+
+  /// Replaces a file of that name as soon as there is a row.
+  MonitorTable(std::filesystem::path path, Quantities quantities)
+      : path_(std::move(path)), quantities_(std::move(quantities)) {}
+
+  /// A row for every step that a result file holds.
+  void add(const StoredRun& run) {
+    for (std::size_t step = 0; step < run.steps().size(); ++step) {
+      Row row;
+      for (const MonitoredSeries& series : run.monitor()) {
+        const auto begin = series.values.begin() + static_cast<std::ptrdiff_t>(step * series.columns);
+        row[series.name].assign(begin, begin + static_cast<std::ptrdiff_t>(series.columns));
+      }
+      write(row, run.stability()[step].stable);
+    }
+  }
+
+  void add(const StepRecord& record) {
+    Row row;
+    visit_fields<const StepSummary>(
+        record, [&](const auto& field, auto value) { row[field.name] = {static_cast<double>(value)}; });
+    for (const MonitoredQuantity& quantity : record.monitored) row[quantity.name] = quantity.components;
+    write(row, record.stability.stable);
+  }
+
+  /// Waits until the file is on the disk.
+  void close() {
+    if (table_) table_->close();
+  }
+
+ private:
+  /// Quantities by name, in alphabetical order.
+  using Row = std::map<std::string, std::vector<double>>;
+  static constexpr std::array<const char*, 3> kAxes = {"x", "y", "z"};
+
+  void write(const Row& row, const std::string& stable) {
+    std::vector<std::string> names = kOwnTimeSeries;  // the others follow in alphabetical order
+    for (const auto& [name, values] : row)
+      if (!is_own_time_series(name) && name != kQuantitySeries) names.push_back(name);
+    std::vector<std::string> columns;
+    std::vector<CsvCell> cells;
+    for (const std::string& name : names) {
+      const std::vector<double>& values = row.at(name);
+      for (std::size_t i = 0; i < values.size(); ++i) {
+        columns.push_back(values.size() == kAxes.size() ? name + "." + kAxes[i] : name);
+        cells.emplace_back(values[i]);
+      }
+    }
+    for (std::size_t i = 0; i < quantities_.names.size(); ++i) {
+      columns.push_back(quantities_.names[i]);
+      cells.push_back(quantity_cell(i, row.at(kQuantitySeries).at(i)));
+    }
+    columns.emplace_back("stable");
+    cells.emplace_back(stable);
+    if (!table_) table_.emplace(path_, columns);
+    table_->add_row(cells);
+  }
+
+  CsvCell quantity_cell(std::size_t column, double value) const {
+    const auto members = static_cast<double>(quantities_.members.size());
+    const bool is_member = quantities_.is_member[column] && value >= 0.0 && value < members;
+    return is_member ? CsvCell(quantities_.members.at(static_cast<std::size_t>(value))) : CsvCell(value);
+  }
+
+  std::filesystem::path path_;
+  Quantities quantities_;
+  std::optional<CsvTable> table_;
+};
 
 namespace {
 

@@ -1,7 +1,7 @@
 #include "apps/common/run/scene_gradients.hpp"
 
-#include "apps/common/run/expected_quantity.hpp"
 #include "apps/common/run/number_path.hpp"
+#include "apps/common/run/quantity_values.hpp"
 #include "discretization/parameters/binding.hpp"
 #include "discretization/parameters/parameter_file.hpp"
 #include "discretization/parameters/value.hpp"

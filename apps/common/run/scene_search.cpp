@@ -1,7 +1,7 @@
 #include "apps/common/run/scene_search.hpp"
 
 #include "apps/common/run/application.hpp"
-#include "apps/common/run/expected_quantity.hpp"
+#include "apps/common/run/quantity_values.hpp"
 #include "apps/common/tables/formatted.hpp"
 #include "discretization/parameters/binding.hpp"
 #include "discretization/parameters/parameter_file.hpp"

@@ -1,7 +1,6 @@
 #include "apps/common/run/summary.hpp"
 
 #include "apps/common/tables/formatted.hpp"
-#include "apps/common/tables/printed_digits.hpp"
 #include "discretization/results/disk_file.hpp"
 #include "discretization/state/record_fields.hpp"
 #include "discretization/text/number_text.hpp"

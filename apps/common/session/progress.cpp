@@ -1,7 +1,6 @@
 #include "apps/common/session/progress.hpp"
 
 #include "apps/common/tables/formatted.hpp"
-#include "apps/common/tables/printed_digits.hpp"
 
 #include <cmath>
 #include <ostream>

@@ -2,7 +2,6 @@
 
 #include "apps/common/studies/variants.hpp"
 #include "apps/common/tables/formatted.hpp"
-#include "apps/common/tables/printed_digits.hpp"
 #include "mixbeam/version.hpp"
 
 #include <algorithm>

@@ -1,7 +1,6 @@
 #include "apps/common/tables/table_printer.hpp"
 
 #include "apps/common/tables/formatted.hpp"
-#include "apps/common/tables/printed_digits.hpp"
 
 #include <algorithm>
 #include <cmath>
