@@ -40,41 +40,6 @@ void set_up_batch(Application& app, const CommandLine& line) {
   prepare_output_folder(app.output);
 }
 
-/// All cases of a batch, from their parameters to their rows.
-class VariedBatch : public BatchRun {
- public:
-  /// `ranks`: share out the groups of cases, each of which is solved by one of them; the application is that of its
-  /// rank alone.
-  VariedBatch(Application& app, const Batch& batch, const std::string& load_case, const Communicator& ranks)
-      : app_(app),
-        ranks_(ranks),
-        batch_(batch),
-        quantities_(app, batch_.output, load_case),
-        case_scenes_(app, batch_, load_case),
-        solver_(app, quantities_, batch_.size(), [&app] { return interrupt_requested(app.communicator); }) {}
-
-  void solve() override;
-  BatchTable table(const std::vector<CaseResult>& results) const override;
-  std::string name_of_case(std::size_t index) const override { return batch_.name_of_case(index); }
-  const CaseQuantities& quantities_of(std::size_t) const override { return quantities_; }
-  std::size_t place_of(std::size_t name, std::size_t) const override { return name; }
-  void check_expected() override;
-  const std::vector<CaseResult>& results() const override { return solver_.results(); }
-  std::vector<CaseResult> results_so_far() const override { return solver_.results_so_far(); }
-
- private:
-  void read_scenes();
-  void report_group(const std::vector<std::size_t>& group, std::size_t number, std::size_t groups, double seconds);
-
-  Application& app_;
-  Communicator ranks_;
-  Batch batch_;
-  CaseQuantities quantities_;
-  CaseScenes case_scenes_;
-  BatchSolver solver_;
-  CaseGroups groups_;
-};
-
 /// Scenes are those of a group, or all where they are kept (CaseScenes). `scene`: of the first case.
 void require_memory_of_cases(const Application& app, const Scene& scene, std::size_t cases) {
   constexpr double kBytesOfCase = 600.0;  // values, likeness and result, as measured
@@ -87,72 +52,94 @@ void require_memory_of_cases(const Application& app, const Scene& scene, std::si
                  std::to_string(cases) + " cases");
 }
 
-void VariedBatch::read_scenes() {
-  const Stopwatch stopwatch(app_, "batch set-up");
-  if (batch_.size() > 0) require_memory_of_cases(app_, case_scenes_.scene_of(0), batch_.size());
-  choose_mesh(app_, batch_.size(), [this](std::size_t row) { return case_scenes_.scene_of(row); });
-  groups_ = grouped_cases(case_scenes_, batch_.size());
-  quantities_.take_limits(case_scenes_.limits());
-}
-
-void VariedBatch::solve() {
-  read_scenes();
-  const Stopwatch stopwatch(app_, "batch solve");
-  double before = stopwatch.seconds();
-  const auto report = [&](std::size_t g) {
-    const double now = stopwatch.seconds();
-    report_group(groups_[g], g, groups_.size(), now - before);
-    before = now;
-  };
-  const bool all = solver_.solve_all(groups_, case_scenes_, report, ranks_->getRank(), ranks_->getSize());
-  interrupted_ = !solver_.gather(*ranks_, all);
-}
-
-void VariedBatch::report_group(const std::vector<std::size_t>& group, std::size_t number, std::size_t groups,
-                               double seconds) {
-  if (app_.quiet) return;
-  int most_iterations = 0;
-  std::size_t alone = 0, failed = 0, unstable = 0;
-  for (const std::size_t i : group) {
-    const CaseResult& result = solver_.results()[i];
-    most_iterations = std::max(most_iterations, result.iterations);
-    alone += result.alone ? 1 : 0;
-    failed += result.converged ? 0 : 1;
-    unstable += result.stable == "false" ? 1 : 0;
+/// All cases of a batch, from their parameters to their rows.
+class VariedBatch : public BatchRun {
+ public:
+  VariedBatch(Application& app, const Batch& batch, const std::string& load_case, const Communicator& ranks)
+      : BatchRun(app, ranks),
+        batch_(batch),
+        quantities_(app, batch_.output, load_case),
+        case_scenes_(app, batch_, load_case),
+        solver_(app, quantities_, results_, [&app] { return interrupt_requested(app.communicator); }) {
+    results_.resize(batch_.size());
   }
-  app_.out() << formatted(
-                    "mixbeam batch: group %3zu of %zu  cases %6zu  iterations %3d  solved alone %4zu  failed %4zu  "
-                    "unstable %4zu  %8.3f s\n",
-                    number + 1, groups, group.size(), most_iterations, alone, failed, unstable, seconds)
-             << std::flush;
-}
 
-BatchTable VariedBatch::table(const std::vector<CaseResult>&) const {
-  BatchTable table{batch_.before, {}, quantities_.names(), !quantities_.limits().empty(), {{"scene", app_.xml.text}}};
-  for (std::size_t c = 0; c < batch_.columns.size(); ++c)
-    table.own.push_back(
-        column_of_numbers(batch_.columns[c].parameter, [this, c](std::size_t i) { return batch_.value(i, c); }));
-  return table;
-}
+  void solve() override {
+    read_scenes();
+    const Stopwatch stopwatch(app_, "batch solve");
+    double before = stopwatch.seconds();
+    const auto report = [&](std::size_t g) {
+      const double now = stopwatch.seconds();
+      report_group(groups_[g], g, groups_.size(), now - before);
+      before = now;
+    };
+    gather(solver_.solve_all(groups_, case_scenes_, report, ranks_->getRank(), ranks_->getSize()));
+  }
 
-/// With those that the table has for them.
-void VariedBatch::check_expected() {
-  for (const CaseScenes::OwnExpectation& own : case_scenes_.own_expectations()) {
-    const auto& names = quantities_.names();
-    const auto place = std::find(names.begin(), names.end(), own.name) - names.begin();
-    ExpectedValue wanted = quantities_.expected()[place];
-    for (std::size_t i = 0; i < batch_.size(); ++i) {
-      const CaseResult& result = solver_.results()[i];
-      wanted.value = case_scenes_.expected(own, i);
-      if (std::isnan(wanted.value) || !result.converged) continue;
-      app_.summary.check_expected(wanted.name + ", " + batch_.name_of_case(i), result.values.written[place], wanted);
+  BatchTable table(const std::vector<CaseResult>&) const override {
+    BatchTable table{batch_.before, {}, quantities_.names(), !quantities_.limits().empty(), {{"scene", app_.xml.text}}};
+    for (std::size_t c = 0; c < batch_.columns.size(); ++c)
+      table.own.push_back(
+          column_of_numbers(batch_.columns[c].parameter, [this, c](std::size_t i) { return batch_.value(i, c); }));
+    return table;
+  }
+
+  std::string name_of_case(std::size_t index) const override { return batch_.name_of_case(index); }
+  const CaseQuantities& quantities_of(std::size_t) const override { return quantities_; }
+  std::size_t place_of(std::size_t name, std::size_t) const override { return name; }
+
+  /// With those that the table has for them.
+  void check_expected() override {
+    for (const CaseScenes::OwnExpectation& own : case_scenes_.own_expectations()) {
+      const auto& names = quantities_.names();
+      const auto place = std::find(names.begin(), names.end(), own.name) - names.begin();
+      ExpectedValue wanted = quantities_.expected()[place];
+      for (std::size_t i = 0; i < batch_.size(); ++i) {
+        const CaseResult& result = results()[i];
+        wanted.value = case_scenes_.expected(own, i);
+        if (std::isnan(wanted.value) || !result.converged) continue;
+        app_.summary.check_expected(wanted.name + ", " + batch_.name_of_case(i), result.values.written[place], wanted);
+      }
     }
+    if (!app_.expected.empty())
+      app_.summary.unchecked =
+          "the expected values of the scene belong to the scene as it stands; those of cases are columns "
+          "\"Expected/<name>/Value\" of the table, with \"Output\" = \"expected\"";
   }
-  if (!app_.expected.empty())
-    app_.summary.unchecked =
-        "the expected values of the scene belong to the scene as it stands; those of cases are columns "
-        "\"Expected/<name>/Value\" of the table, with \"Output\" = \"expected\"";
-}
+
+ private:
+  void read_scenes() {
+    const Stopwatch stopwatch(app_, "batch set-up");
+    if (batch_.size() > 0) require_memory_of_cases(app_, case_scenes_.scene_of(0), batch_.size());
+    choose_mesh(app_, batch_.size(), [this](std::size_t row) { return case_scenes_.scene_of(row); });
+    groups_ = grouped_cases(case_scenes_, batch_.size());
+    quantities_.take_limits(case_scenes_.limits());
+  }
+
+  void report_group(const std::vector<std::size_t>& group, std::size_t number, std::size_t groups, double seconds) {
+    if (app_.quiet) return;
+    int most_iterations = 0;
+    std::size_t alone = 0, failed = 0, unstable = 0;
+    for (const std::size_t i : group) {
+      const CaseResult& result = results()[i];
+      most_iterations = std::max(most_iterations, result.iterations);
+      alone += result.alone ? 1 : 0;
+      failed += result.converged ? 0 : 1;
+      unstable += result.stable == "false" ? 1 : 0;
+    }
+    app_.out() << formatted(
+                      "mixbeam batch: group %3zu of %zu  cases %6zu  iterations %3d  solved alone %4zu  failed %4zu  "
+                      "unstable %4zu  %8.3f s\n",
+                      number + 1, groups, group.size(), most_iterations, alone, failed, unstable, seconds)
+               << std::flush;
+  }
+
+  Batch batch_;
+  CaseQuantities quantities_;
+  CaseScenes case_scenes_;
+  BatchSolver solver_;
+  CaseGroups groups_;
+};
 
 /// The cases, or those rows of them that the command line names.
 Batch chosen_batch(const Application& app, const CommandLine& line) {

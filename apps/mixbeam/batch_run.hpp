@@ -35,6 +35,8 @@ struct BatchTable {
 
 class BatchRun {
  public:
+  /// `ranks`: share out the cases, each of which is solved by one of them; the application is that of its rank alone.
+  BatchRun(Application& app, const Communicator& ranks) : app_(app), ranks_(ranks) {}
   virtual ~BatchRun() = default;
 
   virtual void solve() = 0;
@@ -46,12 +48,18 @@ class BatchRun {
   virtual std::size_t place_of(std::size_t name, std::size_t index) const = 0;
   /// Compares cases with expected values, or says why it does not.
   virtual void check_expected() = 0;
-  virtual const std::vector<CaseResult>& results() const = 0;
-  /// See BatchSolver::results_so_far().
-  virtual std::vector<CaseResult> results_so_far() const = 0;
+  const std::vector<CaseResult>& results() const { return results_.all(); }
+  /// See CaseResults::so_far().
+  std::vector<CaseResult> results_so_far() const { return results_.so_far(); }
   bool interrupted() const { return interrupted_; }
 
  protected:
+  /// Where the cases of this rank are solved; `all`: to the last one.
+  void gather(bool all) { interrupted_ = !results_.gather(*ranks_, app_.summary, all); }
+
+  Application& app_;
+  Communicator ranks_;
+  CaseResults results_;
   bool interrupted_ = false;
 };
 

@@ -129,13 +129,14 @@ std::vector<std::string> texts_of(const Teuchos::Comm<int>& ranks, const std::st
 
 }  // namespace
 
-BatchSolver::BatchSolver(Application& app, const CaseQuantities& quantities, std::size_t cases,
+BatchSolver::BatchSolver(Application& app, const CaseQuantities& quantities, CaseResults& results,
                          std::function<bool()> stop)
     : app_(app),
       quantities_(quantities),
       stop_(std::move(stop)),
-      may_merge_(!has_path_of_its_own(app.solver.analysis) && !app.scene.accuracy && app.scene.rotating_frames.empty()),
-      results_(cases) {}
+      results_(results),
+      may_merge_(!has_path_of_its_own(app.solver.analysis) && !app.scene.accuracy &&
+                 app.scene.rotating_frames.empty()) {}
 
 void BatchSolver::solve(const std::vector<std::size_t>& cases, const std::vector<Scene>& scenes) {
   cases_ = &cases;
@@ -145,7 +146,7 @@ void BatchSolver::solve(const std::vector<std::size_t>& cases, const std::vector
 
 bool BatchSolver::solve_all(const CaseGroups& groups, CaseScenes& scenes,
                             const std::function<void(std::size_t group)>& solved, int rank, int ranks) {
-  const auto is_left = [this](std::size_t i) { return !results_[i].solved; };
+  const auto is_left = [this](std::size_t i) { return !results_.all()[i].solved; };
   for (std::size_t g = static_cast<std::size_t>(rank); g < groups.size(); g += static_cast<std::size_t>(ranks)) {
     std::vector<Scene> of_group;
     for (const std::size_t i : groups[g]) of_group.push_back(scenes.scene_of(i));
@@ -157,15 +158,14 @@ bool BatchSolver::solve_all(const CaseGroups& groups, CaseScenes& scenes,
   return true;
 }
 
-bool gather_results(const Teuchos::Comm<int>& ranks, Summary& summary, std::vector<CaseResult>& results,
-                    bool all_solved) {
+bool CaseResults::gather(const Teuchos::Comm<int>& ranks, Summary& summary, bool all_solved) {
   constexpr std::size_t kCasesOfMessage = 10'000;  // for memory, of which a result as JSON takes several times its own
-  for (std::size_t first = 0; first < results.size(); first += kCasesOfMessage) {
-    const std::size_t end = std::min(first + kCasesOfMessage, results.size());
+  for (std::size_t first = 0; first < all_.size(); first += kCasesOfMessage) {
+    const std::size_t end = std::min(first + kCasesOfMessage, all_.size());
     Json mine = {{"all", all_solved}, {"results", Json::array()}};
-    if (end == results.size()) mine["summary"] = summary.packed();
+    if (end == all_.size()) mine["summary"] = summary.packed();
     for (std::size_t i = first; i < end && ranks.getRank() > 0; ++i)
-      if (results[i].solved) mine["results"].push_back({i, json_of(results[i])});
+      if (all_[i].solved) mine["results"].push_back({i, json_of(all_[i])});
     std::string bytes;
     Json::to_cbor(mine, bytes);
     const std::vector<std::string> all = texts_of(ranks, bytes);
@@ -173,7 +173,7 @@ bool gather_results(const Teuchos::Comm<int>& ranks, Summary& summary, std::vect
       const Json other = Json::from_cbor(all[rank]);
       all_solved = all_solved && other["all"].get<bool>();
       if (other.contains("summary")) summary.append(other["summary"]);
-      for (const Json& result : other["results"]) results[result[0]] = result_from(result[1]);
+      for (const Json& result : other["results"]) all_[result[0]] = result_from(result[1]);
     }
   }
   return all_solved;
@@ -185,12 +185,12 @@ void BatchSolver::solve_range(const Range& range) {
   const bool together = may_merge_ && count > 1;
   if (together && solve_together(range)) {
     for (std::size_t i = range.first; i < range.second; ++i)
-      if (!results_[(*cases_)[i]].converged) solve_alone(i);
+      if (!results_.all()[(*cases_)[i]].converged) keep(i, solved_alone((*scenes_)[i]));
     return;
   }
   if (stop_()) return;
   if (!together || count <= kFewCases) {
-    for (std::size_t i = range.first; i < range.second; ++i) solve_alone(i);
+    for (std::size_t i = range.first; i < range.second; ++i) keep(i, solved_alone((*scenes_)[i]));
     return;
   }
   const std::size_t middle = range.first + count / 2;
@@ -276,13 +276,6 @@ CaseResult BatchSolver::solved_alone(const Scene& scene) {
   result.iterations = simulation.result().newton_iterations;
   result.cause = cause_of(simulation.result());
   return result;
-}
-
-void BatchSolver::solve_alone(std::size_t place) { keep(place, solved_alone((*scenes_)[place])); }
-
-void BatchSolver::keep(std::size_t place, CaseResult result) {
-  const std::lock_guard<std::mutex> lock(*results_mutex_);
-  results_[(*cases_)[place]] = std::move(result);
 }
 
 CaseResult BatchSolver::checked_alone(const Simulation& simulation, const Scene& scene, const References& references) {

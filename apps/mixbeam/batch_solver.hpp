@@ -54,14 +54,32 @@ struct CaseResult {
   std::string stable = "unknown";  ///< whether the end is: "true", "false", "neutral", "unknown"
 };
 
-/// Gives what the ranks have solved to rank 0, in the order of the cases. False: one of them was stopped. Collective.
-bool gather_results(const Teuchos::Comm<int>& ranks, Summary& summary, std::vector<CaseResult>& results,
-                    bool all_solved);
+/// Results of all cases, which another thread may ask for while they are solved.
+class CaseResults {
+ public:
+  void resize(std::size_t cases) { all_.resize(cases); }
+  const std::vector<CaseResult>& all() const { return all_; }
+  /// Copies the results as they are now: final as far as they are solved.
+  std::vector<CaseResult> so_far() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return all_;
+  }
+  void keep(std::size_t index, CaseResult result) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    all_[index] = std::move(result);
+  }
+  /// Gives what the ranks have solved to rank 0, in the order of the cases. False: one of them was stopped. Collective.
+  bool gather(const Teuchos::Comm<int>& ranks, Summary& summary, bool all_solved);
+
+ private:
+  std::vector<CaseResult> all_;
+  mutable std::mutex mutex_;
+};
 
 class BatchSolver {
  public:
   /// `stop`: asked between iterations; cases that are not solved by then stay so.
-  BatchSolver(Application& app, const CaseQuantities& quantities, std::size_t cases, std::function<bool()> stop);
+  BatchSolver(Application& app, const CaseQuantities& quantities, CaseResults& results, std::function<bool()> stop);
 
   /// Solves these cases, which are alike; `scenes` are theirs, in the same order.
   void solve(const std::vector<std::size_t>& cases, const std::vector<Scene>& scenes);
@@ -70,37 +88,24 @@ class BatchSolver {
   /// number of each. False: stopped before the last case.
   bool solve_all(const CaseGroups& groups, CaseScenes& scenes, const std::function<void(std::size_t group)>& solved,
                  int rank = 0, int ranks = 1);
-  /// See gather_results().
-  bool gather(const Teuchos::Comm<int>& ranks, bool all_solved) {
-    return gather_results(ranks, app_.summary, results_, all_solved);
-  }
-
-  const std::vector<CaseResult>& results() const { return results_; }
-  /// Copies the results as they are now, for other threads than the one that solves: final as far as they are solved.
-  std::vector<CaseResult> results_so_far() const {
-    const std::lock_guard<std::mutex> lock(*results_mutex_);
-    return results_;
-  }
 
  private:
   using Range = std::pair<std::size_t, std::size_t>;  ///< of the cases of the present group
   void solve_range(const Range& range);
   bool solve_together(const Range& range);
-  void solve_alone(std::size_t place);
   CaseResult solved_alone(const Scene& scene);
   CaseResult solved_accurately(const Scene& scene);
   std::vector<CaseResult> checked(const Simulation& simulation, const Scene* scenes, std::size_t count,
                                   const std::vector<int>& part_of_member, bool merged, const References& references);
   CaseResult checked_alone(const Simulation& simulation, const Scene& scene, const References& references);
+  void keep(std::size_t place, CaseResult result) { results_.keep((*cases_)[place], std::move(result)); }
   RunObserver taking(References& references, const Scene* scenes, std::size_t count, bool merged) const;
-  void keep(std::size_t place, CaseResult result);
 
   Application& app_;
   const CaseQuantities& quantities_;
   std::function<bool()> stop_;
+  CaseResults& results_;
   bool may_merge_;
-  std::vector<CaseResult> results_;
-  std::unique_ptr<std::mutex> results_mutex_ = std::make_unique<std::mutex>();
   const std::vector<std::size_t>* cases_ = nullptr;
   const std::vector<Scene>* scenes_ = nullptr;
 };

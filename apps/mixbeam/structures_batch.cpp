@@ -51,148 +51,131 @@ struct StructureCase {
 class StructuresRun : public BatchRun {
  public:
   StructuresRun(Application& app, const CommandLine& line, const Communicator& ranks)
-      : app_(app), line_(line), ranks_(ranks) {}
+      : BatchRun(app, ranks), line_(line) {}
 
   /// Throws InputError for a scene that is refused.
-  void read();
-  void solve() override;
-  BatchTable table(const std::vector<CaseResult>& results) const override;
-  std::string name_of_case(std::size_t index) const override { return cases_[index].name(); }
-  const CaseQuantities& quantities_of(std::size_t index) const override { return cases_[index].quantities; }
-  std::size_t place_of(std::size_t name, std::size_t index) const override;
-  void check_expected() override { app_.summary.unchecked = "expected values are compared by mixbeam run"; }
-  const std::vector<CaseResult>& results() const override { return results_; }
-  std::vector<CaseResult> results_so_far() const override {
-    const std::lock_guard<std::mutex> lock(results_mutex_);
-    return results_;
+  void read() {
+    const Stopwatch stopwatch(app_, "batch set-up");
+    bool asks = false;
+    for (const fs::path& file : scenes_in(*line_.scene_file)) {
+      const std::unique_ptr<Application> one = read(file);
+      const BatchOutput output = one->quantities.empty() ? BatchOutput::followed : BatchOutput::quantities;
+      asks = asks || output == BatchOutput::quantities;
+      try {
+        for (const std::string& load_case : chosen_cases(one->scene, line_.load_case))
+          cases_.push_back({file, load_case, output, CaseQuantities(*one, output, load_case)});
+      } catch (const InputError& error) {
+        const std::string text = error.what();
+        throw InputError(text.find(file.string()) == std::string::npos ? file.string() + ": " + text : text);
+      }
+    }
+    std::set<std::string> seen;
+    for (const StructureCase& one : cases_)
+      if (one.output == BatchOutput::quantities || !asks)  // where some scene asks, points of the others are not wanted
+        for (const std::string& name : one.quantities.names())
+          if (seen.insert(name).second) names_.push_back(name);
+    if (line_.rows) {
+      require_rows(*line_.rows, cases_.size());
+      const auto [first, last] = *line_.rows;
+      before_ = static_cast<std::size_t>(first) - 1;
+      cases_.erase(cases_.begin() + last, cases_.end());
+      cases_.erase(cases_.begin(), cases_.begin() + static_cast<std::ptrdiff_t>(before_));
+    }
+    results_.resize(cases_.size());
   }
 
- private:
-  std::unique_ptr<Application> read(const fs::path& file) const;
-  CaseResult solved_case(Application& one, const StructureCase& which) const;
-  void report(std::size_t done, std::size_t mine);
+  void solve() override {
+    const Stopwatch stopwatch(app_, "batch solve");
+    const auto ranks = static_cast<std::size_t>(ranks_->getSize());
+    const std::size_t mine = (cases_.size() + ranks - 1) / ranks;
+    std::unique_ptr<Application> one;
+    fs::path file;
+    bool all = true;
+    for (std::size_t i = static_cast<std::size_t>(ranks_->getRank()), done = 1; i < cases_.size() && all; i += ranks) {
+      if (!one || file != cases_[i].file) {
+        if (one) app_.summary.append(one->summary.packed());
+        file = cases_[i].file;
+        one = read(file);
+        warn_of_scene(*one);
+        choose_mesh(*one);
+      }
+      CaseResult result = solved_case(*one, cases_[i]);
+      all = result.solved;
+      results_.keep(i, std::move(result));
+      report(done++, mine);
+    }
+    if (one) app_.summary.append(one->summary.packed());
+    gather(all);
+  }
 
-  Application& app_;
+  BatchTable table(const std::vector<CaseResult>& results) const override {
+    BatchTable table;
+    table.before = before_;
+    table.own = {{"structure", [this](std::size_t i) { return CsvCell(cases_[i].file.filename().string()); }},
+                 {"load case", [this](std::size_t i) { return CsvCell(cases_[i].load_case); }}};
+    table.names = names_;
+    std::string& structures = table.texts["structures"];
+    for (std::size_t i = 0; i < results.size(); ++i)
+      if (results[i].solved) structures += cases_[i].name() + "\n";
+    return table;
+  }
+
+  std::string name_of_case(std::size_t index) const override { return cases_[index].name(); }
+  const CaseQuantities& quantities_of(std::size_t index) const override { return cases_[index].quantities; }
+
+  std::size_t place_of(std::size_t name, std::size_t index) const override {
+    const std::vector<std::string>& own = cases_[index].quantities.names();
+    return static_cast<std::size_t>(std::find(own.begin(), own.end(), names_[name]) - own.begin());
+  }
+
+  void check_expected() override { app_.summary.unchecked = "expected values are compared by mixbeam run"; }
+
+ private:
+  std::unique_ptr<Application> read(const fs::path& file) const {
+    static std::ostream silence(nullptr);
+    auto one = std::make_unique<Application>();
+    one->communicator = app_.communicator;
+    one->terminal = &silence;
+    one->quiet = true;
+    one->force = app_.force;
+    read_scene_file(*one, file.string(), mixbeam_definition());
+    refuse_rest_shape(*one);
+    refuse_search(*one);
+    describe_run(*one, mixbeam_definition().name, line_.threads);
+    return one;
+  }
+
+  CaseResult solved_case(Application& one, const StructureCase& which) const {
+    const Scene scene = scene_of_case(one.scene, which.load_case);
+    require_room(one, scene, one.solver);
+    CaseResults result;
+    result.resize(1);
+    BatchSolver solver(one, which.quantities, result, [this] { return interrupt_requested(app_.communicator); });
+    try {
+      solver.solve({0}, {scene});
+    } catch (const MemberError& error) {
+      throw placed(one, error);
+    }
+    return result.all().front();
+  }
+
+  void report(std::size_t done, std::size_t mine) {
+    constexpr std::chrono::seconds kBetweenLines{1};
+    const auto now = std::chrono::steady_clock::now();
+    if (app_.quiet || (done < mine && now - last_report_ < kBetweenLines)) return;
+    last_report_ = now;
+    const auto failed = std::count_if(results().begin(), results().end(),
+                                      [](const CaseResult& result) { return result.solved && !result.converged; });
+    app_.out() << formatted("mixbeam batch: %zu of %zu cases", done, mine)
+               << (ranks_->getSize() > 1 ? " of rank 0" : "") << formatted(", %td failed\n", failed) << std::flush;
+  }
+
   const CommandLine& line_;
-  Communicator ranks_;
   std::size_t before_ = 0;  ///< cases before the first row that was chosen
   std::vector<StructureCase> cases_;
   std::vector<std::string> names_;  ///< of what is written of all structures, in the order in which they appear
-  std::vector<CaseResult> results_;
-  mutable std::mutex results_mutex_;  // a program that is interrupted writes from another thread
   std::chrono::steady_clock::time_point last_report_ = std::chrono::steady_clock::now();
 };
-
-std::unique_ptr<Application> StructuresRun::read(const fs::path& file) const {
-  static std::ostream silence(nullptr);
-  auto one = std::make_unique<Application>();
-  one->communicator = app_.communicator;
-  one->terminal = &silence;
-  one->quiet = true;
-  one->force = app_.force;
-  read_scene_file(*one, file.string(), mixbeam_definition());
-  refuse_rest_shape(*one);
-  refuse_search(*one);
-  describe_run(*one, mixbeam_definition().name, line_.threads);
-  return one;
-}
-
-void StructuresRun::read() {
-  const Stopwatch stopwatch(app_, "batch set-up");
-  bool asks = false;
-  for (const fs::path& file : scenes_in(*line_.scene_file)) {
-    const std::unique_ptr<Application> one = read(file);
-    const BatchOutput output = one->quantities.empty() ? BatchOutput::followed : BatchOutput::quantities;
-    asks = asks || output == BatchOutput::quantities;
-    try {
-      for (const std::string& load_case : chosen_cases(one->scene, line_.load_case))
-        cases_.push_back({file, load_case, output, CaseQuantities(*one, output, load_case)});
-    } catch (const InputError& error) {
-      const std::string text = error.what();
-      throw InputError(text.find(file.string()) == std::string::npos ? file.string() + ": " + text : text);
-    }
-  }
-  std::set<std::string> seen;
-  for (const StructureCase& one : cases_)
-    if (one.output == BatchOutput::quantities || !asks)  // where some scene asks, points of the others are not wanted
-      for (const std::string& name : one.quantities.names())
-        if (seen.insert(name).second) names_.push_back(name);
-  if (line_.rows) {
-    require_rows(*line_.rows, cases_.size());
-    const auto [first, last] = *line_.rows;
-    before_ = static_cast<std::size_t>(first) - 1;
-    cases_.erase(cases_.begin() + last, cases_.end());
-    cases_.erase(cases_.begin(), cases_.begin() + static_cast<std::ptrdiff_t>(before_));
-  }
-  results_.resize(cases_.size());
-}
-
-CaseResult StructuresRun::solved_case(Application& one, const StructureCase& which) const {
-  const Scene scene = scene_of_case(one.scene, which.load_case);
-  require_room(one, scene, one.solver);
-  BatchSolver solver(one, which.quantities, 1, [this] { return interrupt_requested(app_.communicator); });
-  try {
-    solver.solve({0}, {scene});
-  } catch (const MemberError& error) {
-    throw placed(one, error);
-  }
-  return solver.results().front();
-}
-
-void StructuresRun::solve() {
-  const Stopwatch stopwatch(app_, "batch solve");
-  const auto ranks = static_cast<std::size_t>(ranks_->getSize());
-  const std::size_t mine = (cases_.size() + ranks - 1) / ranks;
-  std::unique_ptr<Application> one;
-  fs::path file;
-  bool all = true;
-  for (std::size_t i = static_cast<std::size_t>(ranks_->getRank()), done = 1; i < cases_.size() && all; i += ranks) {
-    if (!one || file != cases_[i].file) {
-      if (one) app_.summary.append(one->summary.packed());
-      file = cases_[i].file;
-      one = read(file);
-      warn_of_scene(*one);
-      choose_mesh(*one);
-    }
-    CaseResult result = solved_case(*one, cases_[i]);
-    all = result.solved;
-    {
-      const std::lock_guard<std::mutex> lock(results_mutex_);
-      results_[i] = std::move(result);
-    }
-    report(done++, mine);
-  }
-  if (one) app_.summary.append(one->summary.packed());
-  interrupted_ = !gather_results(*ranks_, app_.summary, results_, all);
-}
-
-void StructuresRun::report(std::size_t done, std::size_t mine) {
-  constexpr std::chrono::seconds kBetweenLines{1};
-  const auto now = std::chrono::steady_clock::now();
-  if (app_.quiet || (done < mine && now - last_report_ < kBetweenLines)) return;
-  last_report_ = now;
-  const auto failed = std::count_if(results_.begin(), results_.end(),
-                                    [](const CaseResult& result) { return result.solved && !result.converged; });
-  app_.out() << formatted("mixbeam batch: %zu of %zu cases", done, mine) << (ranks_->getSize() > 1 ? " of rank 0" : "")
-             << formatted(", %td failed\n", failed) << std::flush;
-}
-
-BatchTable StructuresRun::table(const std::vector<CaseResult>& results) const {
-  BatchTable table;
-  table.before = before_;
-  table.own = {{"structure", [this](std::size_t i) { return CsvCell(cases_[i].file.filename().string()); }},
-               {"load case", [this](std::size_t i) { return CsvCell(cases_[i].load_case); }}};
-  table.names = names_;
-  std::string& structures = table.texts["structures"];
-  for (std::size_t i = 0; i < results.size(); ++i)
-    if (results[i].solved) structures += cases_[i].name() + "\n";
-  return table;
-}
-
-std::size_t StructuresRun::place_of(std::size_t name, std::size_t index) const {
-  const std::vector<std::string>& own = cases_[index].quantities.names();
-  return static_cast<std::size_t>(std::find(own.begin(), own.end(), names_[name]) - own.begin());
-}
 
 }  // namespace
 

@@ -192,13 +192,15 @@ py::dict batch(const SceneText& scene, const std::optional<std::string>& load_ca
     base.app().solver.analysis.error_estimate = ErrorEstimation::off;  // nobody asks for limits here
     const CaseQuantities quantities(base.app(), cases.output, name);
     CaseScenes scenes(base.app(), cases, name);
-    BatchSolver solver(base.app(), quantities, cases.size(), [&] { return listener.stops(); });
+    CaseResults solved_cases;
+    solved_cases.resize(cases.size());
+    BatchSolver solver(base.app(), quantities, solved_cases, [&] { return listener.stops(); });
     choose_mesh(base.app(), cases.size(), [&](std::size_t row) { return scenes.scene_of(row); });
     const CaseGroups groups = grouped_cases(scenes, cases.size());
     std::size_t done = 0;
     solver.solve_all(groups, scenes, [&](std::size_t g) { listener.call(done += groups[g].size(), cases.size()); });
     names = quantities.names();
-    results = solver.results();
+    results = solved_cases.all();
   }
   listener.rethrow();
   std::vector<double> rows, residual;

@@ -2,6 +2,7 @@
 #include "tests/support/files.hpp"
 #include "tests/support/processor_time.hpp"
 
+#include "discretization/reading/import.hpp"
 #include "discretization/text/csv_file.hpp"
 
 namespace mixbeam {

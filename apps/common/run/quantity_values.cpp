@@ -12,12 +12,21 @@
 
 namespace mixbeam {
 
+namespace {
+
+/// `reactions`: of the simulation; they must outlive it.
+QuantityState quantity_state_of(const Simulation& simulation, const std::vector<Reaction>& reactions) {
+  return {simulation.model(), simulation.state(),         simulation.load_factor(),
+          reactions,          simulation.strain_energy(), simulation.stability().negative,
+          simulation.jumps()};
+}
+
+}  // namespace
+
 std::vector<double> values_of(const QuantitySet& quantities, const Simulation& simulation) {
   if (quantities.empty()) return {};
   const std::vector<Reaction> reactions = simulation.reactions();
-  QuantityState at{simulation.model(), simulation.state(),         simulation.load_factor(),
-                   reactions,          simulation.strain_energy(), simulation.stability().negative,
-                   simulation.jumps()};
+  QuantityState at = quantity_state_of(simulation, reactions);
   at.natural_frequency = simulation.natural_frequency();
   return quantities.values(at);
 }
@@ -25,8 +34,7 @@ std::vector<double> values_of(const QuantitySet& quantities, const Simulation& s
 std::vector<std::string> places_of(const QuantitySet& quantities, const Simulation& simulation) {
   if (quantities.empty()) return {};
   const std::vector<Reaction> reactions = simulation.reactions();
-  return quantities.places({simulation.model(), simulation.state(), simulation.load_factor(), reactions,
-                            simulation.strain_energy(), simulation.stability().negative, simulation.jumps()});
+  return quantities.places(quantity_state_of(simulation, reactions));
 }
 
 std::vector<double> values_of(const QuantitySet& quantities, const Simulation& simulation, const StepRecord& record) {
