@@ -89,11 +89,6 @@ class QuantitySet {
   std::size_t first_column_of(std::size_t quantity) const;
   void resolve(const Quantity& quantity, std::size_t index, const Scene& scene, const QuantityPlaces& found,
                const InputPlace& place);
-  static void find_in_members(const Quantity& quantity, const QuantityPlaces& found, const InputPlace& place,
-                              Resolved& one);
-  static void require_stresses(const Scene& scene, const InputPlace& place, Resolved& one);
-  static void find_places(const Quantity& quantity, const Scene& scene, const QuantityPlaces& found,
-                          const InputPlace& place, Resolved& one);
   void add_formula(const Quantity& quantity, std::size_t index, const InputPlace& place);
   void add_columns(const Quantity& quantity, std::size_t index, const std::string& place);
 
