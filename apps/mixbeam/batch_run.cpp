@@ -4,7 +4,6 @@
 #include "apps/common/session/interrupt.hpp"
 #include "apps/common/session/mpi_session.hpp"
 #include "apps/common/tables/formatted.hpp"
-#include "apps/mixbeam/run_report.hpp"
 #include "apps/mixbeam/scene_run.hpp"
 #include "discretization/results/table_file.hpp"
 #include "discretization/text/errors.hpp"

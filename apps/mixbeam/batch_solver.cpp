@@ -2,7 +2,7 @@
 
 #include "apps/common/run/quantity_values.hpp"
 #include "apps/common/tables/formatted.hpp"
-#include "apps/mixbeam/run_report.hpp"
+#include "apps/mixbeam/scene_run.hpp"
 #include "discretization/scene/merged_scene.hpp"
 #include "nonlinear/run/accurate_run.hpp"
 

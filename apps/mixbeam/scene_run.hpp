@@ -47,4 +47,15 @@ void renew_envelope(Application& app, const std::filesystem::path& file);
 /// Closing line, summary file and exit code of a program that ran `cases` and returns whether all of them arrived.
 int finish_runs(Application& app, const CommandLine& line, const std::function<RunEnd()>& cases);
 
+/// Reactions must balance the loads in every run. Newton's method ends at a scaled residual of 1e-11 in each row, and
+/// the sums run over the rows of all elements: what is left there adds up like a random walk, the rounding errors of
+/// the sums with their number. Along a member in tension what is left points to one side, and adds up to as many times
+/// the `residual` of the step as it has elements. `levers`: rounding_of_levers().
+double balance_tolerance(double elements, double of_longest_member, double residual, double levers);
+/// Rounding of the coordinates of a scene over its size: what moments about its middle are uncertain by.
+double rounding_of_levers(const Scene& scene);
+
+/// What an unstable end is.
+inline constexpr const char* kDoesNotStay = "a real structure does not stay there";
+
 }  // namespace mixbeam
