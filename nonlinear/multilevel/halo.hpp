@@ -1,8 +1,11 @@
 /// Nodes of other ranks that the nodes of one are linked with.
 #pragma once
 
+#include "nonlinear/linear/sparse_matrix.hpp"
+
 #include <mpi.h>
 
+#include <algorithm>
 #include <vector>
 
 namespace mixbeam {
@@ -14,25 +17,87 @@ class Halo {
   /// Halo of one rank, which has all nodes.
   Halo() = default;
   /// `ghosts`: their numbers among the nodes of all ranks, ascending. Those of a rank are numbered behind those of the
-  /// rank before it.
-  Halo(MPI_Comm communicator, int nodes, const std::vector<int>& ghosts);
+  /// rank before it. Owners are told which of their nodes are ghosts elsewhere.
+  Halo(MPI_Comm communicator, int nodes, const std::vector<int>& ghosts) : communicator_(communicator), nodes_(nodes) {
+    const GatherPlan owners(communicator, nodes);
+    const int ranks = static_cast<int>(owners.counts.size());
+    std::vector<int> wanted(ranks, 0), asked(ranks), from(ranks + 1, 0), to(ranks + 1, 0);
+    for (const int ghost : ghosts) {
+      const auto behind = std::upper_bound(owners.offsets.begin(), owners.offsets.end(), ghost);
+      ++wanted[behind - owners.offsets.begin() - 1];
+    }
+    MPI_Alltoall(wanted.data(), 1, MPI_INT, asked.data(), 1, MPI_INT, communicator);
+    for (int r = 0; r < ranks; ++r) {
+      from[r + 1] = from[r] + wanted[r];
+      to[r + 1] = to[r] + asked[r];
+    }
+    std::vector<int> names(to.back());
+    MPI_Alltoallv(ghosts.data(), wanted.data(), from.data(), MPI_INT, names.data(), asked.data(), to.data(), MPI_INT,
+                  communicator);
+    int rank = 0;
+    MPI_Comm_rank(communicator, &rank);
+    for (int& name : names) name -= owners.offsets[rank];
+    sender_ = std::move(names);
+    ghost_ = sent_ = {0};
+    for (int r = 0; r < ranks; ++r) {
+      if (wanted[r] == 0 && asked[r] == 0) continue;
+      rank_.push_back(r);
+      ghost_.push_back(from[r + 1]);
+      sent_.push_back(to[r + 1]);
+    }
+  }
 
   bool has_several_ranks() const { return communicator_ != MPI_COMM_SELF; }
   MPI_Comm communicator() const { return communicator_; }
   int ghosts() const { return ghost_.empty() ? 0 : ghost_.back(); }
   /// (node): its new number; ghosts keep theirs here.
-  void renumber(const std::vector<int>& place);
+  void renumber(const std::vector<int>& place) {
+    for (int& node : sender_) node = place[node];
+  }
 
   /// Copies the numbers of ghosts from their owners. `start`: (node, ghosts behind them, and one more): where those of
   /// a node begin.
   template <class Number, class Start>
-  void exchange(Number* data, const Start& start) const;
+  void exchange(Number* data, const Start& start) const {
+    if (!has_several_ranks()) return;
+    const int neighbours = static_cast<int>(rank_.size());
+    const MPI_Datatype type = type_of(data);
+    std::vector<MPI_Request> requests(2 * rank_.size());
+    std::vector<std::vector<Number>> sent(rank_.size());
+    for (int n = 0; n < neighbours; ++n) {
+      const auto begin = start[nodes_ + ghost_[n]], end = start[nodes_ + ghost_[n + 1]];
+      MPI_Irecv(data + begin, static_cast<int>(end - begin), type, rank_[n], 0, communicator_, &requests[2 * n]);
+      for (int s = sent_[n]; s < sent_[n + 1]; ++s)
+        sent[n].insert(sent[n].end(), data + start[sender_[s]], data + start[sender_[s] + 1]);
+      MPI_Isend(sent[n].data(), static_cast<int>(sent[n].size()), type, rank_[n], 0, communicator_,
+                &requests[2 * n + 1]);
+    }
+    MPI_Waitall(2 * neighbours, requests.data(), MPI_STATUSES_IGNORE);
+  }
+
   /// First number among those of all ranks, where those of the rank before have `mine` as well.
-  int first_of(int mine) const;
-  double sum(double here) const;
-  double largest(double here) const;
+  int first_of(int mine) const {
+    int before = 0;
+    if (has_several_ranks()) MPI_Exscan(&mine, &before, 1, MPI_INT, MPI_SUM, communicator_);
+    int rank = 0;
+    MPI_Comm_rank(communicator_, &rank);
+    return rank == 0 ? 0 : before;  // MPI leaves that of the first rank as it is
+  }
+
+  double sum(double here) const {
+    if (has_several_ranks()) MPI_Allreduce(MPI_IN_PLACE, &here, 1, MPI_DOUBLE, MPI_SUM, communicator_);
+    return here;
+  }
+
+  double largest(double here) const {
+    if (has_several_ranks()) MPI_Allreduce(MPI_IN_PLACE, &here, 1, MPI_DOUBLE, MPI_MAX, communicator_);
+    return here;
+  }
 
  private:
+  static MPI_Datatype type_of(const int*) { return MPI_INT; }
+  static MPI_Datatype type_of(const double*) { return MPI_DOUBLE; }
+
   MPI_Comm communicator_ = MPI_COMM_SELF;
   int nodes_ = 0;
   std::vector<int> rank_;    ///< (neighbour)
@@ -40,27 +105,5 @@ class Halo {
   std::vector<int> sent_;    ///< (neighbour, and one more): first of the nodes that it gets
   std::vector<int> sender_;  ///< the nodes
 };
-
-namespace halo {
-inline MPI_Datatype type_of(const int*) { return MPI_INT; }
-inline MPI_Datatype type_of(const double*) { return MPI_DOUBLE; }
-}  // namespace halo
-
-template <class Number, class Start>
-void Halo::exchange(Number* data, const Start& start) const {
-  if (!has_several_ranks()) return;
-  const int neighbours = static_cast<int>(rank_.size());
-  const MPI_Datatype type = halo::type_of(data);
-  std::vector<MPI_Request> requests(2 * rank_.size());
-  std::vector<std::vector<Number>> sent(rank_.size());
-  for (int n = 0; n < neighbours; ++n) {
-    const auto begin = start[nodes_ + ghost_[n]], end = start[nodes_ + ghost_[n + 1]];
-    MPI_Irecv(data + begin, static_cast<int>(end - begin), type, rank_[n], 0, communicator_, &requests[2 * n]);
-    for (int s = sent_[n]; s < sent_[n + 1]; ++s)
-      sent[n].insert(sent[n].end(), data + start[sender_[s]], data + start[sender_[s] + 1]);
-    MPI_Isend(sent[n].data(), static_cast<int>(sent[n].size()), type, rank_[n], 0, communicator_, &requests[2 * n + 1]);
-  }
-  MPI_Waitall(2 * neighbours, requests.data(), MPI_STATUSES_IGNORE);
-}
 
 }  // namespace mixbeam

@@ -121,7 +121,7 @@ struct Iterative {
   explicit Iterative(const Model& model, double reduction = NetworkSolver::kReduction,
                      double most_fallback_entries = NetworkSolver::kMostFallbackEntries)
       : chains(model, kSparseSolver, 1e-8, [&](const CondensedSystem& system) {
-          auto solver = std::make_unique<NetworkSolver>(system, 1e-8, model.times(), reduction, most_fallback_entries);
+          auto solver = make_network_solver(system, 1e-8, model.times(), false, reduction, most_fallback_entries);
           network = solver.get();
           return solver;
         }) {}
