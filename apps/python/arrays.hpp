@@ -46,6 +46,8 @@ pybind11::tuple parameters_of(const XmlParameters& parameters);
 
 /// Adds the class of a run to the module: what it hands out.
 void bind_run(pybind11::module_& module);
+/// Adds problems whose solutions are judged, see judged_problem.cpp.
+void bind_judged_problem(pybind11::module_& module);
 /// Adds what programs with a study in Python work with, see study.cpp.
 void bind_study(pybind11::module_& module);
 

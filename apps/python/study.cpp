@@ -2,14 +2,11 @@
 /// summary, exit code) is that of the other programs. Nothing here waits for a turn: the process is the program's own.
 #include "apps/common/studies/study.hpp"
 #include "apps/common/run/scene_file.hpp"
-#include "apps/common/studies/phase_costs.hpp"
 #include "apps/common/studies/variants.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "apps/python/arrays.hpp"
-#include "apps/python/judged_problem.hpp"
 #include "discretization/text/errors.hpp"
 #include "discretization/text/number_text.hpp"
-#include "kernels/element/layout.hpp"
 
 #include <sstream>
 
@@ -168,79 +165,6 @@ int run_python_study(const std::vector<std::string>& arguments, const std::strin
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   return run_application(static_cast<int>(argv.size()), argv.data(), definition);
-}
-
-/// Order and elements of the finest member, and whether the whole path was followed.
-py::list meshes_of(const JudgedRun& run) {
-  const auto work = [](const MemberMesh& mesh) { return (mesh.order + 1) * mesh.elements; };
-  py::list meshes;
-  for (const MeshRound& round : run.rounds) {
-    const MemberMesh finest = *std::max_element(round.mesh.begin(), round.mesh.end(),
-                                                [&](const auto& a, const auto& b) { return work(a) < work(b); });
-    meshes.append(py::make_tuple(finest.order, finest.elements, round.followed));
-  }
-  return meshes;
-}
-
-/// (global unknowns, interior unknowns, floating-point operations of all iterations, as many as an element of a plain
-/// section takes in each)
-py::tuple sizes_of(const JudgedRun& run) {
-  const Model& model = run.simulation.model();
-  const Member& member = run.simulation.scene().members.front();
-  const InteriorLayout layout{member.order, force_point_count(member.order, member.force_integration)};
-  const int elements = static_cast<int>(model.mesh().elements.size());
-  const double flops = phase_costs("spatial", member.order).at(kWholeIteration).flops;
-  return py::make_tuple(static_cast<int>(model.map()->getGlobalNumElements()), elements * layout.increments(),
-                        run.simulation.result().newton_iterations * (flops * elements));
-}
-
-void bind_judged_problem(py::module_& module) {
-  using namespace py::literals;
-  const auto result_of = [](auto member) {
-    return [member](const JudgedRun& run) { return run.simulation.result().*member; };
-  };
-  py::class_<JudgedRun>(module, "JudgedRun")
-      .def_property_readonly("finished", result_of(&LoadPathResult::finished))
-      .def_property_readonly("interrupted", result_of(&LoadPathResult::interrupted))
-      .def_property_readonly("failure", result_of(&LoadPathResult::failure))
-      .def_property_readonly("steps", result_of(&LoadPathResult::steps))
-      .def_property_readonly("failed_steps", result_of(&LoadPathResult::failed_steps))
-      .def_property_readonly("iterations", result_of(&LoadPathResult::newton_iterations))
-      .def_property_readonly("sizes", sizes_of)
-      .def_property_readonly("meshes", meshes_of)
-      .def_property_readonly("end", [](const JudgedRun& run) { return text_of(run.end); })
-      .def_property_readonly("last_estimate", [](const JudgedRun& run) { return run.rounds.back().error; })
-      .def_readonly("times", &JudgedRun::times)
-      .def("position", [](const JudgedRun& run, const std::string& point) {
-        Vector3 place = position_of(run.simulation.scene(), point);
-        const Vector3 moved = run.simulation.displacement(point);
-        for (std::size_t i = 0; i < place.size(); ++i) place[i] += moved[i];
-        return place;
-      });
-  py::class_<JudgedProblem>(module, "JudgedProblem")
-      .def(py::init([](Application& app, const std::string& file, const std::string& load_case, double load_share,
-                       const std::string& branch, const std::string& point, bool is_as_in_file) {
-             return JudgedProblem(app, file, {load_case, load_share, branch, point, is_as_in_file});
-           }),
-           "app"_a, "file"_a, "load_case"_a, "load_share"_a, "branch"_a, "point"_a, "is_as_in_file"_a)
-      .def("solve", &JudgedProblem::solve, "order"_a, "elements"_a, "is_full"_a = false, "threads"_a = std::nullopt,
-           "most_seconds"_a = kNoLimit, "follows"_a = false)
-      .def("solve_accurately", &JudgedProblem::solve_accurately)
-      .def("estimated",
-           [](const JudgedProblem& problem, const JudgedRun& run) {
-             const RunWatch watch;
-             const Errors errors = problem.estimated(run);
-             return py::make_tuple(errors, watch.processor_seconds());
-           })
-      .def("check_expected", &JudgedProblem::check_expected)
-      .def_property_readonly("own_elements", &JudgedProblem::own_elements)
-      .def_property_readonly("members", &JudgedProblem::members)
-      .def_property_readonly("expected_values", &JudgedProblem::expected_values)
-      .def_property_readonly("point", &JudgedProblem::point);
-  py::class_<JudgedReference>(module, "JudgedReference")
-      .def(py::init<const JudgedProblem&, const JudgedRun&>())
-      .def("errors_of", &JudgedReference::errors_of)
-      .def("path_error_of", &JudgedReference::path_error_of);
 }
 
 /// A check of the summary as a method of the application.
