@@ -44,9 +44,8 @@ void set_up_batch(Application& app, const CommandLine& line) {
 void require_memory_of_cases(const Application& app, const Scene& scene, std::size_t cases) {
   constexpr double kBytesOfCase = 600.0;  // values, likeness and result, as measured
   const double count = static_cast<double>(cases);
-  int elements = 0;
-  for (const Member& member : scene.members) elements += member.elements;
-  const double together = std::clamp(static_cast<double>(kElementsPerGroup) / elements, 1.0, count);
+  const double together =
+      std::clamp(static_cast<double>(kElementsPerGroup) / static_cast<double>(elements_of(scene)), 1.0, count);
   const double scenes = app.scene.imperfection_modes.empty() ? together : count;
   require_memory(app, count * kBytesOfCase + scenes * bytes_of(scene) + together * needs_of(scene, app.solver).memory,
                  std::to_string(cases) + " cases");

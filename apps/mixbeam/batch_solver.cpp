@@ -31,12 +31,6 @@ bool has_path_of_its_own(const AnalysisParameters& analysis) {
          analysis.snap == Snap::jump;
 }
 
-double elements_of(const Scene& scene) {
-  double elements = 0.0;
-  for (const Member& member : scene.members) elements += member.elements;
-  return elements;
-}
-
 double elements_of_longest_member(const Scene& scene) {
   int elements = 0;
   for (const Member& member : scene.members) elements = std::max(elements, member.elements);
@@ -325,8 +319,9 @@ std::vector<CaseResult> BatchSolver::checked(const Simulation& simulation, const
     result.residual = check.residual;
     result.stable = stable;
     // a structure alone has converged by the tests that it was solved with; beside others it has to show it
-    const double allowed = balance_tolerance(elements_of(scenes[part]), elements_of_longest_member(scenes[part]),
-                                             check.residual, rounding_of_levers(scenes[part]));
+    const double allowed =
+        balance_tolerance(static_cast<double>(elements_of(scenes[part])), elements_of_longest_member(scenes[part]),
+                          check.residual, rounding_of_levers(scenes[part]));
     const bool balances = check.force_error <= allowed && check.moment_error <= allowed;
     const bool settled = !merged || check.residual <= app_.solver.newton.residual_tolerance;
     result.converged = balances && settled;

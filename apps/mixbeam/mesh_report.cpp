@@ -59,8 +59,7 @@ constexpr long long kMostElementsToSearch = 20'000;
 
 /// Why no mesh is searched; empty where one is.
 std::string obstacle_to_search(const Application& app) {
-  long long elements = 0;
-  for (const Member& member : app.scene.members) elements += member.elements;
+  const long long elements = elements_of(app.scene);
   if (elements > kMostElementsToSearch) return std::to_string(elements) + " elements are too many to solve them twice";
   if (app.solver.analysis.snap == Snap::jump) return "a path that jumps has no error estimate";
   return "";

@@ -81,9 +81,7 @@ std::vector<RecordedBucklingMode> modes_of(const LooseStructure& loose, const st
 /// Enough for curves that look smooth, of few elements.
 int points_per_element(const Scene& scene) {
   constexpr int kMostSamples = 3000, kMostPoints = 17;
-  long elements = 0;
-  for (const Member& member : scene.members) elements += member.elements;
-  const long points = kMostSamples / std::max(elements, 1L);
+  const auto points = static_cast<long>(kMostSamples / std::max(elements_of(scene), 1LL));
   return points <= kMaximumOrder ? kPointsByOrder : static_cast<int>(std::min<long>(points, kMostPoints));
 }
 

@@ -229,12 +229,6 @@ Scene scene_of_case(const Scene& scene, const ScalingCase& of) {
   return changed;
 }
 
-int elements_of(const Scene& scene) {
-  int elements = 0;
-  for (const Member& member : scene.members) elements += member.elements;
-  return elements;
-}
-
 std::vector<ScalingCase> cases_of(Application& app) {
   std::vector<ScalingCase> cases;
   for (const std::string& kind : study_list<std::string>(app, "Kinds"))
@@ -288,7 +282,7 @@ void run_scaling_study(Application& app) {
     if (!is_lattice(of.kind)) solver.planar = of.kind == kPlanar;
     plan.compare_sparse_solver = study.get<bool>("Compare with KLU2") && !is_lattice(of.kind);
     const Scene scene = scene_of_case(app.scene, of);
-    of.elements = elements_of(scene);
+    of.elements = static_cast<int>(elements_of(scene));
     tables.add(of, read_measurement(measured_apart(
                        app, [&] { return written(measure_case(scene, solver, app.communicator, plan)); })));
   }

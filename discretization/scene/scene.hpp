@@ -293,4 +293,10 @@ struct Scene {
   std::string accuracy_of{};  ///< a quantity, or "stress", whose error counts in place of displacements; empty: those
 };
 
+inline long long elements_of(const Scene& scene) {
+  long long elements = 0;
+  for (const Member& member : scene.members) elements += member.elements;
+  return elements;
+}
+
 }  // namespace mixbeam

@@ -24,9 +24,7 @@ constexpr double kMemoryOfQuantity = 700.0;
 constexpr double kFileOfQuantity = 550.0;
 
 bool is_small(const Application& app, const Scene& scene) {
-  long long elements = 0;
-  for (const Member& member : scene.members) elements += member.elements;
-  return elements <= kSmall && static_cast<long long>(scene.members.size()) <= kSmall &&
+  return elements_of(scene) <= kSmall && static_cast<long long>(scene.members.size()) <= kSmall &&
          static_cast<long long>(app.quantities.columns().size()) <= kSmall;
 }
 
