@@ -88,15 +88,9 @@ void add_face(LargestVonMises& largest, const Wall& wall, double across, const N
   add(middle + x, middle + x);
 }
 
-class WallStressField : public StressField {
+class FieldOfWalls : public StressField {
  public:
-  explicit WallStressField(const SectionShape& shape)
-      : StressField(shape), shape_(shape), sharp_(section_geometry(sharp_shape(shape))) {
-    if (shape.kind == SectionShapeKind::box)
-      add_walls_of_box();
-    else
-      add_walls_of_i();
-  }
+  using StressField::StressField;
 
   std::array<double, 2> shear(const ShearLoad& load, double x2, double x3) const override {
     const Wall& wall = wall_at(x2, x3);
@@ -104,6 +98,30 @@ class WallStressField : public StressField {
     const double tau = wall.shear(load, across).at(std::clamp(x, wall.from, wall.to));
     if (wall.along2) return {tau, 0.0};
     return {0.0, tau};
+  }
+
+  /// Across a wall stresses are linear, so the sum of their squares is largest on its faces.
+  LargestStress largest_von_mises(const NormalStress& normal, const ShearLoad& load) const override {
+    LargestVonMises largest(kEqualOnWalls);
+    for (const Wall& wall : walls_)
+      for (const double side : {0.5, -0.5}) add_face(largest, wall, side * wall.thickness, normal, load);
+    return largest.found();
+  }
+
+ protected:
+  virtual const Wall& wall_at(double x2, double x3) const = 0;
+
+  std::vector<Wall> walls_{};
+};
+
+class WallStressField : public FieldOfWalls {
+ public:
+  explicit WallStressField(const SectionShape& shape)
+      : FieldOfWalls(shape), shape_(shape), sharp_(section_geometry(sharp_shape(shape))) {
+    if (shape.kind == SectionShapeKind::box)
+      add_walls_of_box();
+    else
+      add_walls_of_i();
   }
 
   bool contains(double x2, double x3) const override {
@@ -119,16 +137,9 @@ class WallStressField : public StressField {
     return {std::copysign(0.5 * shape_.size2, direction2), std::copysign(0.5 * shape_.size3, direction3)};
   }
 
-  /// Across a wall stresses are linear, so the sum of their squares is largest on its faces.
-  LargestStress largest_von_mises(const NormalStress& normal, const ShearLoad& load) const override {
-    LargestVonMises largest(kEqualOnWalls);
-    for (const Wall& wall : walls_)
-      for (const double side : {0.5, -0.5}) add_face(largest, wall, side * wall.thickness, normal, load);
-    return largest.found();
-  }
-
  private:
-  const Wall& wall_at(double x2, double x3) const {
+  // I: four halves of flanges, web; box: two along axis 2, two along axis 3
+  const Wall& wall_at(double x2, double x3) const override {
     const double beyond3 = std::abs(x3) - (0.5 * shape_.size3 - shape_.wall);
     if (shape_.kind == SectionShapeKind::box) {
       const double beyond2 = std::abs(x2) - (0.5 * shape_.size2 - shape_.wall);
@@ -194,16 +205,15 @@ class WallStressField : public StressField {
   }
 
   SectionShape shape_;
-  SectionGeometry sharp_;    ///< without fillets: shear flows, which then balance the walls that are drawn
-  std::vector<Wall> walls_;  ///< I: four halves of flanges, web; box: two along axis 2, two along axis 3
+  SectionGeometry sharp_;  ///< without fillets: shear flows, which then balance the walls that are drawn
 };
 
 /// T, L and U. The flow q along a wall has dq/dx = -t sigma', sigma' = a2 x2 + a3 x3 the rate of the normal stress that
 /// makes Q2 or Q3, and no flow at free ends.
-class RectangleStressField : public StressField {
+class RectangleStressField : public FieldOfWalls {
  public:
   explicit RectangleStressField(const SectionShape& shape)
-      : StressField(shape), rectangles_(section_rectangles(shape)) {
+      : FieldOfWalls(shape), rectangles_(section_rectangles(shape)) {
     const WallRectangle &first = rectangles_[0], &last = rectangles_.back();
     const double far = last.middle(1) < first.middle(1) ? last.from[1] : last.to[1];
     if (shape.kind == SectionShapeKind::t_section) {
@@ -221,18 +231,14 @@ class RectangleStressField : public StressField {
     }
   }
 
-  std::array<double, 2> shear(const ShearLoad& load, double x2, double x3) const override {
+  const Wall& wall_at(double x2, double x3) const override {
     const auto outside = [&](const Wall& wall) {
       const double x = wall.along2 ? x2 : x3, across = std::abs((wall.along2 ? x3 : x2) - wall.middle);
       const double beyond = std::max({wall.from - x, x - wall.to, across - 0.5 * wall.thickness});
       return std::max(beyond, kOnEdge * (wall.to - wall.from));
     };
     const auto nearer = [&](const Wall& a, const Wall& b) { return outside(a) < outside(b); };
-    const Wall& wall = *std::min_element(walls_.begin(), walls_.end(), nearer);
-    const double x = wall.along2 ? x2 : x3, across = (wall.along2 ? x3 : x2) - wall.middle;
-    const double tau = wall.shear(load, across).at(std::clamp(x, wall.from, wall.to));
-    if (wall.along2) return {tau, 0.0};
-    return {0.0, tau};
+    return *std::min_element(walls_.begin(), walls_.end(), nearer);
   }
 
   bool contains(double x2, double x3) const override {
@@ -261,13 +267,6 @@ class RectangleStressField : public StressField {
   }
   SectionPoint farthest_against(double direction2, double direction3) const override {
     return farthest(-direction2, -direction3);
-  }
-
-  LargestStress largest_von_mises(const NormalStress& normal, const ShearLoad& load) const override {
-    LargestVonMises largest(kEqualOnWalls);
-    for (const Wall& wall : walls_)
-      for (const double side : {0.5, -0.5}) add_face(largest, wall, side * wall.thickness, normal, load);
-    return largest.found();
   }
 
  private:
@@ -304,7 +303,6 @@ class RectangleStressField : public StressField {
   }
 
   std::vector<WallRectangle> rectangles_;
-  std::vector<Wall> walls_;
 };
 
 }  // namespace
