@@ -1,9 +1,7 @@
 #include "apps/common/run/room_check.hpp"
 #include "apps/common/run/scene_file.hpp"
 #include "apps/common/session/command_line.hpp"
-#include "apps/common/session/guarded_run.hpp"
 #include "apps/common/session/interrupt.hpp"
-#include "apps/common/session/mpi_session.hpp"
 #include "apps/common/tables/formatted.hpp"
 #include "apps/mixbeam/batch_run.hpp"
 #include "apps/mixbeam/commands.hpp"
@@ -158,16 +156,13 @@ int batch_command(const Arguments& arguments) {
       {"--output", "--case", "--rows", "--threads", "--summary", "--quiet", "--force", "--help"}, "scene file");
   if (!line.scene_file) throw InputError("a scene file is missing: mixbeam batch SCENE.xml");
   if (std::filesystem::is_directory(*line.scene_file)) return structures_batch(line);
-  const MpiSession session;
-  return guarded_run(session.communicator(), "mixbeam", [&] {
-    Application app;
-    app.communicator = session.communicator();
+  return with_application("mixbeam", [&](Application& app) {
+    const Communicator all = app.communicator;  // of one rank each later
     set_up_batch(app, line);
     const auto read = [&] {
-      return std::make_unique<VariedBatch>(app, chosen_batch(app, line), chosen_case(app.scene, line.load_case),
-                                           session.communicator());
+      return std::make_unique<VariedBatch>(app, chosen_batch(app, line), chosen_case(app.scene, line.load_case), all);
     };
-    return run_batch(app, line, session.communicator(), std::filesystem::path(*line.scene_file).stem().string(), read);
+    return run_batch(app, line, all, std::filesystem::path(*line.scene_file).stem().string(), read);
   });
 }
 

@@ -2,9 +2,7 @@
 #include "apps/common/run/room_check.hpp"
 #include "apps/common/run/scene_file.hpp"
 #include "apps/common/session/command_line.hpp"
-#include "apps/common/session/guarded_run.hpp"
 #include "apps/common/session/machine_room.hpp"
-#include "apps/common/session/mpi_session.hpp"
 #include "apps/common/studies/phase_costs.hpp"
 #include "apps/common/tables/formatted.hpp"
 #include "apps/mixbeam/commands.hpp"
@@ -290,13 +288,10 @@ int check_command(const Arguments& arguments) {
   const CommandLine line =
       read_command_line(arguments.count(), arguments.values.data(), {"--output", "--case", "--help"});
   if (!line.scene_file) throw InputError("a scene file is missing: mixbeam check SCENE.xml");
-  const MpiSession session;
-  return guarded_run(session.communicator(), "mixbeam", [&] {
+  return with_application("mixbeam", [&](Application& app) {
     if (line.output)
-      write_undeformed([&] { return read_parameters(*line.scene_file, mixbeam_root_spec()); }, session.communicator(),
+      write_undeformed([&] { return read_parameters(*line.scene_file, mixbeam_root_spec()); }, app.communicator,
                        *line.output, std::filesystem::path(*line.scene_file).stem().string(), line.load_case);
-    Application app;
-    app.communicator = session.communicator();
     read_scene_file(app, *line.scene_file, mixbeam_definition());
     describe_run(app, "mixbeam", {});
     check_scene(app, line.load_case);

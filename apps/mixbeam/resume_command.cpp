@@ -1,7 +1,6 @@
 #include "apps/common/run/scene_file.hpp"
 #include "apps/common/session/guarded_run.hpp"
 #include "apps/common/session/interrupt.hpp"
-#include "apps/common/session/mpi_session.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "apps/mixbeam/mesh_report.hpp"
 #include "apps/mixbeam/scene_run.hpp"
@@ -83,10 +82,7 @@ int resume_command(const Arguments& arguments) {
       {"--from", "--threads", "--summary", "--durable", "--quiet", "--force", "--help"}, "result file");
   if (!line.scene_file) throw InputError("a result file is missing: mixbeam resume RESULTS.h5");
   const SharedResultLock lock = lock_whole_file(*line.scene_file, line.last_step);
-  const MpiSession session;
-  return guarded_run(session.communicator(), "mixbeam", [&] {
-    Application app;
-    app.communicator = session.communicator();
+  return with_application("mixbeam", [&](Application& app) {
     warn_without_lock(app, lock);
     const StoredRun run(*line.scene_file, line.last_step);
     set_up(app, line, run);

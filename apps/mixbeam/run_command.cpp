@@ -2,7 +2,6 @@
 #include "apps/common/run/scene_file.hpp"
 #include "apps/common/session/guarded_run.hpp"
 #include "apps/common/session/interrupt.hpp"
-#include "apps/common/session/mpi_session.hpp"
 #include "apps/mixbeam/case_processes.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "apps/mixbeam/found_scene.hpp"
@@ -93,10 +92,7 @@ int run_command(const Arguments& arguments) {
       "scene file");
   if (!line.scene_file) throw InputError("a scene file is missing: mixbeam run SCENE.xml");
   const std::unique_ptr<CaseProcesses> processes = case_processes(line);
-  const MpiSession session;
-  return guarded_run(session.communicator(), "mixbeam", [&] {
-    Application app;
-    app.communicator = session.communicator();
+  return with_application("mixbeam", [&](Application& app) {
     if (line.jobs > 1 && is_under_mpirun())
       throw InputError("option --jobs: value \"" + std::to_string(line.jobs) +
                        "\" under mpirun, whose ranks share each case; allowed: 1, or a run without mpirun");

@@ -2,7 +2,6 @@
 #include "apps/common/run/scene_file.hpp"
 #include "apps/common/session/guarded_run.hpp"
 #include "apps/common/session/interrupt.hpp"
-#include "apps/common/session/mpi_session.hpp"
 #include "apps/common/tables/formatted.hpp"
 #include "apps/mixbeam/batch_run.hpp"
 #include "apps/mixbeam/commands.hpp"
@@ -180,10 +179,8 @@ class StructuresRun : public BatchRun {
 }  // namespace
 
 int structures_batch(const CommandLine& line) {
-  const MpiSession session;
-  return guarded_run(session.communicator(), "mixbeam", [&] {
-    Application app;
-    app.communicator = session.communicator();
+  return with_application("mixbeam", [&](Application& app) {
+    const Communicator all = app.communicator;  // of one rank each later
     app.quiet = line.quiet;
     app.force = line.force;
     if (line.summary) prepare_summary(app, *line.summary);
@@ -192,11 +189,11 @@ int structures_batch(const CommandLine& line) {
     app.output = line.output ? fs::path(*line.output) : fs::path("results") / folder;
     on_first_rank(app.communicator, [&app] { prepare_output_folder(app.output); });
     const auto read = [&] {
-      auto run = std::make_unique<StructuresRun>(app, line, session.communicator());
+      auto run = std::make_unique<StructuresRun>(app, line, all);
       run->read();
       return run;
     };
-    return run_batch(app, line, session.communicator(), folder, read);
+    return run_batch(app, line, all, folder, read);
   });
 }
 

@@ -191,6 +191,10 @@ struct ApplicationDefinition {
   std::function<void(Application&)> run_study;
 };
 
+/// Starts MPI, runs `action`, which returns an exit code, for an application of all ranks, and reports errors as
+/// guarded_run().
+int with_application(const std::string& program, const std::function<int(Application&)>& action);
+
 /// The whole program. Returns the exit code: 0 all checks passed, 1 a check failed (or something unforeseen happened),
 /// 2 bad input, 3 no convergence.
 int run_application(int argc, char** argv, const ApplicationDefinition& definition);

@@ -76,15 +76,19 @@ int run_with(int argc, char** argv, const ApplicationDefinition& definition) {
   if (line.help) print_help(std::cout, definition.name, definition.purpose);
   if (line.print_parameters) print_parameters(std::cout, root_spec(definition), definition.name);
   if (line.help || line.print_parameters) return 0;
-  const MpiSession session;
-  return guarded_run(session.communicator(), definition.name, [&] {
-    Application app;
-    app.communicator = session.communicator();
-    return run(app, line, definition);
-  });
+  return with_application(definition.name, [&](Application& app) { return run(app, line, definition); });
 }
 
 }  // namespace
+
+int with_application(const std::string& program, const std::function<int(Application&)>& action) {
+  const MpiSession session;
+  return guarded_run(session.communicator(), program, [&] {
+    Application app;
+    app.communicator = session.communicator();
+    return action(app);
+  });
+}
 
 int run_application(int argc, char** argv, const ApplicationDefinition& definition) {
   StandardOutput output;
