@@ -38,19 +38,15 @@ std::string system_message(const std::string& reason) {
   throw Error("cannot " + action + ": " + system_message(reason));
 }
 
-void check(herr_t status, const std::string& action) {
-  if (status < 0) fail(action);
-}
-
 [[noreturn]] void refuse(const std::string& action, const std::string& reason) {
   throw Error("cannot " + action + ": " + reason);
 }
 
 Handle text_type(const std::string& text) {
   Handle type(H5Tcopy(H5T_C_S1), H5Tclose, "make a text type");
-  check(H5Tset_size(type, text.empty() ? 1 : text.size()), "size a text type");
-  check(H5Tset_strpad(type, H5T_STR_NULLPAD), "pad a text type");
-  check(H5Tset_cset(type, H5T_CSET_UTF8), "mark a text type as UTF-8");
+  require(H5Tset_size(type, text.empty() ? 1 : text.size()), "size a text type");
+  require(H5Tset_strpad(type, H5T_STR_NULLPAD), "pad a text type");
+  require(H5Tset_cset(type, H5T_CSET_UTF8), "mark a text type as UTF-8");
   return type;
 }
 
@@ -62,13 +58,13 @@ void write_scalar_attribute(hid_t object, const std::string& name, hid_t file_ty
   const Handle space = scalar_space();
   const Handle attribute(H5Acreate2(object, name.c_str(), file_type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
                          action);
-  check(H5Awrite(attribute, memory_type, value), action);
+  require(H5Awrite(attribute, memory_type, value), action);
 }
 
 /// Properties without the time at which the dataset was made: the same results are the same bytes.
 Handle dataset_creation() {
   Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "make properties of a dataset");
-  check(H5Pset_obj_track_times(creation, false), "make properties of a dataset");
+  require(H5Pset_obj_track_times(creation, false), "make properties of a dataset");
   return creation;
 }
 
@@ -78,7 +74,7 @@ void write_array(hid_t group, const std::string& name, const std::vector<hsize_t
   const Handle space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose, action);
   const Handle dataset(H5Dcreate2(group, name.c_str(), file_type, space, H5P_DEFAULT, dataset_creation(), H5P_DEFAULT),
                        H5Dclose, action);
-  check(H5Dwrite(dataset, memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), action);
+  require(H5Dwrite(dataset, memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), action);
 }
 
 Handle create_extendible(hid_t group, const std::string& name, std::vector<hsize_t> shape) {
@@ -86,7 +82,7 @@ Handle create_extendible(hid_t group, const std::string& name, std::vector<hsize
   const int rank = static_cast<int>(shape.size());
   shape[0] = kMonitorChunkRows;
   const Handle creation = dataset_creation();
-  check(H5Pset_chunk(creation, rank, shape.data()), action);
+  require(H5Pset_chunk(creation, rank, shape.data()), action);
   std::vector<hsize_t> limits = shape;
   shape[0] = 0;
   limits[0] = H5S_UNLIMITED;
@@ -106,7 +102,7 @@ void require_plain_name(const std::string& name, const std::string& action) {
 void require_hard_link(hid_t parent, const std::string& name, const std::string& action) {
   require_plain_name(name, action);
   H5L_info_t link{};
-  check(H5Lget_info(parent, name.c_str(), &link, H5P_DEFAULT), action);
+  require(H5Lget_info(parent, name.c_str(), &link, H5P_DEFAULT), action);
   if (link.type != H5L_TYPE_HARD) refuse(action, kLeavesFile);
 }
 
@@ -155,7 +151,7 @@ void measure(StoredValues& values, Stored declared, const std::string& action) {
   if ((kind != H5S_SCALAR && kind != H5S_SIMPLE) || rank < 0 || rank > kHighestRank)
     refuse(action, "its shape is not one that results have");
   values.shape.resize(static_cast<std::size_t>(rank));
-  if (rank > 0) check(H5Sget_simple_extent_dims(values.space, values.shape.data(), nullptr), action);
+  if (rank > 0) require(H5Sget_simple_extent_dims(values.space, values.shape.data(), nullptr), action);
   const std::size_t width = width_of(values.type, declared, action);
   const auto fits = [&](hsize_t room) {
     room /= width;
@@ -165,7 +161,7 @@ void measure(StoredValues& values, Stored declared, const std::string& action) {
   hsize_t of_file = 0;
   if (!fits(kSmall)) {
     const Handle file(H5Iget_file_id(values.id), H5Fclose, action);
-    check(H5Fget_filesize(file, &of_file), action);
+    require(H5Fget_filesize(file, &of_file), action);
   }
   if (!fits(std::max(kSmall, of_file))) refuse(action, "it is larger than the file");
   values.bytes = width;
@@ -174,13 +170,13 @@ void measure(StoredValues& values, Stored declared, const std::string& action) {
 
 std::string bytes_of(const StoredValues& stored, const std::string& action) {
   std::string bytes(stored.bytes, '\0');
-  check(H5Dread(stored.id, stored.type, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()), action);
+  require(H5Dread(stored.id, stored.type, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()), action);
   return bytes;
 }
 
 std::vector<double> numbers_of(const StoredValues& stored, const std::string& name) {
   std::vector<double> values(stored.bytes / H5Tget_size(stored.type));
-  check(H5Dread(stored.id, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), "read dataset " + name);
+  require(H5Dread(stored.id, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), "read dataset " + name);
   return values;
 }
 
@@ -264,6 +260,10 @@ void copy_object(Handle from, const std::string& name, hid_t target, int depth) 
 
 }  // namespace
 
+void require(herr_t status, const std::string& action) {
+  if (status < 0) fail(action);
+}
+
 // Every use of the library begins here. Files are closed one by one, with checks; where one cannot be closed, for it is
 // damaged, the library would try for ever when the program ends.
 QuietScope::QuietScope() {
@@ -284,8 +284,6 @@ Handle::~Handle() { close(); }
 void Handle::close() noexcept {
   if (id_ >= 0 && close_function_(std::exchange(id_, -1)) < 0) a_close_failed = true;
 }
-
-void require(herr_t status, const std::string& action) { check(status, action); }
 
 Handle create_group(hid_t parent, const std::string& name) {
   return {H5Gcreate2(parent, name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose, "create group " + name};
@@ -346,7 +344,7 @@ void write_text(hid_t group, const std::string& name, const std::string& text) {
   const Handle space = scalar_space();
   const Handle dataset(H5Dcreate2(group, name.c_str(), type, space, H5P_DEFAULT, dataset_creation(), H5P_DEFAULT),
                        H5Dclose, action);
-  check(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.c_str()), action);
+  require(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.c_str()), action);
 }
 
 void write_dataset(hid_t group, const std::string& name, const std::vector<double>& values, std::size_t columns) {
@@ -375,8 +373,8 @@ std::uint64_t place_dataset(hid_t parent, const std::string& name, bool integers
   if (columns > 1) shape.push_back(columns);
   const Handle space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose, action);
   const Handle creation = dataset_creation();
-  check(H5Pset_alloc_time(creation, H5D_ALLOC_TIME_EARLY), action);
-  check(H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER), action);
+  require(H5Pset_alloc_time(creation, H5D_ALLOC_TIME_EARLY), action);
+  require(H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER), action);
   const Handle dataset(H5Dcreate2(parent, name.c_str(), integers ? H5T_STD_I32LE : H5T_IEEE_F64LE, space, H5P_DEFAULT,
                                   creation, H5P_DEFAULT),
                        H5Dclose, action);
@@ -396,7 +394,7 @@ void append_rows(hid_t group, const std::string& name, const std::vector<double>
   {
     const Handle space(H5Dget_space(dataset), H5Sclose, action);
     shape.resize(std::max(1, H5Sget_simple_extent_ndims(space)));  // a table of one column has two
-    check(H5Sget_simple_extent_dims(space, shape.data(), nullptr), action);
+    require(H5Sget_simple_extent_dims(space, shape.data(), nullptr), action);
   }
   std::vector<hsize_t> start(shape.size(), 0);
   start[0] = shape[0];
@@ -404,11 +402,11 @@ void append_rows(hid_t group, const std::string& name, const std::vector<double>
   count[0] = rows.size() / columns;
   if (count[0] == 0) return;
   shape[0] += count[0];
-  check(H5Dset_extent(dataset, shape.data()), action);
+  require(H5Dset_extent(dataset, shape.data()), action);
   const Handle target(H5Dget_space(dataset), H5Sclose, action);
-  check(H5Sselect_hyperslab(target, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr), action);
+  require(H5Sselect_hyperslab(target, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr), action);
   const Handle source(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr), H5Sclose, action);
-  check(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, source, target, H5P_DEFAULT, rows.data()), action);
+  require(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, source, target, H5P_DEFAULT, rows.data()), action);
 }
 
 void append_row(hid_t group, const std::string& name, std::vector<double> row) {
@@ -417,25 +415,25 @@ void append_row(hid_t group, const std::string& name, std::vector<double> row) {
   if (!has_link(group, name)) {
     const Handle creation = dataset_creation(),
                  space(H5Screate_simple(2, shape.data(), limits.data()), H5Sclose, action);
-    check(H5Pset_chunk(creation, 2, chunk.data()), action);
-    check(H5Pset_fill_value(creation, H5T_NATIVE_DOUBLE, &kMissing), action);
-    check(H5Pset_alloc_time(creation, H5D_ALLOC_TIME_EARLY), action);
+    require(H5Pset_chunk(creation, 2, chunk.data()), action);
+    require(H5Pset_fill_value(creation, H5T_NATIVE_DOUBLE, &kMissing), action);
+    require(H5Pset_alloc_time(creation, H5D_ALLOC_TIME_EARLY), action);
     const Handle made(H5Dcreate2(group, name.c_str(), H5T_IEEE_F64LE, space, H5P_DEFAULT, creation, H5P_DEFAULT),
                       H5Dclose, action);
   }
   {
     const Handle dataset(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose, action);
     const Handle space(H5Dget_space(dataset), H5Sclose, action);
-    check(H5Sget_simple_extent_dims(space, shape.data(), nullptr), action);
+    require(H5Sget_simple_extent_dims(space, shape.data(), nullptr), action);
     shape[1] = std::max<hsize_t>(shape[1], row.size());
-    check(H5Dset_extent(dataset, shape.data()), action);
+    require(H5Dset_extent(dataset, shape.data()), action);
   }
   row.resize(shape[1], kMissing);
   append_rows(group, name, row, shape[1]);
 }
 
 void remove_link(hid_t parent, const std::string& name) {
-  check(H5Ldelete(parent, name.c_str(), H5P_DEFAULT), "remove " + name);
+  require(H5Ldelete(parent, name.c_str(), H5P_DEFAULT), "remove " + name);
 }
 
 bool has_link(hid_t group, const std::string& name) {
@@ -446,7 +444,7 @@ bool has_link(hid_t group, const std::string& name) {
 
 std::size_t count_links(hid_t group) {
   H5G_info_t info;
-  check(H5Gget_info(group, &info), "count the entries of a group");
+  require(H5Gget_info(group, &info), "count the entries of a group");
   return info.nlinks;
 }
 
@@ -457,7 +455,7 @@ std::vector<ObjectLink> links_of(hid_t group) {
     return link->type == H5L_TYPE_HARD ? 0 : 1;
   };
   const herr_t end = H5Literate(group, H5_INDEX_NAME, H5_ITER_INC, nullptr, keep, &links);
-  check(end, "read the names in a group");
+  require(end, "read the names in a group");
   if (end > 0) refuse("open " + links.back().name, kLeavesFile);
   for (const ObjectLink& link : links) require_plain_name(link.name, "open " + link.name);
   return links;
@@ -475,21 +473,21 @@ std::vector<std::string> attribute_names(hid_t object) {
     return 0;
   };
   std::vector<std::string> names;
-  check(H5Aiterate2(object, H5_INDEX_NAME, H5_ITER_INC, nullptr, keep, &names), "read the names of attributes");
+  require(H5Aiterate2(object, H5_INDEX_NAME, H5_ITER_INC, nullptr, keep, &names), "read the names of attributes");
   return names;
 }
 
 double read_number(hid_t object, const std::string& attribute) {
   const StoredValues stored = open_attribute(object, attribute, Stored::numbers);
   double value = 0.0;
-  check(H5Aread(stored.id, H5T_NATIVE_DOUBLE, &value), "read attribute " + attribute);
+  require(H5Aread(stored.id, H5T_NATIVE_DOUBLE, &value), "read attribute " + attribute);
   return value;
 }
 
 std::string read_text_attribute(hid_t object, const std::string& attribute) {
   const StoredValues stored = open_attribute(object, attribute, Stored::texts);
   std::string text(stored.bytes, '\0');
-  check(H5Aread(stored.id, stored.type, text.data()), "read attribute " + attribute);
+  require(H5Aread(stored.id, stored.type, text.data()), "read attribute " + attribute);
   return text.c_str();  // an empty text is stored as one zero
 }
 
@@ -501,7 +499,7 @@ void read_attribute(hid_t object, const std::string& name, double& value) {
 void read_attribute(hid_t object, const std::string& name, int& value) {
   constexpr int kMost = 1'000'000'000;  // of what is counted; whoever adds one to it remains among the integers
   const StoredValues stored = open_attribute(object, name, Stored::integers);
-  check(H5Aread(stored.id, H5T_NATIVE_INT, &value), "read attribute " + name);
+  require(H5Aread(stored.id, H5T_NATIVE_INT, &value), "read attribute " + name);
   if (value < -kMost || value > kMost) refuse("read attribute " + name, "its value is beyond all counts");
 }
 
@@ -548,7 +546,7 @@ void read_attributes(hid_t object) {
   for (const std::string& name : attribute_names(object)) {
     const StoredValues stored = open_attribute(object, name, Stored::anything);
     std::vector<char> bytes(stored.bytes);
-    check(H5Aread(stored.id, stored.type, bytes.data()), "read attribute " + name);
+    require(H5Aread(stored.id, stored.type, bytes.data()), "read attribute " + name);
   }
 }
 
