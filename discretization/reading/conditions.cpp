@@ -61,7 +61,7 @@ const std::vector<std::string> kAxisNames = {"x", "y", "z"};
 // Below this angle between them, two axes span a plane made of rounding errors. [radian]
 constexpr double kSmallestAngle = 1e-6;
 
-BoundList<Support> support_parameters() {
+const BoundList<Support> kSupportParameters = [] {
   BoundList<Support> support(
       "Support of a point, along global axes unless Axes are given; without further parameters a clamp.");
   support.bind(&Support::point, text("Point").required(), "Name of the point" + kWildcard);
@@ -98,11 +98,11 @@ BoundList<Support> support_parameters() {
       "Springs on the components of the rotation vector that are not fixed; 0 for none [force * length / radian].");
   bind_schedule(support, "The prescribed motion grows");
   return support;
-}
+}();
 
 std::ptrdiff_t number_of(const std::array<bool, 3>& fixed) { return std::count(fixed.begin(), fixed.end(), true); }
 
-BoundList<Joint> joint_parameters() {
+const BoundList<Joint> kJointParameters = [] {
   BoundList<Joint> joint(
       "A connection that is not rigid: each listed member ends in its own joint with the rest of what meets at the "
       "point; "
@@ -126,7 +126,7 @@ BoundList<Joint> joint_parameters() {
   const Form about_axis{{"Axis"}, {"Stiffness"}};
   joint.spec.with_forms("Kind", {{"hinge", {about_axis}}, {"slider", {about_axis}}, {"ball", {Form{}}}});
   return joint;
-}
+}();
 
 /// Components in the triad of a mirrored section, whose axis 3 is the opposite of the image of axis 3: of vectors, and
 /// of axial ones (moments, curvatures).
@@ -229,7 +229,7 @@ ParameterSpec formulas(const std::string& name) {
   return array(name, ParameterType::text_array, 3).or_other("a formula");
 }
 
-BoundList<PointLoad> point_load_parameters() {
+const BoundList<PointLoad> kPointLoadParameters = [] {
   BoundList<PointLoad> load("A concentrated force and moment.");
   load.bind(&PointLoad::point, text("Point").required(), "Name of the point" + kWildcard);
   load.bind(&PointLoad::force, vector3("Force").by_default(), "Force [force].");
@@ -244,9 +244,9 @@ BoundList<PointLoad> point_load_parameters() {
   bind_schedule(load, "The load grows");
   load.spec.with_forms("Frame", {{"dead", {Form{}}}, {"follower", {Form{{}, {"Member"}}}}});
   return load;
-}
+}();
 
-BoundList<DistributedLoad> gravity_parameters() {
+const BoundList<DistributedLoad> kGravityParameters = [] {
   BoundList<DistributedLoad> gravity(
       "Weight of all members whose sections have a mass (Density of the material, or Mass); several by names of your "
       "own, of which each has a Stage or Case.");
@@ -254,7 +254,7 @@ BoundList<DistributedLoad> gravity_parameters() {
                "Acceleration of free fall, in global axes: {0, 0, -9.81} [length / time^2].");
   bind_schedule(gravity, "The weight grows");
   return gravity;
-}
+}();
 
 /// As it was written.
 struct RotatingFrameDraft : RotatingFrame {
@@ -262,7 +262,7 @@ struct RotatingFrameDraft : RotatingFrame {
   double speed = 0.0;
 };
 
-BoundList<RotatingFrameDraft> rotating_frame_parameters() {
+const BoundList<RotatingFrameDraft> kRotatingFrameParameters = [] {
   BoundList<RotatingFrameDraft> frame(
       "A frame that turns steadily, in which the structure is at rest: centrifugal forces on all masses (Density of "
       "Material, or Mass, of sections, with their inertia; Point Masses), and Coriolis forces in Modes. Supports, dead "
@@ -275,9 +275,9 @@ BoundList<RotatingFrameDraft> rotating_frame_parameters() {
              "with the load factor, and forces with its square.");
   bind_schedule(frame, "The angular velocity grows");
   return frame;
-}
+}();
 
-BoundList<DistributedLoad> distributed_load_parameters() {
+const BoundList<DistributedLoad> kDistributedLoadParameters = [] {
   BoundList<DistributedLoad> load("A load per unit of undeformed length along a member, or a part of it.");
   load.bind(&DistributedLoad::member, text("Member").required(), "Name of the member" + kWildcard);
   load.bind(&DistributedLoad::force, vector3("Force").by_default(), "Force per length [force / length].");
@@ -300,9 +300,9 @@ BoundList<DistributedLoad> distributed_load_parameters() {
             "points of the name MEMBER@POSITION. All of it if absent.");
   bind_schedule(load, "The load grows");
   return load;
-}
+}();
 
-BoundList<PointMass> point_mass_parameters() {
+const BoundList<PointMass> kPointMassParameters = [] {
   BoundList<PointMass> body("Body at a point, rigidly joined to what meets there.");
   body.bind(&PointMass::point, text("Point").required(), "Name of the point" + kWildcard);
   body.bind(&PointMass::mass, real("Mass").at_least(0.0).by_default(), "Its mass, on which Gravity acts.");
@@ -310,9 +310,9 @@ BoundList<PointMass> point_mass_parameters() {
             "Moments of inertia about the global axes through the point, of the undeformed structure "
             "[mass * length^2].");
   return body;
-}
+}();
 
-BoundList<EigenstrainDraft> eigenstrain_parameters() {
+const BoundList<EigenstrainDraft> kEigenstrainParameters = [] {
   BoundList<EigenstrainDraft> strain(
       "Strain of a whole member without any stress: temperature, growth, actuation; components in the axes 1 (along), "
       "2, 3 of the section.");
@@ -345,17 +345,7 @@ BoundList<EigenstrainDraft> eigenstrain_parameters() {
   strain.bind(&EigenstrainDraft::end_turn, vector3("End Turn").by_default(), "Likewise at its end [radian].");
   bind_schedule(strain, "The strain grows");
   return strain;
-}
-
-const BoundList<PointLoad> kPointLoadParameters = point_load_parameters();
-const BoundList<PointMass> kPointMassParameters = point_mass_parameters();
-const BoundList<DistributedLoad> kDistributedLoadParameters = distributed_load_parameters();
-const BoundList<DistributedLoad> kGravityParameters = gravity_parameters();
-const BoundList<EigenstrainDraft> kEigenstrainParameters = eigenstrain_parameters();
-const BoundList<RotatingFrameDraft> kRotatingFrameParameters = rotating_frame_parameters();
-
-const BoundList<Support> kSupportParameters = support_parameters();
-const BoundList<Joint> kJointParameters = joint_parameters();
+}();
 
 /// One pass over what acts on a scene whose points and members are complete.
 class ConditionReader {

@@ -182,7 +182,7 @@ void bind_shape(BoundList<SectionDraft>& section) {
                              "Inertia Product", "Mass Offset", "Stress Points", "Drawn As"});
 }
 
-BoundList<SectionDraft> section_parameters() {
+const BoundList<SectionDraft> kSectionParameters = [] {
   BoundList<SectionDraft> section(
       "Linear elastic section in its own axes 1 (along), 2, 3: either a stiffness for each strain, or Shape or Profile "
       "with Material, or Matrix.");
@@ -224,9 +224,7 @@ BoundList<SectionDraft> section_parameters() {
       "A run warns of larger strains, of the axis or at the edge of the section: the linear law is hardly valid "
       "there. Eigenstrains do not count.");
   return section;
-}
-
-const BoundList<SectionDraft> kSectionParameters = section_parameters();
+}();
 
 /// Reads one section; `path` is its place.
 class SectionReader {

@@ -49,7 +49,7 @@ BoundList<ModesParameters> modes_parameters() {
   return modes;
 }
 
-BoundList<AnalysisParameters> analysis_parameters() {
+const BoundList<AnalysisParameters> kAnalysisParameters = [] {
   BoundList<AnalysisParameters> analysis("Questions about the path, beyond the state at its end.");
   analysis.bind(&AnalysisParameters::stability, boolean("Stability"),
                 "Count the negative eigenvalues of the tangent in every converged state (zero: stable), and find limit "
@@ -91,9 +91,7 @@ BoundList<AnalysisParameters> analysis_parameters() {
   const Form with_branch{{}, {"Branch Point", "Branch Component"}};
   analysis.spec.with_forms("Branch", {{"primary", {Form{}}}, {"positive", {with_branch}}, {"negative", {with_branch}}});
   return analysis;
-}
-
-const BoundList<AnalysisParameters> kAnalysisParameters = analysis_parameters();
+}();
 
 /// A direction that is perpendicular to another one but for rounding.
 constexpr double kNoFreedom = 1e-12;

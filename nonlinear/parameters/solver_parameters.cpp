@@ -197,7 +197,7 @@ ListSpec loca_spec() {
   return spec;
 }
 
-BoundList<SolverParameters> solver_parameters() {
+const BoundList<SolverParameters> kSolverParameters = [] {
   BoundList<SolverParameters> solver("How the equations are solved.");
   solver.bind_list(&SolverParameters::load_path, "Load Path", load_path_parameters());
   solver.bind_list(&SolverParameters::newton, "Newton", newton_parameters());
@@ -216,7 +216,7 @@ BoundList<SolverParameters> solver_parameters() {
                        Presence::optional);
   solver.spec.add_list("LOCA", loca_spec(), Presence::optional);
   return solver;
-}
+}();
 
 /// Checks the three sizes; the default of the first follows the bounds.
 void check_steps(LoadPathParameters& parameters, const ParameterList& list, const ParameterSource& source,
@@ -285,8 +285,6 @@ RCP<ParameterList> given_status_tests(const ParameterList& list, const Parameter
   if (!problem.empty()) throw source.error(child(path, "Status Tests"), "NOX refuses this list: " + problem);
   return tests;
 }
-
-const BoundList<SolverParameters> kSolverParameters = solver_parameters();
 
 }  // namespace
 

@@ -44,7 +44,7 @@ constexpr double kNoTurn = 1e-12;
 /// Of a random force, the least that is no rounding.
 constexpr double kFreeRow = 1e-9;
 
-BoundList<RestShapeParameters> declared_rest_shape_parameters() {
+const BoundList<RestShapeParameters> kRestShapeParameters = [] {
   BoundList<RestShapeParameters> inverse(
       "Find the rest shape: natural curvatures and cut lengths with which the structure under all its loads takes the "
       "shape that is drawn. Writes their tables and a scene with them beside the results, and runs that.");
@@ -61,9 +61,7 @@ BoundList<RestShapeParameters> declared_rest_shape_parameters() {
   inverse.bind(&RestShapeParameters::load_case, text("Case").by_default(),
                "Load case or combination whose loads deform the rest shape into the drawn one.");
   return inverse;
-}
-
-const BoundList<RestShapeParameters> kRestShapeParameters = declared_rest_shape_parameters();
+}();
 
 /// Throws InputError for a scene that has natural strains of its own, or parts that bear nothing in the drawn shape.
 void check_offered(const Scene& scene, const InputPlace& place) {
