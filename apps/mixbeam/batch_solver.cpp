@@ -13,6 +13,11 @@
 
 namespace mixbeam {
 
+// To be sent to another rank.
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(EstimatedValue, name, value, error, not_estimated)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CaseValues, written, limited)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CaseResult, solved, converged, alone, values, iterations, residual, cause, stable)
+
 namespace {
 
 /// Fewer cases than that are solved one by one when they do not converge together.
@@ -81,28 +86,6 @@ std::string cause_of(const LoadPathResult& result) {
 
 using Json = nlohmann::json;
 
-Json json_of(const CaseResult& result) {
-  Json limited = Json::array();
-  for (const EstimatedValue& value : result.values.limited)
-    limited.push_back({value.name, value.value, value.error, value.not_estimated});
-  return {result.converged,  result.alone,    result.values.written, limited,
-          result.iterations, result.residual, result.cause,          result.stable};
-}
-
-CaseResult result_from(const Json& json) {
-  CaseResult result;
-  result.solved = true;
-  result.converged = json[0];
-  result.alone = json[1];
-  result.values.written = json[2].get<std::vector<double>>();
-  for (const Json& value : json[3]) result.values.limited.push_back({value[0], value[1], value[2], value[3]});
-  result.iterations = json[4];
-  result.residual = json[5];
-  result.cause = json[6];
-  result.stable = json[7];
-  return result;
-}
-
 /// Texts of all ranks on rank 0.
 std::vector<std::string> texts_of(const Teuchos::Comm<int>& ranks, const std::string& mine) {
   std::vector<std::string> all(ranks.getSize());
@@ -159,7 +142,7 @@ bool CaseResults::gather(const Teuchos::Comm<int>& ranks, Summary& summary, bool
     Json mine = {{"all", all_solved}, {"results", Json::array()}};
     if (end == all_.size()) mine["summary"] = summary.packed();
     for (std::size_t i = first; i < end && ranks.getRank() > 0; ++i)
-      if (all_[i].solved) mine["results"].push_back({i, json_of(all_[i])});
+      if (all_[i].solved) mine["results"].push_back({i, all_[i]});
     std::string bytes;
     Json::to_cbor(mine, bytes);
     const std::vector<std::string> all = texts_of(ranks, bytes);
@@ -167,7 +150,7 @@ bool CaseResults::gather(const Teuchos::Comm<int>& ranks, Summary& summary, bool
       const Json other = Json::from_cbor(all[rank]);
       all_solved = all_solved && other["all"].get<bool>();
       if (other.contains("summary")) summary.append(other["summary"]);
-      for (const Json& result : other["results"]) all_[result[0]] = result_from(result[1]);
+      for (const Json& result : other["results"]) result[1].get_to(all_[result[0]]);
     }
   }
   return all_solved;

@@ -26,6 +26,8 @@
 
 namespace mixbeam {
 
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(MemberMesh, order, elements)
+
 namespace {
 
 enum class CaseEnd { arrived, interrupted, no_convergence, bad_input, not_written, no_memory, other };
@@ -97,14 +99,8 @@ Answer question_for(const Application& app, std::size_t number) {
   Answer question = {{"case", number}};
   if (app.mesh_note.empty()) return question;
   question["note"] = app.mesh_note;
-  for (const MemberMesh& mesh : mesh_of(app.scene)) question["mesh"].push_back({mesh.order, mesh.elements});
+  question["mesh"] = mesh_of(app.scene);
   return question;
-}
-
-MeshChoice mesh_from(const Answer& question) {
-  MeshChoice mesh;
-  for (const Answer& member : question) mesh.push_back({member[0], member[1]});
-  return mesh;
 }
 
 /// The life of a process.
@@ -124,7 +120,7 @@ void answer_questions(FILE* socket, const CaseWork& work) {
   for (bool is_first = true; question; is_first = false, question = received(socket)) {
     Answer answer = answer_of(app, [&] {
       if (is_first) work.set_up(app);
-      if (app.mesh_is_free) take_mesh(app, mesh_from((*question)["mesh"]), (*question)["note"]);
+      if (app.mesh_is_free) take_mesh(app, (*question)["mesh"], (*question)["note"]);
       reports.str("");
       printed.str("");  // who asks has told what belongs to the scene
       Summary of_case;
