@@ -122,7 +122,7 @@ std::vector<int> dissection_order(const SparseMatrix& a) {
 
 struct InertiaSolver::Factors {
   Kind kind;
-  SharedRows share;
+  RowsOfRanks share;
   int rows;                      ///< of all ranks
   std::vector<int> row, column;  ///< entries that count, from one; symmetric: those of the lower triangle
   std::vector<int> entry;        ///< where their values stand in the matrix
@@ -131,7 +131,7 @@ struct InertiaSolver::Factors {
   bool has_factors = false;
   int factorizations = 0;
 
-  Factors(Kind k, const SparseMatrix& structure, SharedRows s)
+  Factors(Kind k, const SparseMatrix& structure, RowsOfRanks s)
       : kind(k), share(std::move(s)), rows(share.rows.total()) {
     set_up_blas();
     for (int i = 0; i < structure.rows(); ++i)
@@ -161,7 +161,7 @@ struct InertiaSolver::Dense final : Factors {
   std::vector<double> factors, work;
   std::vector<int> pivots;
 
-  Dense(Kind k, const SparseMatrix& structure, SharedRows s)
+  Dense(Kind k, const SparseMatrix& structure, RowsOfRanks s)
       : Factors(k, structure, std::move(s)), factors(rows * rows), work(rows), pivots(rows) {}
   double& at(int i, int j) { return factors[static_cast<size_t>(j) * rows + i]; }
 
@@ -234,7 +234,7 @@ struct InertiaSolver::Mumps final : Factors {
   std::vector<int> order;  ///< see dissection_order()
   double solves = 0.0;     ///< see solves_for_factors()
 
-  Mumps(Kind k, const SparseMatrix& structure, SharedRows s) : Factors(k, structure, std::move(s)) {
+  Mumps(Kind k, const SparseMatrix& structure, RowsOfRanks s) : Factors(k, structure, std::move(s)) {
     require_mpi();
     order = share.has_several_ranks() ? dissection_order(gathered_structure(structure, share))
                                       : dissection_order(structure);
@@ -346,8 +346,8 @@ struct InertiaSolver::Mumps final : Factors {
 
 namespace {
 
-SharedRows of_one_rank(const SparseMatrix& structure) {
-  SharedRows share;
+RowsOfRanks of_one_rank(const SparseMatrix& structure) {
+  RowsOfRanks share;
   share.rows = GatherPlan(share.communicator, structure.rows());
   share.column_number.resize(structure.rows());
   std::iota(share.column_number.begin(), share.column_number.end(), 0);
@@ -375,7 +375,7 @@ double rest_of(const SparseMatrix& matrix, bool transposed, const double* x, dou
 InertiaSolver::InertiaSolver(Kind kind, const SparseMatrix& structure)
     : InertiaSolver(kind, structure, of_one_rank(structure)) {}
 
-InertiaSolver::InertiaSolver(Kind kind, const SparseMatrix& structure, SharedRows share) {
+InertiaSolver::InertiaSolver(Kind kind, const SparseMatrix& structure, RowsOfRanks share) {
   if (!share.has_several_ranks() && structure.rows() <= kMostDenseRows)
     factors_ = std::make_unique<Dense>(kind, structure, std::move(share));
   else

@@ -28,7 +28,7 @@ class InertiaSolver {
   InertiaSolver(Kind kind, const SparseMatrix& structure);
   /// Takes the rows that each rank holds. All functions are then collective, errors occur on every rank, and vectors
   /// have one column, each rank its rows.
-  InertiaSolver(Kind kind, const SparseMatrix& structure, SharedRows share);
+  InertiaSolver(Kind kind, const SparseMatrix& structure, RowsOfRanks share);
   ~InertiaSolver();
   InertiaSolver(const InertiaSolver&) = delete;
   InertiaSolver& operator=(const InertiaSolver&) = delete;

@@ -50,7 +50,7 @@ class NetworkFactors : public LinearSolver {
   std::vector<unsigned char> alone_;  ///< (row): 1 where it is taken out
   std::vector<int> column_;  ///< (remaining row here, then remaining column of others): its column in the matrix
   SparseMatrix remaining_;
-  SharedRows share_;
+  RowsOfRanks share_;
   std::vector<size_t> entry_;  ///< (entry of remaining_): where it stands in the matrix
   std::vector<int> mirror_;    ///< (entry of remaining_): that of its transpose, -1 where there is none; behind the
                                ///< entries here those of all ranks in rows of one and columns of another one

@@ -70,7 +70,7 @@ SparseMatrix symmetric_part(SparseMatrix a) {
   return a;
 }
 
-SparseMatrix gathered_structure(const SparseMatrix& here, const SharedRows& share) {
+SparseMatrix gathered_structure(const SparseMatrix& here, const RowsOfRanks& share) {
   const int mine = here.rows(), entries = here.row_start.back();
   std::vector<int> lengths(mine), columns(entries);
   for (int i = 0; i < mine; ++i) lengths[i] = here.row_start[i + 1] - here.row_start[i];
@@ -91,7 +91,7 @@ SparseMatrix gathered_structure(const SparseMatrix& here, const SharedRows& shar
   return all;
 }
 
-SparseMatrix gathered(const SparseMatrix& here, const SharedRows& share) {
+SparseMatrix gathered(const SparseMatrix& here, const RowsOfRanks& share) {
   SparseMatrix all = gathered_structure(here, share);
   const GatherPlan entries(share.communicator, here.row_start.back());
   all.value.resize(all.column.size());
@@ -111,7 +111,7 @@ RootCopy::RootCopy(const Teuchos::RCP<DofMatrix>& matrix)
   SparseMatrix here{{0}, {graph.entries.data(), graph.entries.data() + graph.entries.extent(0)}, {}};
   for (int i = 0; i < static_cast<int>(graph.numRows()); ++i)
     here.row_start.push_back(static_cast<int>(graph.row_map(i + 1)));
-  SharedRows share{mpi_, GatherPlan(mpi_, here.rows()), 0, {}};
+  RowsOfRanks share{mpi_, GatherPlan(mpi_, here.rows()), 0, {}};
   for (size_t column = 0; column < matrix->getColMap()->getNodeNumElements(); ++column)
     share.column_number.push_back(
         static_cast<int>(matrix->getColMap()->getGlobalElement(static_cast<LocalOrdinal>(column))));

@@ -31,7 +31,7 @@ struct GatherPlan {
 MPI_Comm communicator_of(const DofMatrix& matrix);
 
 /// Ranks that hold the rows of a matrix together, each those behind the rows of the rank before it.
-struct SharedRows {
+struct RowsOfRanks {
   MPI_Comm communicator = MPI_COMM_SELF;
   GatherPlan rows;                 ///< of each rank
   int first = 0;                   ///< number of the first row here
@@ -41,9 +41,9 @@ struct SharedRows {
 };
 
 /// The structure with the rows of all ranks on the first one, without rows on every other one. Collective.
-SparseMatrix gathered_structure(const SparseMatrix& here, const SharedRows& share);
+SparseMatrix gathered_structure(const SparseMatrix& here, const RowsOfRanks& share);
 /// Gathers the structure with its values. Collective.
-SparseMatrix gathered(const SparseMatrix& here, const SharedRows& share);
+SparseMatrix gathered(const SparseMatrix& here, const RowsOfRanks& share);
 
 /// Largest |A_ij - A_ji| / sqrt(max(|A_ii|, 1) max(|A_jj|, 1)): entries are numbers without unit.
 double asymmetry(const SparseMatrix& a);

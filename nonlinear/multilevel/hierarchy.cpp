@@ -307,7 +307,7 @@ void Hierarchy::factorize_coarsest() {
   SparseMatrix coarsest = level.matrix();
   if (used_ > 1) level.drop_values();
   if (is_shared) {
-    const SharedRows share = level.shares();
+    const RowsOfRanks share = level.shares();
     coarsest = gathered(coarsest, share);
     coarsest_rows_ = share.rows;
   }

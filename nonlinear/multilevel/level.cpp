@@ -338,8 +338,8 @@ SparseMatrix Level::matrix() const {
   return matrix;
 }
 
-SharedRows Level::shares() const {
-  SharedRows share;
+RowsOfRanks Level::shares() const {
+  RowsOfRanks share;
   share.communicator = halo_.communicator();
   share.rows = GatherPlan(share.communicator, unknowns());
   share.first = halo_.first_of(unknowns());

@@ -172,7 +172,7 @@ class Level {
 
   /// Rows of A^ here, for the direct solver of the coarsest level; and how ranks share them.
   SparseMatrix matrix() const;
-  SharedRows shares() const;
+  RowsOfRanks shares() const;
 
  private:
   void build_rows();

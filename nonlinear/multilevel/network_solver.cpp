@@ -714,7 +714,7 @@ double factor_entries(const CondensedSystem& system) {
     graph.row_start.push_back(static_cast<int>(graph.column.size()));
   }
   if (matrix.getRowMap()->getComm()->getSize() == 1) return factor_entries(graph.row_start, graph.column);
-  SharedRows share;
+  RowsOfRanks share;
   share.communicator = communicator_of(matrix);
   share.rows = GatherPlan(share.communicator, rows.vertices());
   const auto columns = matrix.getColMap();
