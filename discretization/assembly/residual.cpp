@@ -145,7 +145,7 @@ void scale_rows(const Model& model, const ResidualScales& scales, bool inverse, 
   for (const ElementBlock& block : model.structure().blocks) {
     const InteriorLayout layout = block.interior;
     const ElementPlaces place = block.increments_at();
-    const KernelView<const double**> reference = block.reference;
+    const SharedRows reference = block.reference;
     Kokkos::parallel_for(
         "mixbeam::scale::interior", Range(0, block.count), KOKKOS_LAMBDA(int e) {
           scale_interior_rows(layout, by, reference(e, 0), inverse, interior.data() + place(e));

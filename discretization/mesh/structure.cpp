@@ -236,20 +236,24 @@ ReferenceElement reference_element(const Mesh& mesh, const MeshElement& element,
 }
 
 void fill_block(ElementBlock& block, const Structure& structure, const Scene& scene, const Mesh& mesh) {
+  std::vector<double> row(static_cast<size_t>(block.reference_layout.size()));
+  RowsWithoutRepeats rows(row.size());
   for (int e = 0; e < block.count; ++e) {
     const MeshElement& element = mesh.elements[structure.local_element_to_mesh[block.first_element + e]];
     try {
       fill_reference(reference_element(mesh, element, block), mesh.element_length(element), block.reference_layout,
-                     &block.reference(e, 0));
+                     row.data());
     } catch (const std::invalid_argument& error) {
       throw MemberError(
           scene.members[element.member].name,
           ", element " + std::to_string(element.index + 1) + " of " + std::to_string(mesh.member_of(element).elements),
           error.what());
     }
+    rows.add(row);
     for (int end = 0; end < 2; ++end) block.vertices(e, end) = local_vertex(structure, element.vertex[end]);
     block.section(e) = structure.member_section[element.member];
   }
+  block.reference = rows.rows("mixbeam::reference");
 }
 
 void add_block(Structure& structure, const BlockKey& key, const std::vector<int>& elements) {
@@ -271,7 +275,6 @@ void add_block(Structure& structure, const BlockKey& key, const std::vector<int>
   structure.interior_size += n * block.interior.unknowns();
   structure.increment_size += n * block.interior.increments();
   structure.response_size += n * block.response_size();
-  block.reference = KernelView<double**>("mixbeam::reference", n, block.reference_layout.size());
   block.vertices = KernelView<int* [2]>("mixbeam::element_vertices", n);
   block.section = KernelView<int*>("mixbeam::element_section", n);
   structure.local_element_to_mesh.insert(structure.local_element_to_mesh.end(), elements.begin(), elements.end());

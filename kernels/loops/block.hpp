@@ -6,6 +6,7 @@
 #include "kernels/element/layout.hpp"
 #include "kernels/element/row_scales.hpp"
 #include "kernels/execution/execution_space.hpp"
+#include "kernels/loops/shared_rows.hpp"
 
 #include <Kokkos_Core.hpp>
 
@@ -68,7 +69,7 @@ struct ElementBlock {
   size_t response_offset = 0;
   InteriorLayout interior;
   ReferenceLayout reference_layout;
-  KernelView<double**> reference;   ///< (element of the block, ReferenceLayout)
+  SharedRows reference;             ///< (element of the block, ReferenceLayout)
   KernelView<int* [2]> vertices;    ///< (element of the block, end): local vertex
   KernelView<int*> section;         ///< (element of the block): among StructureViews::sections
   bool general_section = false;     ///< sections of this block are coupled or vary along the element

@@ -32,10 +32,10 @@ struct PlanarBlock {
   PlaneAxes axes;
   PlanarOrientation orientation[4];
   KernelView<int*> orientation_of;  ///< (element of the block)
-  KernelView<double**> constants;   ///< (pack, PlanarConstants of all lanes)
+  SharedRows constants;             ///< (pack, PlanarConstants of all lanes)
   KernelView<double**> response;    ///< (pack, row of PlanarRows, column, lane): of the last tangent
 
-  int packs() const { return static_cast<int>(constants.extent(0)); }
+  int packs() const { return (static_cast<int>(orientation_of.extent(0)) + lanes - 1) / lanes; }
 };
 
 /// `block` has plain sections, k points for both parts of the force strain; g2 or g3 of every element is normal to the

@@ -205,15 +205,17 @@ struct PlanarGather {
 
 /// Writes the constants of all packs; behind the last element it is repeated.
 template <int K>
-void fill_planar_constants(const ElementBlock& block, const PlanarBlock& planar) {
+void fill_planar_constants(const ElementBlock& block, PlanarBlock& planar) {
   using Constants = PlanarConstants<K>;
   const ElementTables<K> tables(ForceIntegration::both_reduced);
   const PlaneAxes& axes = planar.axes;
+  std::vector<double> row(static_cast<size_t>(Constants::kSize * planar.lanes));
+  RowsWithoutRepeats rows(row.size());
   for (int slot = 0; slot < planar.packs() * planar.lanes; ++slot) {
     const int e = slot < block.count ? slot : block.count - 1;
     const PlanarOrientation& orientation = planar.orientation[planar.orientation_of(e)];
-    double* out = &planar.constants(slot / planar.lanes, slot % planar.lanes);
-    const auto put = [&](int entry, double value) { out[entry * planar.lanes] = value; };
+    const int lane = slot % planar.lanes;
+    const auto put = [&](int entry, double value) { row[static_cast<size_t>(entry * planar.lanes + lane)] = value; };
     const double length = block.reference(e, block.reference_layout.length());
     put(Constants::kLength, length);
     for (int end = 0; end < 2; ++end) {
@@ -238,7 +240,9 @@ void fill_planar_constants(const ElementBlock& block, const PlanarBlock& planar)
                block.reference(e, block.reference_layout.curvature(q) + (orientation.third_is_normal ? 2 : 1));
       put(Constants::kCurvature + j, orientation.about * sum);
     }
+    if (lane == planar.lanes - 1) rows.add(row);
   }
+  planar.constants = rows.rows("mixbeam::planar::constants");
 }
 
 }  // namespace mixbeam

@@ -186,10 +186,8 @@ template <int K>
 void allocate_planar_block(const ElementBlock& block, PlanarBlock& planar) {
   static_assert(PlanarConstants<K>::kSize == planar_constants_size(K), "size of the constants");
   static_assert(PlanarRows<K>::kCount * kPlanarColumns == planar_response_size(K), "size of the response");
-  const int packs = (block.count + planar.lanes - 1) / planar.lanes;
-  planar.constants = KernelView<double**>("mixbeam::planar::constants", packs, planar_constants_size(K) * planar.lanes);
   planar.response = KernelView<double**>(Kokkos::view_alloc("mixbeam::planar::response", Kokkos::WithoutInitializing),
-                                         packs, planar_response_size(K) * planar.lanes);
+                                         planar.packs(), planar_response_size(K) * planar.lanes);
   fill_planar_constants<K>(block, planar);
 }
 

@@ -345,7 +345,7 @@ ElementBlock part_of(const ElementBlock& block, int first, int count) {
   part.interior_offset = block.unknowns_at()(first);
   part.increment_offset = block.increments_at()(first);
   part.response_offset += static_cast<size_t>(first) * static_cast<size_t>(block.response_size());
-  part.reference = Kokkos::subview(block.reference, rows, Kokkos::ALL);
+  part.reference = block.reference.part(rows);
   part.vertices = Kokkos::subview(block.vertices, rows, Kokkos::ALL);
   part.section = Kokkos::subview(block.section, rows);
   if (block.general_section) part.compliance = Kokkos::subview(block.compliance, rows, Kokkos::ALL);
