@@ -202,7 +202,7 @@ void Tangent::recover(MixedVector& increment) const {
     if (planar_)
       recover_planar_interior(structure.blocks[b], arrays_->planar_blocks[b], vertex, interior);
     else
-      recover_interior(structure.blocks[b], point_.state.views, arrays_->elements, vertex, interior);
+      recover_interior(structure.blocks[b], structure_views(), point_.state.views, arrays_->elements, vertex, interior);
 }
 
 void Tangent::gather(const VertexMatrix& matrix) const {

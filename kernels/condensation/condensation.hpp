@@ -31,24 +31,6 @@ KOKKOS_FORCEINLINE_FUNCTION void add_given_gradient(const Real* rhs, const Eleme
   g.spin = load_vector(rhs + layout.spin());
 }
 
-/// Numbers of the section of a tangent that ResponseLayout keeps.
-template <class Real>
-KOKKOS_FORCEINLINE_FUNCTION Vec3<Real> force_stiffness_of(const SectionNumbers<Real>& section) {
-  return load_vector(section.tangent_force_stiffness);
-}
-template <class Real>
-KOKKOS_FORCEINLINE_FUNCTION Vec3<Real> moment_stiffness_of(const SectionNumbers<Real>& section) {
-  return load_vector(section.moment_stiffness);
-}
-template <class Real>
-KOKKOS_FORCEINLINE_FUNCTION Vec3<Real> force_stiffness_of(const GeneralSection<Real>& section) {
-  return {{section.force_stiffness_limit, section.force_stiffness_limit, section.force_stiffness_limit}};
-}
-template <class Real>
-KOKKOS_FORCEINLINE_FUNCTION Vec3<Real> moment_stiffness_of(const GeneralSection<Real>& section) {
-  return {{section.moment_stiffness_limit, section.moment_stiffness_limit, section.moment_stiffness_limit}};
-}
-
 /// Builds the reduced system of an element and keeps what the recovery of N and M needs.
 template <int K, bool General, class Real>
 struct CondensedElement {
@@ -98,17 +80,14 @@ struct CondensedElement {
 
   /// Stores the numbers that recovery needs, ResponseLayout, by store(first, count, numbers).
   template <class Store>
-  KOKKOS_FORCEINLINE_FUNCTION void store_response(const InteriorLayout& layout, const Section& section,
-                                                  const Store& store) const {
+  KOKKOS_FORCEINLINE_FUNCTION void store_response(const InteriorLayout& layout, const Store& store) const {
     const ResponseLayout kept{K, layout.force_points};
     for (int b = 0; b < Blocks::kInterior; ++b) store_rows(response.by[b], response.constant[b], 3 * b, store);
-    Real numbers[3 * (ElementTables<K>::kMaximumForcePoints + K + 3)];
+    Real numbers[3 * (ElementTables<K>::kMaximumForcePoints + K + 1)];
     const int first = kept.strain_error(0);
     for (int q = 0; q < layout.force_points; ++q)
       store_vector(gradient.strain_error[q], numbers + kept.strain_error(q) - first);
     for (int m = 0; m <= K; ++m) store_vector(gradient.moment_row[m], numbers + kept.moment_row(m) - first);
-    store_vector(force_stiffness_of(section), numbers + kept.force_stiffness() - first);
-    store_vector(moment_stiffness_of(section), numbers + kept.moment_stiffness() - first);
     store(first, kept.size() - first, numbers);
   }
 
@@ -228,26 +207,23 @@ KOKKOS_FORCEINLINE_FUNCTION void add_moment_row_change(const ElementInput<Real>&
 }
 
 /// Increments of N and of the modes of M by the section, theory (26) and theory (27), from R_N + change of gamma at the
-/// force points and R_M + D dx. `kept`: the stiffnesses of the tangent.
+/// force points and R_M + D dx.
 template <int K, class Real>
-KOKKOS_FORCEINLINE_FUNCTION void answer_strains(const SectionNumbers<Real>&, const ElementTables<K>& tables,
-                                                const Real& length, const Real* force_stiffness,
-                                                const Real* moment_stiffness, Vec3<Real>* strain, Vec3<Real>* row) {
+KOKKOS_FORCEINLINE_FUNCTION void answer_strains(const SectionNumbers<Real>& section, const ElementTables<K>& tables,
+                                                const Real& length, Vec3<Real>* strain, Vec3<Real>* row) {
+  const Real* const force_stiffness = section.tangent_force_stiffness;
   for (int q = 0; q < tables.force_points; ++q)
     strain[q] = {{tables.axial[q] * force_stiffness[0] * strain[q][0],
                   tables.shear[q] * force_stiffness[1] * strain[q][1],
                   tables.shear[q] * force_stiffness[2] * strain[q][2]}};
   const Real inverse = 1.0 / length;
-  const Vec3<Real> stiffness = inverse * load_vector(moment_stiffness);
+  const Vec3<Real> stiffness = inverse * load_vector(section.moment_stiffness);
   for (int j = 0; j <= K; ++j) row[j] = stress(Real(2 * j + 1) * stiffness, row[j]);
 }
-/// Theory (28); the limits stand in the place of stiffnesses.
+/// Theory (28).
 template <int K, class Real>
-KOKKOS_INLINE_FUNCTION void answer_strains(GeneralSection<Real> section, const ElementTables<K>& tables,
-                                           const Real& length, const Real* force_limit, const Real* moment_limit,
-                                           Vec3<Real>* strain, Vec3<Real>* row) {
-  section.force_stiffness_limit = force_limit[0];
-  section.moment_stiffness_limit = moment_limit[0];
+KOKKOS_INLINE_FUNCTION void answer_strains(const GeneralSection<Real>& section, const ElementTables<K>& tables,
+                                           const Real& length, Vec3<Real>* strain, Vec3<Real>* row) {
   GeneralStiffness<K, Real>(section, tables, length).answer(length, strain, row);
 }
 
@@ -265,8 +241,7 @@ KOKKOS_FORCEINLINE_FUNCTION void recover_element(const ElementInput<Real>& in,
     strain[q] = force_strain(q, in, kinematics, tables, reference, d, kept, response);
   for (int j = 0; j <= K; ++j) row[j] = load_vector(response + kept.moment_row(j));
   add_moment_row_change(in, kinematics, tables, layout, reference, d, row);
-  answer_strains(section, tables, kinematics.length, response + kept.force_stiffness(),
-                 response + kept.moment_stiffness(), strain, row);
+  answer_strains(section, tables, kinematics.length, strain, row);
   for (int q = 0; q < tables.force_points; ++q) store_vector(strain[q], out + layout.force(q));
   for (int j = 0; j <= K; ++j) store_vector(row[j], out + layout.moment(j));
   for (int j = 1; j < K; ++j) {

@@ -64,17 +64,14 @@ KOKKOS_INLINE_FUNCTION void expand_symmetric_tangent(const Real* numbers, Real* 
 constexpr int kResponseColumns = 10;
 
 /// Numbers that the tangent of an element keeps for the recovery of its interior: rows of kResponseColumns for w, psi_j
-/// and slope_j in the element frame, then right-hand sides and stiffnesses, of a general section the limits of these. N
-/// and M follow from all this and the state. Their rows would more than double the memory, which is the limit for
-/// tangents of low orders.
+/// and slope_j in the element frame, then right-hand sides. N and M follow from all this, the section and the state.
+/// Their rows would more than double the memory, which is the limit for tangents of low orders.
 struct ResponseLayout {
   int order = 0, force_points = 0;
   KOKKOS_INLINE_FUNCTION constexpr int rows() const { return 3 * (2 * order - 1); }
   KOKKOS_INLINE_FUNCTION constexpr int strain_error(int q) const { return kResponseColumns * rows() + 3 * q; }
   KOKKOS_INLINE_FUNCTION constexpr int moment_row(int j) const { return strain_error(force_points + j); }
-  KOKKOS_INLINE_FUNCTION constexpr int force_stiffness() const { return moment_row(order + 1); }
-  KOKKOS_INLINE_FUNCTION constexpr int moment_stiffness() const { return force_stiffness() + 3; }
-  KOKKOS_INLINE_FUNCTION constexpr int size() const { return moment_stiffness() + 3; }
+  KOKKOS_INLINE_FUNCTION constexpr int size() const { return moment_row(order + 1); }
 };
 
 /// In place of a number of negative eigenvalues: a pivot is zero.

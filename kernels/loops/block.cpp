@@ -13,8 +13,8 @@ template <int K, bool General, int W>
 void tangent_loop(const ElementBlock&, const StructureViews&, const StateViews&, const KernelView<const double*>&,
                   const ElementEquations&);
 template <int K, bool General, int W>
-void recover_loop(const ElementBlock&, const StateViews&, const ElementEquations&, const KernelView<const double* [6]>&,
-                  const KernelView<double*>&);
+void recover_loop(const ElementBlock&, const StructureViews&, const StateViews&, const ElementEquations&,
+                  const KernelView<const double* [6]>&, const KernelView<double*>&);
 
 namespace {
 
@@ -56,14 +56,15 @@ void clear_right_hand_side(const ElementBlock& block, const ElementEquations& eq
   Kokkos::parallel_for("mixbeam::elements::clear", Kokkos::RangePolicy<ExecutionSpace>(0, block.count), [=](int e) {
     double* response = first + static_cast<size_t>(e) * kept.size();
     for (int r = 0; r < kept.rows(); ++r) response[kResponseColumns * (r + 1) - 1] = 0.0;
-    for (int i = kept.strain_error(0); i < kept.force_stiffness(); ++i) response[i] = 0.0;
+    for (int i = kept.strain_error(0); i < kept.size(); ++i) response[i] = 0.0;
   });
 }
 
-void recover_interior(const ElementBlock& block, const StateViews& state, const ElementEquations& equations,
-                      const KernelView<const double* [6]>& vertex_increment, const KernelView<double*>& increment) {
+void recover_interior(const ElementBlock& block, const StructureViews& structure, const StateViews& state,
+                      const ElementEquations& equations, const KernelView<const double* [6]>& vertex_increment,
+                      const KernelView<double*>& increment) {
   for_kind(block, [&](auto order, auto general) {
-    recover_loop<order.value, general.value, kLanes>(block, state, equations, vertex_increment, increment);
+    recover_loop<order.value, general.value, kLanes>(block, structure, state, equations, vertex_increment, increment);
   });
 }
 

@@ -118,10 +118,11 @@ void cap_compliance_rows(const ElementBlock& block, const StructureViews& struct
 double largest_cap_row(const ElementBlock& block, const StructureViews& structure,
                        const KernelView<const double*>& increment, const ResidualScales& scales);
 
-/// Increments of the interior unknowns that belong to the vertex increment (vertex, 6: du, dtheta; spatial). `state`:
-/// that of the tangent.
-void recover_interior(const ElementBlock& block, const StateViews& state, const ElementEquations& equations,
-                      const KernelView<const double* [6]>& vertex_increment, const KernelView<double*>& increment);
+/// Increments of the interior unknowns that belong to the vertex increment (vertex, 6: du, dtheta; spatial).
+/// `structure`, `state`: those of the tangent.
+void recover_interior(const ElementBlock& block, const StructureViews& structure, const StateViews& state,
+                      const ElementEquations& equations, const KernelView<const double* [6]>& vertex_increment,
+                      const KernelView<double*>& increment);
 
 /// Moves the first `count` vertices, theory (34): displacement + scale * increment, rotations multiplied from the left
 /// by exp(scale * dtheta).

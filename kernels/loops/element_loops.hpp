@@ -13,7 +13,7 @@ namespace mixbeam {
 template <int K, bool General, int W>
 struct ElementGather {
   ElementBlock block;
-  StructureViews structure;  ///< without sections or fields: they are not asked for
+  StructureViews structure;  ///< without fields: they are not asked for
   StateViews state;
   ElementTables<K> tables;
   int response_size;
@@ -84,12 +84,10 @@ struct ElementPack {
   Real compliance_[General ? GeneralSectionLayout{K, kForcePoints}.size() : 1];
   Real field_[kLineFields][3 * kForcePoints];
 
-  /// Without the numbers that recovery has from the tangent.
   KOKKOS_FORCEINLINE_FUNCTION void load_section(const Gather& gather) {
     const auto constants = [&](int e) -> const SectionConstants& {
       return gather.structure.sections(gather.block.section(e));
     };
-    const bool has_constants = gather.structure.sections.extent(0) > 0;
     if constexpr (General) {
       section.layout = {gather.block.interior.order, gather.block.interior.force_points};
       lanes.load([&](int e) { return &gather.block.compliance(e, 0); }, section.layout.size(), compliance_);
@@ -99,10 +97,9 @@ struct ElementPack {
         for (int i = 0; i < 9; ++i)
           section.is_coupled =
               section.is_coupled || any<W>(fabs(compliance_[section.layout.force_moment(q) + i]) > Real(0.0));
-      if (!has_constants) return;
       lanes.load([&](int e) { return &constants(e).force_stiffness_limit; }, 1, &section.force_stiffness_limit);
       lanes.load([&](int e) { return &constants(e).moment_stiffness_limit; }, 1, &section.moment_stiffness_limit);
-    } else if (has_constants) {
+    } else {
       lanes.load([&](int e) { return constants(e).numbers(); }, SectionConstants::kCount, section.numbers());
     }
   }
@@ -200,7 +197,7 @@ struct TangentLoop {
     const auto store = [&](int first, int count, const Real* numbers) {
       pack.lanes.store(numbers, first, count, response_of);
     };
-    element.store_response(gather.block.interior, pack.section, store);
+    element.store_response(gather.block.interior, store);
     store_condensed(pack.lanes, kinematics, element, unsymmetric, has_potential ? nullptr : &mean_rows);
   }
 
@@ -314,9 +311,10 @@ struct RecoverLoop {
 };
 
 template <int K, bool General, int W>
-void recover_loop(const ElementBlock& block, const StateViews& state, const ElementEquations& equations,
-                  const KernelView<const double* [6]>& vertex_increment, const KernelView<double*>& increment) {
-  const RecoverLoop<K, General, W> loop{ElementGather<K, General, W>(block, StructureViews(), state),
+void recover_loop(const ElementBlock& block, const StructureViews& structure, const StateViews& state,
+                  const ElementEquations& equations, const KernelView<const double* [6]>& vertex_increment,
+                  const KernelView<double*>& increment) {
+  const RecoverLoop<K, General, W> loop{ElementGather<K, General, W>(block, {structure.sections}, state),
                                         equations.response, vertex_increment, increment};
   Kokkos::parallel_for("mixbeam::elements::recover",
                        Kokkos::RangePolicy<ExecutionSpace>(0, RowsInLanes<W>::packs(block.count)), loop);

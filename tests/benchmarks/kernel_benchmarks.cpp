@@ -98,7 +98,7 @@ BENCHMARK(element_tangent)->ArgsProduct(kOrdersAndSections);
 void element_recovery(benchmark::State& state) {
   const KernelView<double* [6]> vertices("vertices", 2 * kElements);
   each_element(state, [&](const auto& s) {
-    recover_interior(s.block, s.state, s.equations, vertices, s.equations.interior_residual);
+    recover_interior(s.block, s.structure, s.state, s.equations, vertices, s.equations.interior_residual);
   });
 }
 BENCHMARK(element_recovery)->ArgsProduct(kOrdersAndSections);

@@ -151,7 +151,7 @@ inline double recovery_difference(const SampleBlock& samples, const ElementSampl
   std::vector<double> one(kVertexIncrements + 1, 1.0);  // (vertex increments, 1)
   for (int i = 0; i < kVertexIncrements; ++i)
     vertex_increment(samples.vertex(0, i / 6), i % 6) = one[i] = random.between(-1.0, 1.0);
-  recover_interior(samples.block, samples.state, samples.equations, vertex_increment, increment);
+  recover_interior(samples.block, samples.structure, samples.state, samples.equations, vertex_increment, increment);
   std::vector<double> found(number_of_increments(sample.state), 0.0), solved = found;
   for (int i = 0; i < samples.increments(); ++i) found[kVertexIncrements + i] = increment(samples.interior_row(0) + i);
   for (size_t i = 0; i < eliminated.size(); ++i)

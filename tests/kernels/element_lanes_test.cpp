@@ -81,7 +81,7 @@ struct BothWays {
     for (size_t i = 0; i < vertex_increment.size(); ++i) vertex_increment.data()[i] = random.between(-1.0, 1.0);
     const KernelView<double*> increment("increment", samples.interior_row(samples.block.count));
     for_each_part(samples, [&](const ElementBlock& part) {
-      recover_interior(part, samples.state, samples.equations, vertex_increment, increment);
+      recover_interior(part, samples.structure, samples.state, samples.equations, vertex_increment, increment);
     });
     return increment;
   }

@@ -169,7 +169,8 @@ void newton_step(const SampleBlock& samples) {
   const KernelView<double*> interior_increment("interior_increment", samples.interior_row(1));
   const int right = samples.vertex(0, 1);
   for (int i = 0; i < n; ++i) vertex_increment(right, i) = increment[i];
-  recover_interior(samples.block, samples.state, samples.equations, vertex_increment, interior_increment);
+  recover_interior(samples.block, samples.structure, samples.state, samples.equations, vertex_increment,
+                   interior_increment);
   apply_interior_increment(samples.block, samples.state, interior_increment, 1.0, samples.state);
   for (int i = 0; i < 3; ++i) samples.state.vertex_displacement(right, i) += increment[i];
   const Quaternion<double> turn = exp_quaternion(Vec3<double>{{increment[3], increment[4], increment[5]}});

@@ -75,7 +75,7 @@ NamedNumbers everything_written(int order, ForceIntegration rule) {
   RandomNumbers random(2);
   for (size_t i = 0; i < vertex_increment.size(); ++i) vertex_increment.data()[i] = random.between(-1.0, 1.0);
   const KernelView<double*> increment = random_increments(samples, 3);
-  recover_interior(samples.block, samples.state, equations, vertex_increment, increment);
+  recover_interior(samples.block, samples.structure, samples.state, equations, vertex_increment, increment);
   numbers.add("interior increment", increment);
   const StateViews to = zero_copy(samples.state);
   apply_interior_increment(samples.block, samples.state, increment, 0.5, to);

@@ -120,8 +120,8 @@ TEST_P(GeneralSectionAd, DiagonalConstantSectionIsThePlainOne) {
       const KernelView<double* [6]> one("vertex_increment", 2);
       if (c < kVertexIncrements) one.data()[c] = 1.0;
       const KernelView<double*> found("found", with_law.interior_row(1)), expected("expected", plain.interior_row(1));
-      recover_interior(with_law.block, with_law.state, with_law.equations, one, found);
-      recover_interior(plain.block, plain.state, plain.equations, one, expected);
+      recover_interior(with_law.block, with_law.structure, with_law.state, with_law.equations, one, found);
+      recover_interior(plain.block, plain.structure, plain.state, plain.equations, one, expected);
       for (int row = 0; row < plain.increments(); ++row)
         response.add(kinds[kVertexIncrements + row], found(with_law.interior_row(0) + row),
                      expected(plain.interior_row(0) + row));

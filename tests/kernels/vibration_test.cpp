@@ -159,7 +159,8 @@ TEST_P(Vibration, RecoversAsTheTangent) {
     const std::vector<double> motion = random_motion(12 + samples.increments(), 13);
     const Motion residual(samples, motion), rows(samples, motion), expected(samples, motion), found(samples, motion);
     condense_right_hand_side(samples.block, samples.structure, samples.state, residual.interior, samples.equations);
-    recover_interior(samples.block, samples.state, samples.equations, residual.vertex, expected.interior);
+    recover_interior(samples.block, samples.structure, samples.state, samples.equations, residual.vertex,
+                     expected.interior);
     double* own = rows.interior.data() + samples.interior_row(0);
     std::vector<double> xi(GetParam()), weight(GetParam());
     gauss_rule(GetParam(), xi.data(), weight.data());
