@@ -16,6 +16,18 @@ struct LinkMatrix {
   Real first[triangle_size(N)], coupling[N][N], second[triangle_size(N)];
 };
 
+/// Numbers of such a link that the others follow from where it sees displacements as differences between its ends: K00
+/// over spins alone, of K10 the columns of spins; those of displacements are the negative of K11's.
+template <int N, class Real>
+struct FreeLinkMatrix {
+  static constexpr int kMoved = TangentLayout<N>::kMoved, kTurned = TangentLayout<N>::kTurned;
+  Real first[triangle_size(kTurned)], coupling[N][kTurned], second[triangle_size(N)];
+
+  KOKKOS_FORCEINLINE_FUNCTION const Real& at_second(int i, int j) const {
+    return second[i > j ? triangle(i, j) : triangle(j, i)];
+  }
+};
+
 /// A link without symmetry; `back` has rows at the first vertex.
 template <int N, class Real>
 struct GeneralLinkMatrix {
@@ -28,6 +40,16 @@ struct VertexFactors {
   static constexpr int kSize = triangle_size(N) + 2 * N * N;
   Real factor[triangle_size(N)];  ///< strict lower triangle: L; diagonal: 1/D
   Real left[N][N], right[N][N];   ///< X, Y
+};
+
+/// Factors between links that see displacements as differences. Where both neighbours are displaced alike, so is the
+/// vertex: the columns of Y for displacements are those of -X, less one on the diagonal.
+template <int N, class Real>
+struct FreeVertexFactors {
+  static constexpr int kTurned = TangentLayout<N>::kTurned;
+  static constexpr int kSize = triangle_size(N) + N * N + N * kTurned;
+  Real factor[triangle_size(N)];
+  Real left[N][N], right[N][kTurned];  ///< X; the columns of Y for spins
 };
 
 /// L U of V without symmetry, its coupling to the neighbours, and their rows that couple them to it.
@@ -171,6 +193,56 @@ KOKKOS_INLINE_FUNCTION void eliminate_vertex(LinkMatrix<N, Real>& chain, const L
   }
 }
 
+template <int N, class Real>
+KOKKOS_INLINE_FUNCTION void eliminate_vertex(FreeLinkMatrix<N, Real>& chain, const FreeLinkMatrix<N, Real>& next,
+                                             FreeVertexFactors<N, Real>& f, PivotWatch<Real>& watch) {
+  constexpr int moved = FreeLinkMatrix<N, Real>::kMoved, turned = FreeLinkMatrix<N, Real>::kTurned;
+  Real by_next[N][N];  // K10 of the next link
+  for (int i = 0; i < N; ++i)
+    for (int j = 0; j < N; ++j) by_next[i][j] = j < moved ? -next.at_second(i, j) : next.coupling[i][j - moved];
+  for (int i = 0; i < N; ++i)
+    for (int j = 0; j <= i; ++j) {
+      const Real first = i < moved   ? next.second[triangle(i, j)]
+                         : j < moved ? -next.coupling[j][i - moved]
+                                     : next.first[triangle(i - moved, j - moved)];
+      f.factor[triangle(i, j)] = chain.second[triangle(i, j)] + first;
+    }
+  factorize_block<N>(f.factor, watch);
+  for (int c = 0; c < N + turned; ++c) {
+    Real column[N];
+#pragma GCC unroll 6
+    for (int i = 0; i < N; ++i)
+      column[i] = c < moved ? -chain.at_second(i, c) : c < N ? chain.coupling[i][c - moved] : by_next[moved + c - N][i];
+    solve_block<N>(f.factor, column);
+#pragma GCC unroll 6
+    for (int i = 0; i < N; ++i) (c < N ? f.left[i][c] : f.right[i][c - N]) = column[i];
+  }
+  const auto less_product = [](Real sum, const auto& a, const auto& b) {
+#pragma GCC unroll 6
+    for (int k = 0; k < N; ++k) sum -= a(k) * b(k);
+    return sum;
+  };
+  const auto row = [&](int i) { return [&, i](int k) { return by_next[i][k]; }; };
+  const auto from_first = [&](int j) { return [&, j](int k) { return f.left[k][j]; }; };
+  const auto from_second = [&](int j) { return [&, j](int k) { return f.right[k][j - moved]; }; };
+  for (int i = 0; i < turned; ++i)
+    for (int j = 0; j <= i; ++j)
+      chain.first[triangle(i, j)] = less_product(
+          chain.first[triangle(i, j)], [&](int k) { return chain.coupling[k][i]; }, from_first(moved + j));
+  for (int i = 0; i < N; ++i)
+    for (int j = 0; j < turned; ++j) chain.coupling[i][j] = less_product(0.0, row(i), from_first(moved + j));
+  for (int i = 0; i < N; ++i)
+    for (int j = 0; j <= i; ++j) {
+      Real& out = chain.second[triangle(i, j)];
+      if (i < moved)  // the negative of K10's columns
+        out = -less_product(0.0, row(i), from_first(j));
+      else if (j < moved)
+        out = less_product(next.second[triangle(i, j)], row(j), from_second(i));
+      else
+        out = less_product(next.second[triangle(i, j)], row(i), from_second(j));
+    }
+}
+
 /// out - a b
 template <int N, class Real>
 KOKKOS_INLINE_FUNCTION void subtract_product(const Real (*a)[N], const Real (*b)[N], Real (*out)[N]) {
@@ -206,21 +278,39 @@ KOKKOS_INLINE_FUNCTION void eliminate_vertex(GeneralLinkMatrix<N, Real>& chain, 
 }
 
 /// Takes X^T b_v or Y^T b_v from the rows of a neighbour, theory (45).
-template <int N, class Real>
-KOKKOS_INLINE_FUNCTION void pass_on(const Real (*hanging)[N], const Real* b, Real* neighbour) {
+template <int N, class Real, int M>
+KOKKOS_INLINE_FUNCTION void pass_on(const Real (*hanging)[M], const Real* b, Real* neighbour) {
 #pragma GCC unroll 6
   for (int k = 0; k < N; ++k)
 #pragma GCC unroll 6
-    for (int c = 0; c < N; ++c) neighbour[c] -= hanging[k][c] * b[k];
+    for (int c = 0; c < M; ++c) neighbour[c] -= hanging[k][c] * b[k];
 }
 
 /// Takes X x_0 or Y x_2 from x_v, theory (45).
-template <int N, class Real>
-KOKKOS_INLINE_FUNCTION void follow(const Real (*hanging)[N], const Real* neighbour, Real* x) {
+template <int N, class Real, int M>
+KOKKOS_INLINE_FUNCTION void follow(const Real (*hanging)[M], const Real* neighbour, Real* x) {
 #pragma GCC unroll 6
   for (int k = 0; k < N; ++k)
 #pragma GCC unroll 6
-    for (int c = 0; c < N; ++c) x[k] -= hanging[k][c] * neighbour[c];
+    for (int c = 0; c < M; ++c) x[k] -= hanging[k][c] * neighbour[c];
+}
+
+/// x_v from V^-1 b_v, theory (45).
+template <class Factors, class Real>
+KOKKOS_INLINE_FUNCTION void follow_neighbours(const Factors& f, const Real* first, const Real* second, Real* x) {
+  constexpr int n = sizeof(f.left) / sizeof(f.left[0]);
+  follow<n>(f.left, first, x);
+  follow<n>(f.right, second, x);
+}
+template <int N, class Real>
+KOKKOS_INLINE_FUNCTION void follow_neighbours(const FreeVertexFactors<N, Real>& f, const Real* first,
+                                              const Real* second, Real* x) {
+  constexpr int moved = TangentLayout<N>::kMoved;
+  Real seen_from_second[N];
+  for (int c = 0; c < N; ++c) seen_from_second[c] = c < moved ? first[c] - second[c] : first[c];
+  for (int c = 0; c < moved; ++c) x[c] += second[c];
+  follow<N>(f.left, seen_from_second, x);
+  follow<N>(f.right, second + moved, x);
 }
 
 /// Eliminates the rows `b` of a vertex from those of its neighbours; V^-1 b stays.
@@ -228,6 +318,17 @@ template <int N, class Real>
 KOKKOS_INLINE_FUNCTION void eliminate_rows(const VertexFactors<N, Real>& f, Real* b, Real* first, Real* second) {
   pass_on<N>(f.left, b, first);
   pass_on<N>(f.right, b, second);
+  solve_block<N>(f.factor, b);
+}
+template <int N, class Real>
+KOKKOS_INLINE_FUNCTION void eliminate_rows(const FreeVertexFactors<N, Real>& f, Real* b, Real* first, Real* second) {
+  constexpr int turned = FreeVertexFactors<N, Real>::kTurned, moved = N - turned;
+  Real share[N];
+  for (int c = 0; c < N; ++c) share[c] = 0.0;
+  pass_on<N>(f.left, b, share);
+  for (int c = 0; c < N; ++c) first[c] += share[c];
+  for (int c = 0; c < moved; ++c) second[c] += b[c] - share[c];  // what the first end does not take
+  pass_on<N>(f.right, b, second + moved);
   solve_block<N>(f.factor, b);
 }
 template <int N, class Real>

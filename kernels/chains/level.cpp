@@ -13,10 +13,22 @@ template <int N>
 using SymmetricLink = LinkMatrix<N, Real>;
 template <int N>
 using GeneralLink = GeneralLinkMatrix<N, Real>;
+template <int N>
+using FreeLink = FreeLinkMatrix<N, Real>;
 template <int N, ChainKind kind>
-using Link = std::conditional_t<kind == ChainKind::general, GeneralLink<N>, SymmetricLink<N>>;
-template <int N, bool general>
-using Factors = std::conditional_t<general, GeneralVertexFactors<N, Real>, VertexFactors<N, Real>>;
+using FullLink = std::conditional_t<kind == ChainKind::general, GeneralLink<N>, SymmetricLink<N>>;
+template <int N, ChainKind kind>
+using Link = std::conditional_t<kind == ChainKind::free, FreeLink<N>, FullLink<N, kind>>;
+template <int N, ChainKind kind>
+using Factors =
+    std::conditional_t<kind == ChainKind::general, GeneralVertexFactors<N, Real>,
+                       std::conditional_t<kind == ChainKind::free, FreeVertexFactors<N, Real>, VertexFactors<N, Real>>>;
+
+/// Factors that a step of a pack, behind its first, leaves.
+template <int N, ChainKind kind>
+KOKKOS_INLINE_FUNCTION Factors<N, kind>& factors_at(const ChainFactors& factors, int step, int pack) {
+  return reinterpret_cast<Factors<N, kind>*>(factors.data())[step - pack - 1];
+}
 using Range = Kokkos::RangePolicy<ExecutionSpace>;
 
 /// Which links the lanes of one step take, and from which end.
@@ -38,7 +50,7 @@ struct StepLinks {
 
 /// Copies full matrices, or their symmetric parts.
 template <int N, ChainKind kind>
-KOKKOS_INLINE_FUNCTION Link<N, kind> load_full(const StepLinks& links, const double* const* matrix) {
+KOKKOS_INLINE_FUNCTION FullLink<N, kind> load_full(const StepLinks& links, const double* const* matrix) {
   Real numbers[4 * N * N];
   gather_lanes(matrix, 4 * N * N, numbers);
   Real::Mask turned{};
@@ -52,7 +64,7 @@ KOKKOS_INLINE_FUNCTION Link<N, kind> load_full(const StepLinks& links, const dou
     const Real x = number(row, column, i, j);
     return kind == ChainKind::symmetric_part ? Real(0.5) * (x + number(column, row, j, i)) : x;
   };
-  Link<N, kind> m;
+  FullLink<N, kind> m;
 #pragma GCC unroll 6
   for (int i = 0; i < N; ++i) {
 #pragma GCC unroll 6
@@ -87,9 +99,21 @@ KOKKOS_INLINE_FUNCTION void turn_around(const Real* from, Real* to) {
     }
 }
 
+template <int N>
+KOKKOS_INLINE_FUNCTION FreeLink<N> free_link(const SymmetricLink<N>& full) {
+  constexpr int moved = FreeLink<N>::kMoved, turned = FreeLink<N>::kTurned;
+  FreeLink<N> m;
+  for (int i = 0; i < turned; ++i)
+    for (int j = 0; j <= i; ++j) m.first[triangle(i, j)] = full.first[triangle(moved + i, moved + j)];
+  for (int i = 0; i < N; ++i)
+    for (int j = 0; j < turned; ++j) m.coupling[i][j] = full.coupling[i][moved + j];
+  for (int i = 0; i < triangle_size(N); ++i) m.second[i] = full.second[i];
+  return m;
+}
+
 /// Copies symmetric tangents of elements.
 template <int N>
-KOKKOS_INLINE_FUNCTION SymmetricLink<N> load_symmetric(const StepLinks& links, const double* const* numbers) {
+KOKKOS_INLINE_FUNCTION FreeLink<N> load_symmetric(const StepLinks& links, const double* const* numbers) {
   using Layout = TangentLayout<N>;
   Real forward[Layout::kSymmetric];
   gather_lanes(numbers, Layout::kSymmetric, forward);
@@ -106,16 +130,16 @@ KOKKOS_INLINE_FUNCTION SymmetricLink<N> load_symmetric(const StepLinks& links, c
     const Real& x = forward[Layout::place_of_full(i, j)];
     return Layout::is_negative(i, j) ? -x : x;
   };
-  SymmetricLink<N> m;
+  constexpr int moved = Layout::kMoved, turned = Layout::kTurned;
+  FreeLink<N> m;
+  for (int i = 0; i < turned; ++i)
+    for (int j = 0; j <= i; ++j) m.first[triangle(i, j)] = entry(moved + i, moved + j);
 #pragma GCC unroll 6
   for (int i = 0; i < N; ++i) {
 #pragma GCC unroll 6
-    for (int j = 0; j <= i; ++j) {
-      m.first[triangle(i, j)] = entry(i, j);
-      m.second[triangle(i, j)] = entry(N + i, N + j);
-    }
+    for (int j = 0; j <= i; ++j) m.second[triangle(i, j)] = entry(N + i, N + j);
 #pragma GCC unroll 6
-    for (int j = 0; j < N; ++j) m.coupling[i][j] = entry(N + i, j);
+    for (int j = 0; j < turned; ++j) m.coupling[i][j] = entry(N + i, moved + j);
   }
   return m;
 }
@@ -123,8 +147,8 @@ KOKKOS_INLINE_FUNCTION SymmetricLink<N> load_symmetric(const StepLinks& links, c
 template <int N, ChainKind kind>
 KOKKOS_INLINE_FUNCTION Link<N, kind> load_link(const LinkMatrices<N>& matrices, const StepLinks& links) {
   const double* rows[kLanes];
-  if constexpr (kind == ChainKind::symmetric) {
-    bool all_elements = matrices.keeps_symmetric_elements();
+  if constexpr (kind == ChainKind::free) {
+    bool all_elements = true;
     for (int lane = 0; lane < kLanes; ++lane) all_elements = all_elements && matrices.is_element(links.link[lane]);
     if (all_elements) {
       for (int lane = 0; lane < kLanes; ++lane) rows[lane] = &matrices.elements(links.link[lane], 0);
@@ -133,7 +157,10 @@ KOKKOS_INLINE_FUNCTION Link<N, kind> load_link(const LinkMatrices<N>& matrices, 
   }
   double room[kLanes][LinkMatrices<N>::kFull];
   for (int lane = 0; lane < kLanes; ++lane) rows[lane] = matrices.full(links.link[lane], room[lane]);
-  return load_full<N, kind>(links, rows);
+  if constexpr (kind == ChainKind::free)
+    return free_link<N>(load_full<N, ChainKind::symmetric>(links, rows));
+  else
+    return load_full<N, kind>(links, rows);
 }
 
 template <int N>
@@ -145,6 +172,21 @@ KOKKOS_INLINE_FUNCTION void store_link(const SymmetricLink<N>& m, int lane, doub
       out[2 * N * (N + i) + N + j] = m.second[low][lane];
       out[2 * N * (N + i) + j] = out[2 * N * j + N + i] = m.coupling[i][j][lane];
     }
+}
+
+template <int N>
+KOKKOS_INLINE_FUNCTION void store_link(const FreeLink<N>& m, int lane, double* out) {
+  constexpr int moved = FreeLink<N>::kMoved;
+  double numbers[TangentLayout<N>::kSymmetric];  // of (u_b - u_a, theta_a, theta_b)
+  const auto put = [&](int i, int j, double x) { numbers[TangentLayout<N>::place(i, j)] = x; };
+  const auto at_second = [](int i) { return i < moved ? i : i + FreeLink<N>::kTurned; };
+  for (int i = 0; i < N; ++i) {
+    for (int j = 0; j <= i; ++j) put(at_second(i), at_second(j), m.second[triangle(i, j)][lane]);
+    for (int j = 0; j < FreeLink<N>::kTurned; ++j) put(at_second(i), moved + j, m.coupling[i][j][lane]);
+  }
+  for (int i = 0; i < FreeLink<N>::kTurned; ++i)
+    for (int j = 0; j <= i; ++j) put(moved + i, moved + j, m.first[triangle(i, j)][lane]);
+  expand_symmetric_tangent<N>(numbers, out);
 }
 
 template <int N>
@@ -180,7 +222,7 @@ struct CondenseLoop {
     PivotWatch<Real> watch;
     for (int step = begin + 1; step < end; ++step) {
       const StepLinks links(level, step);
-      auto& factors = *reinterpret_cast<Factors<N, kind == ChainKind::general>*>(&factors_of(step - pack - 1, 0));
+      auto& factors = factors_at<N, kind>(factors_of, step, pack);
       if (any<kLanes>(links.rests)) {
         const Link<N, kind> before = chain;
         const PivotWatch<Real> seen = watch;
@@ -203,7 +245,7 @@ struct CondenseLoop {
 };
 
 /// Sums the rows at the vertex between two links: the given ones and the shares of the runs on both sides.
-template <int N, bool general>
+template <int N, ChainKind kind>
 struct RowsLoop {
   ChainLevel level;
   int elements;
@@ -241,7 +283,7 @@ struct RowsLoop {
   }
   /// The vertex before link `step`.
   KOKKOS_INLINE_FUNCTION void eliminate(int pack, int step, Real* at_begin, Real* passed) const {
-    const auto& factors = *reinterpret_cast<const Factors<N, general>*>(&factors_of(step - pack - 1, 0));
+    const auto& factors = factors_at<N, kind>(factors_of, step, pack);
     Real b[N];
     Real::Mask rests{};
     for (int lane = 0; lane < kLanes; ++lane) {
@@ -274,7 +316,7 @@ struct RowsLoop {
   }
 };
 
-template <int N, bool general>
+template <int N, ChainKind kind>
 struct ExpandLoop {
   ChainLevel level;
   ChainFactors factors_of;
@@ -292,13 +334,12 @@ struct ExpandLoop {
     load(&level.first_vertex(pack, 0), first);
     load(&level.vertex(end - 1, 0), next);
     for (int step = end - 1; step > begin; --step) {
-      const auto& factors = *reinterpret_cast<const Factors<N, general>*>(&factors_of(step - pack - 1, 0));
+      const auto& factors = factors_at<N, kind>(factors_of, step, pack);
       Real here[N];
       load(&level.vertex(step - 1, 0), here);
       Real moved[N];
       for (int c = 0; c < N; ++c) moved[c] = here[c];
-      follow<N>(factors.left, first, moved);
-      follow<N>(factors.right, next, moved);
+      follow_neighbours(factors, first, next, moved);
       for (int lane = 0; lane < kLanes; ++lane) {
         const bool rests = level.link(step, lane) < 0;  // its end, where the lane waits, is known already
         for (int c = 0; c < N; ++c) {
@@ -311,14 +352,15 @@ struct ExpandLoop {
   }
 };
 
-/// Calls f(std::integral_constant<ChainKind, kind>); a plane has symmetric links alone.
+/// Calls f(std::integral_constant<ChainKind, kind>); a plane has free links alone.
 template <int N, class F>
 void for_kind(ChainKind kind, const F& f) {
   if constexpr (N == kSpatialDofs) {
     if (kind == ChainKind::general) return f(std::integral_constant<ChainKind, ChainKind::general>());
     if (kind == ChainKind::symmetric_part) return f(std::integral_constant<ChainKind, ChainKind::symmetric_part>());
+    if (kind == ChainKind::symmetric) return f(std::integral_constant<ChainKind, ChainKind::symmetric>());
   }
-  f(std::integral_constant<ChainKind, ChainKind::symmetric>());
+  f(std::integral_constant<ChainKind, ChainKind::free>());
 }
 
 }  // namespace
@@ -326,6 +368,7 @@ void for_kind(ChainKind kind, const F& f) {
 template <int N>
 void condense_runs(ChainKind kind, const ChainLevel& level, const LinkMatrices<N>& matrices,
                    const ChainFactors& factors, const ChainPivots& pivots) {
+  static_assert(FreeVertexFactors<N, Real>::kSize == free_factor_size(N), "layout of the factors");
   static_assert(VertexFactors<N, Real>::kSize == vertex_factor_size(N), "layout of the factors");
   static_assert(GeneralVertexFactors<N, Real>::kSize == general_factor_size(N), "layout of the factors");
   for_kind<N>(kind, [&](auto of) {
@@ -340,15 +383,14 @@ void condense_rows(ChainKind kind, const ChainLevel& level, int elements, const 
                    const KernelView<double*>& x) {
   for_kind<N>(kind, [&](auto of) {
     Kokkos::parallel_for("mixbeam::chains::condense_rows", Range(0, level.packs),
-                         RowsLoop<N, of() == ChainKind::general>{level, elements, rows, factors, arrived, x});
+                         RowsLoop<N, of()>{level, elements, rows, factors, arrived, x});
   });
 }
 
 template <int N>
 void expand_runs(ChainKind kind, const ChainLevel& level, const ChainFactors& factors, const KernelView<double*>& x) {
   for_kind<N>(kind, [&](auto of) {
-    Kokkos::parallel_for("mixbeam::chains::expand", Range(0, level.packs),
-                         ExpandLoop<N, of() == ChainKind::general>{level, factors, x});
+    Kokkos::parallel_for("mixbeam::chains::expand", Range(0, level.packs), ExpandLoop<N, of()>{level, factors, x});
   });
 }
 

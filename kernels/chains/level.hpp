@@ -30,13 +30,15 @@ struct LinkMatrices {
 
 /// Matrix of each link that an elimination starts from.
 enum class ChainKind {
+  free,            ///< symmetric, and displacements enter as differences between the ends: kSymmetric of TangentLayout
   symmetric,       ///< they are: only their lower triangles are read
   symmetric_part,  ///< (K + K^T) / 2
   general,         ///< L U, of links in space alone
 };
 
-/// Numbers that the elimination of one vertex leaves behind: VertexFactors or, without symmetry, GeneralVertexFactors
-/// of chains/elimination.hpp.
+/// Numbers that the elimination of one vertex leaves behind: FreeVertexFactors, VertexFactors or, without symmetry,
+/// GeneralVertexFactors of chains/elimination.hpp.
+constexpr int free_factor_size(int n) { return n * (n + 1) / 2 + n * n + n * (n == kSpatialDofs ? 3 : 1); }
 constexpr int vertex_factor_size(int n) { return n * (n + 1) / 2 + 2 * n * n; }
 constexpr int general_factor_size(int n) { return 5 * n * n; }
 
@@ -60,8 +62,8 @@ struct ChainLevels {
   std::vector<ChainLevel> levels;
 };
 
-/// (step - pack - 1 for all but the first step of a pack, factors of all lanes)
-using ChainFactors = KernelView<double**>;
+/// Factors of all lanes, for all but the first step of a pack, one after the other: step - pack - 1.
+using ChainFactors = KernelView<double*>;
 /// (run of all levels): pivots below zero, those of theory (47), without symmetry the sign of the determinant alone;
 /// least
 /// |pivot| / |diagonal entry of its vertex block|, not a number where a pivot is zero.
@@ -95,11 +97,11 @@ class ChainCondensation {
         run_matrices_("mixbeam::chains::matrices", chains.runs),
         arrived_("mixbeam::chains::arrived", chains.runs),
         pivots_("mixbeam::chains::pivots", chains.runs) {
-    // not initialised: the threads that write them first get their pages
+    // not initialised: the threads that write them first get their pages, and what free links do not need takes none
     for (const ChainLevel& level : chains.levels)
       factors_.emplace_back(Kokkos::view_alloc("mixbeam::chains::factors", Kokkos::WithoutInitializing),
-                            level.eliminations(),
-                            (has_general ? general_factor_size(N) : vertex_factor_size(N)) * kLanes);
+                            static_cast<size_t>(level.eliminations()) *
+                                (has_general ? general_factor_size(N) : vertex_factor_size(N)) * kLanes);
   }
 
   LinkMatrices<N> matrices(const ElementMatrices& element_tangents) const { return {element_tangents, run_matrices_}; }
@@ -112,9 +114,9 @@ class ChainCondensation {
   };
   /// Eliminates; all that follows refers to it.
   Pivots factorize(const ElementMatrices& element_tangents, ChainKind kind = ChainKind::symmetric) {
-    kind_ = kind;
     const LinkMatrices<N> all = matrices(element_tangents);
-    for (size_t l = 0; l < factors_.size(); ++l) condense_runs<N>(kind, chains_.levels[l], all, factors_[l], pivots_);
+    kind_ = kind == ChainKind::symmetric && all.keeps_symmetric_elements() ? ChainKind::free : kind;
+    for (size_t l = 0; l < factors_.size(); ++l) condense_runs<N>(kind_, chains_.levels[l], all, factors_[l], pivots_);
     Pivots result;
     for (int run = 0; run < chains_.runs; ++run) {
       result.negative += static_cast<long>(pivots_(run, 0));

@@ -83,7 +83,7 @@ struct Kind {
     const double reference = ReferenceLayout{order, force_points}.size(),
                  section = general ? GeneralSectionLayout{order, force_points}.size() : 0;
     return kBytesOfElement + sizeof(double) * (kCopiesAlive * (state + vector) + reference + section + tangent() +
-                                               vertex_factor_size(kSpatialDofs));
+                                               (rotating ? vertex_factor_size : free_factor_size)(kSpatialDofs));
   }
   /// The same of the elements that the error estimate puts in its place: of one order more, or two.
   double estimate_bytes() const {
@@ -241,7 +241,7 @@ Needs needs_of(const Scene& scene, const SolverParameters& parameters) {
   if (iterates) needs.memory += kBytesOfIteratedJunction * junctions.count + kBytesOfCoarsestLevel;
   needs.everywhere =
       kShareEverywhere * (kBytesOfElement * elements + kBytesOfMember * members + kBytesOfFactorEntry * entries);
-  needs.factors = sizeof(double) * (vertex_factor_size(kSpatialDofs) * elements + entries);
+  needs.factors = sizeof(double) * (free_factor_size(kSpatialDofs) * elements + entries);
   needs.file = kFileBytesOfPlace * samples + kFileBytesOfMember * members;
   needs.file_per_step = (kFileBytesOfSample + of_stresses + kFileBytesOfMode * modes.number) * samples +
                         sizeof(double) * (7 * vertices + state) + kFileBytesOfStep;

@@ -105,14 +105,15 @@ BENCHMARK(element_recovery)->ArgsProduct(kOrdersAndSections);
 
 /// A link with positive pivots, the same in all lanes.
 template <int N>
-LinkMatrix<N, Pack<kLanes>> sample_link() {
+FreeLinkMatrix<N, Pack<kLanes>> sample_link() {
   RandomNumbers random(kSeed);
-  LinkMatrix<N, Pack<kLanes>> link;
-  for (int i = 0; i < N; ++i)
-    for (int j = 0; j <= i; ++j) {
-      link.first[triangle(i, j)] = random.between(-1.0, 1.0) + (i == j ? 4.0 * N : 0.0);
-      link.second[triangle(i, j)] = random.between(-1.0, 1.0) + (i == j ? 4.0 * N : 0.0);
-    }
+  FreeLinkMatrix<N, Pack<kLanes>> link;
+  const auto fill = [&](int n, auto& block) {
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j <= i; ++j) block[triangle(i, j)] = random.between(-1.0, 1.0) + (i == j ? 4.0 * N : 0.0);
+  };
+  fill(link.kTurned, link.first);
+  fill(N, link.second);
   for (auto& row : link.coupling)
     for (auto& number : row) number = random.between(-1.0, 1.0);
   return link;
@@ -122,7 +123,7 @@ LinkMatrix<N, Pack<kLanes>> sample_link() {
 template <int N>
 void elimination_of_one_vertex(benchmark::State& state) {
   const auto link = sample_link<N>();
-  VertexFactors<N, Pack<kLanes>> factors;
+  FreeVertexFactors<N, Pack<kLanes>> factors;
   PivotWatch<Pack<kLanes>> watch;
   auto chain = link;
   for (auto _ : state) {

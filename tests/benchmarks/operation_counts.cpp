@@ -114,36 +114,34 @@ template <int N>
 constexpr int kTurnedToPlane = N == kPlanarDofs ? kDofs + kPlanarDofs : 0;
 
 template <int N>
-LinkMatrix<N, CountedNumber> any_link() {
-  LinkMatrix<N, CountedNumber> link;
-  for (int i = 0; i < N; ++i) link.first[triangle(i, i)] = link.second[triangle(i, i)] = 1.0;
+FreeLinkMatrix<N, CountedNumber> any_link() {
+  FreeLinkMatrix<N, CountedNumber> link;
+  for (int i = 0; i < N; ++i) link.second[triangle(i, i)] = 1.0;
+  for (int i = 0; i < link.kTurned; ++i) link.first[triangle(i, i)] = 1.0;
   return link;
 }
 
 /// Elimination of one vertex. The tree of runs eliminates all vertices but the last, whatever the lengths of the runs.
 template <int N>
 PhaseCost condense_cost() {
-  LinkMatrix<N, CountedNumber> chain = any_link<N>();
+  FreeLinkMatrix<N, CountedNumber> chain = any_link<N>();
   const auto next = any_link<N>();
-  VertexFactors<N, CountedNumber> factors;
+  FreeVertexFactors<N, CountedNumber> factors;
   PivotWatch<CountedNumber> watch;
   const double flops = operations_of([&] { eliminate_vertex<N>(chain, next, factors, watch); }).flops();
-  return {flops, bytes_of(TangentLayout<N>::kSymmetric + vertex_factor_size(N), 2)};
+  return {flops, bytes_of(TangentLayout<N>::kSymmetric + free_factor_size(N), 2)};
 }
 
 /// Right-hand side inwards, solution outwards.
 template <int N>
 PhaseCost solve_cost() {
-  VertexFactors<N, CountedNumber> factors;
-  CountedNumber b[N], neighbour[N];
+  FreeVertexFactors<N, CountedNumber> factors;
+  CountedNumber b[N], first[N], second[N];
   const auto count = operations_of([&] {
-    pass_on<N>(factors.left, b, neighbour);
-    pass_on<N>(factors.right, b, neighbour);
-    solve_block<N>(factors.factor, b);
-    follow<N>(factors.left, neighbour, b);
-    follow<N>(factors.right, neighbour, b);
+    eliminate_rows<N>(factors, b, first, second);
+    follow_neighbours(factors, first, second, b);
   });
-  const int inwards = vertex_factor_size(N) + 2 * N, outwards = 2 * N * N + 2 * N;
+  const int inwards = free_factor_size(N) + 2 * N, outwards = free_factor_size(N) - triangle_size(N) + 2 * N;
   return {static_cast<double>(count.flops() + N), bytes_of(inwards + outwards + 2 * kTurnedToPlane<N>, 3)};
 }
 

@@ -353,7 +353,7 @@ void make_pivot_zero(const MovedScene& moved, int vertex) {
   const auto tangents = moved.tangent.elements().condensed_tangent;
   ASSERT_EQ(tangents.extent(1), size_t{kSymmetricTangent});
   const int a = adjacency.element(adjacency.start(vertex), 0), b = adjacency.element(adjacency.start(vertex) + 1, 0);
-  tangents(b, 0) = -tangents(a, 0) * (1.0 - 1e-13);
+  tangents(b, 0) = -tangents(a, 0) * (1.0 - 1e-15);
 }
 
 TEST(ChainSolver, ZeroPivotInAChainIsSolvedAsAWhole) {

@@ -84,7 +84,7 @@ TEST(Needs, GrowWithElementsAndOrderAndWithWhatIsAsked) {
 /// Numbers of the factor of what chains leave.
 double network_factor(const Scene& scene) {
   const Needs needs = needs_of(scene, {});
-  return needs.factors / sizeof(double) - vertex_factor_size(kSpatialDofs) * static_cast<double>(needs.elements);
+  return needs.factors / sizeof(double) - free_factor_size(kSpatialDofs) * static_cast<double>(needs.elements);
 }
 
 /// Whatever the order of elimination, the factor of a full matrix is its lower triangle.
