@@ -63,9 +63,7 @@ ChainSolver::ChainSolver(const Model& model, const std::string& method, double r
                         : make_direct_solver(system_.matrix(), method, residual_tolerance, model.times())),
       diagonal_(Teuchos::rcp(new DofVector(system_.matrix()->getRowMap()))),
       remaining_b_(Teuchos::rcp(new DofVector(system_.matrix()->getRangeMap()))),
-      remaining_x_(Teuchos::rcp(new DofVector(system_.matrix()->getDomainMap()))),
-      residual_(Teuchos::rcp(new DofVector(model.map()))),
-      correction_(Teuchos::rcp(new DofVector(model.map()))) {}
+      remaining_x_(Teuchos::rcp(new DofVector(system_.matrix()->getDomainMap()))) {}
 
 void ChainSolver::factorize_whole() {
   if (iterates())
@@ -109,10 +107,11 @@ double ChainSolver::solve_condensed(const DofVector& b, DofVector& x, double ene
   solve_once(b, x, energy_reduction, remaining_error);
   double error = system_.chain_error(b, x);
   if (remaining_error <= std::max(tolerance_, energy_reduction) && !(error <= tolerance_)) {
-    system_.chain_residual(b, x, *residual_);
-    solve_once(*residual_, *correction_, energy_reduction, ignored);
-    x.update(1.0, *correction_, 1.0);
-    system_.condense_rows(b, *remaining_b_, *correction_);  // what arrives at the ends belongs to b again
+    DofVector residual(model_.map()), correction(model_.map());  // rarely needed
+    system_.chain_residual(b, x, residual);
+    solve_once(residual, correction, energy_reduction, ignored);
+    x.update(1.0, correction, 1.0);
+    system_.condense_rows(b, *remaining_b_, correction);  // what arrives at the ends belongs to b again
     error = system_.chain_error(b, x);
   }
   return std::max(error, remaining_error);

@@ -65,7 +65,7 @@ class ChainSolver : public TangentSolver {
   std::unique_ptr<TangentSolver> whole_;
   bool uses_whole_ = false;
   int fallback_factorizations_ = 0;
-  Teuchos::RCP<DofVector> diagonal_, remaining_b_, remaining_x_, residual_, correction_;
+  Teuchos::RCP<DofVector> diagonal_, remaining_b_, remaining_x_;
 };
 
 /// The solver for the tangents of a model: "chains", or an Amesos2 name for the whole matrix.
