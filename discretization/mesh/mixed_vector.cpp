@@ -1,8 +1,11 @@
 #include "discretization/mesh/mixed_vector.hpp"
 
+#include <sys/mman.h>
+#include <unistd.h>
 #include <Teuchos_CommHelpers.hpp>
 
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -97,10 +100,20 @@ void clear(const Entries& y) {
       "mixbeam::vector::clear", y.extent(0), KOKKOS_LAMBDA(size_t i) { y(i) = 0.0; });
 }
 
+/// Zeros that take no memory while they are only read: the system has one page for all pages that nothing was written
+/// to.
+void clear_without_memory(const Entries& y) {
+  clear(y);
+  const auto page = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));
+  const auto begin = reinterpret_cast<std::uintptr_t>(y.data()), end = begin + y.extent(0) * sizeof(double);
+  const std::uintptr_t first = (begin + page - 1) / page * page, last = end / page * page;
+  if (first < last) madvise(reinterpret_cast<void*>(first), last - first, MADV_DONTNEED);
+}
+
 const Teuchos::RCP<DofVector>& zero_vertices_of(VectorPool& pool, const Teuchos::RCP<const DofMap>& map) {
   if (pool.zero_vertices.is_null()) {
     pool.zero_vertices = new_vertex_dofs(map, pool);
-    clear(MixedVector::view_of(*pool.zero_vertices));
+    clear_without_memory(MixedVector::view_of(*pool.zero_vertices));
   }
   return pool.zero_vertices;
 }
@@ -108,7 +121,7 @@ const Teuchos::RCP<DofVector>& zero_vertices_of(VectorPool& pool, const Teuchos:
 const Entries& zeros_of(VectorPool& pool, size_t size) {
   if (pool.zeros.data() == nullptr) {
     pool.zeros = pool.interior.take("mixbeam::mixed_vector", size);
-    clear(pool.zeros);
+    clear_without_memory(pool.zeros);
   }
   return pool.zeros;
 }
