@@ -166,8 +166,8 @@ StepRecord Simulation::record(const StepReport& report, int points_per_element,
   const Balance sums = balance();
   record.balance = {sums.applied_force,   sums.applied_moment, sums.reaction_force,
                     sums.reaction_moment, sums.force_error,    sums.moment_error};
-  // samples come last, when memory is scarcest; beside its iterations a step makes new arrays for nothing
-  if (problem_->iterates()) model().release_idle_arrays();
+  // samples come last, when memory is scarcest; a step that iterates makes new arrays for nothing, the last one none
+  if (problem_->iterates() || is_end_of_path(load_factor_)) model().release_idle_arrays();
   record.members = sample_own_elements(scene(), model(), state_, points_per_element);
   if (computes_stresses(parameters_.analysis, elements_for_stresses(scene(), model().mesh()),
                         is_end_of_path(load_factor_)))
