@@ -39,7 +39,7 @@ constexpr int kVerticesOfMode = 3;
 /// Whose residual had fallen this far, and was still at its lowest, would have arrived with more iterations.
 constexpr double kFallen = 1e-2;
 
-/// Of the length: the sag of a member that cannot stretch is what the tolerance of its strain lets through, 1e-5.
+/// Share of the length. A member that cannot stretch sags by 1e-5, as far as the tolerance of its strain lets it.
 constexpr double kHardlyMoved = 1e-3;
 
 /// Load factors are sums of rounded steps.

@@ -24,7 +24,7 @@ namespace {
 // (apps/docs/large_scale.md).
 
 /// States and vectors that are alive at the peak of a load step: the groups of NOX and LOCA, their copies, our own.
-constexpr double kCopiesAlive = 10.0;
+constexpr double kCopiesAlive = 7.0;
 /// Mesh, adjacency, rows of vertices and numbering of chains; of a member names, curve and fields. [byte]
 constexpr double kBytesOfElement = 350.0, kBytesOfMember = 1800.0;
 /// Share of these and of the factors that every one of several ranks holds.
@@ -77,7 +77,7 @@ struct Kind {
     return vibrating() + kFullTangent + vertex_factor_size(kSpatialDofs) +
            momenta * (complex * kVectorsOfMode * modes + followed);
   }
-  /// Bytes of it with the vertex behind it while a path is followed, without samples. A plane takes less by a seventh.
+  /// Bytes of it with the vertex behind it while a path is followed, without samples. A plane takes less by a quarter.
   double bytes() const {
     const double state = 7 + 4 + interior().unknowns(), vector = 6 + interior().increments();
     const double reference = ReferenceLayout{order, force_points}.size(),
