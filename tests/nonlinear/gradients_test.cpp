@@ -5,7 +5,9 @@
 #include "tests/support/scene_numbers.hpp"
 #include "tests/support/solve.hpp"
 
+#include <array>
 #include <cmath>
+#include <complex>
 #include <map>
 
 namespace mixbeam::test {
@@ -17,6 +19,13 @@ constexpr double kElasticaSlopes[3][4] = {{1.0, 0.248876443127961, 0.09627784808
                                           {2.0, 0.142546214828556, 0.102876897296855, 0.253014804550978},
                                           {10.0, 0.0105359712168047, 0.0215494661654688, 0.0222664098396707}};
 constexpr double kOfElastica = 1e-12;
+/// Of a helix of a turn with as many elements: what the discretization leaves.
+constexpr double kOfHelix = 1e-10;
+/// The same rod under a force across its tip that follows it, alpha = 1, 3: of position x, y and angle of the tip, from
+/// the elliptic functions of a pendulum that starts at a quarter turn, theta(s) = chi(1 - s) - chi(1),
+/// sin(chi(u) / 2) = cd(sqrt(alpha) u, 1/2) / sqrt(2), in thirty digits.
+constexpr double kFollowerSlopes[2][4] = {{1.0, -0.1242175779022972, 0.2960448767500005, 0.4877550219847669},
+                                          {3.0, -0.2197448637106862, 0.1024315272148965, 0.4052201813188245}};
 /// Differences of whole runs of eighth order with steps of two percent: what Newton's method leaves, over the step.
 constexpr double kOfDifferences = 1e-8, kStep = 0.02;
 
@@ -140,6 +149,57 @@ TEST(Gradients, OfTheElastica) {
       EXPECT_NEAR(sum, -alpha * wanted[i], alpha * kOfElastica) << alpha << " " << i;
       EXPECT_EQ(axial, 0.0);
     }
+  }
+}
+
+TEST(Gradients, OfTheElasticaUnderAForceThatFollows) {
+  for (const auto& [alpha, x, y, angle] : kFollowerSlopes) {
+    Scene scene = cantilever(section(kRigid, kRigid, 1.0, 1.0), 1.0, 4, 16);
+    scene.point_loads = {follower_load("tip", "beam", {0, alpha, 0})};
+    const QuantitySet set = set_of({quantity("u", "displacement", {{"Point", "tip"}}),
+                                    quantity("theta", "rotation", {{"Point", "tip"}, {"Component", "z"}})},
+                                   scene);
+    const std::vector<RecordedGradient> found =
+        gradients(polished(scene), set, {of_force(scene, 0, 1, kStep * alpha), of_stiffness(scene, 5, kStep)});
+    const double wanted[] = {x, y, 0.0, angle};
+    for (size_t i = 0; i < 4; ++i) {
+      EXPECT_NEAR(found[i].derivative[0], wanted[i], kOfElastica) << alpha << " " << i;
+      EXPECT_NEAR(found[i].derivative[1], -alpha * wanted[i], alpha * kOfElastica) << alpha << " " << i;
+    }
+  }
+}
+
+/// Tip of a rod along e1 of length one under a moment (torsion, 0, bending) that turns with it: the moment m is
+/// constant in space, the axis a helix about it, r' = exp(s [m]x / EI) e1, and the triads turn about the axis by
+/// torsion (1 / GIt - 1 / EI) against m. Complex numbers give derivatives to rounding.
+using Complex = std::complex<double>;
+std::array<Complex, 3> tip_of_helix(double torsion, double bending, Complex EI, Complex GIt) {
+  const Complex turn = torsion * (1.0 / GIt - 1.0 / EI);
+  const double size = std::hypot(torsion, bending);
+  const std::array<Complex, 3> axis = {torsion / size, -bending / size * std::sin(turn),
+                                       bending / size * std::cos(turn)};
+  const Complex rate = size / EI, sine = std::sin(rate) / rate, cosine = (1.0 - std::cos(rate)) / rate;
+  const std::array<Complex, 3> across = {0.0, axis[2], -axis[1]};  // axis x e1
+  std::array<Complex, 3> tip;
+  for (int i = 0; i < 3; ++i) tip[i] = (i == 0 ? sine : 0.0) + cosine * across[i] + (1.0 - sine) * axis[0] * axis[i];
+  return tip;
+}
+
+TEST(Gradients, OfAHelix) {
+  constexpr double kTorsion = 2.0, kBending = 5.0, kEI = 1.0, kGIt = 0.7, kTiny = 1e-30;
+  Scene scene = cantilever(section(kRigid, kRigid, kGIt, kEI), 1.0, 4, 16);
+  scene.point_loads = {follower_load("tip", "beam", {}, {kTorsion, 0, kBending})};
+  const QuantitySet set = set_of({quantity("r", "position", {{"Point", "tip"}})}, scene);
+  const std::vector<RecordedGradient> found =
+      gradients(polished(scene), set,
+                {of_stiffness(scene, 3, kStep), of_stiffness(scene, 4, kStep), of_stiffness(scene, 5, kStep)});
+  const auto by_EI = tip_of_helix(kTorsion, kBending, {kEI, kTiny}, kGIt),
+             by_GIt = tip_of_helix(kTorsion, kBending, kEI, {kGIt, kTiny});
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(found[i].value, by_EI[i].real(), kOfHelix) << i;
+    EXPECT_NEAR(found[i].derivative[0], by_GIt[i].imag() / kTiny, kOfHelix) << i;
+    EXPECT_NEAR(found[i].derivative[1] + found[i].derivative[2], by_EI[i].imag() / kTiny, kOfHelix) << i;
+    EXPECT_GT(std::abs(found[i].derivative[0] - by_EI[i].imag() / kTiny), kNotTransposed) << i;
   }
 }
 
