@@ -28,6 +28,34 @@ class BeamGroupTest : public testing::Test, public BeamFixture {
   BeamGroupTest() : BeamFixture(frame(), 1.0) {}
 };
 
+/// Whether the cap is felt in the first increment.
+bool is_felt(const Scene& scene, double enough) {
+  BeamProblem problem(scene, this_rank(), {});
+  MixedVector rows = problem.model.create_vector(), increment = rows.clone(true);
+  const EvaluationPoint point = mixed_residual(problem.model, problem.model.reference_state(), 1.0, rows);
+  Linearization linearization(problem, point, cap_for(problem.model, point.scales), {});
+  linearization.newton_increment(increment);
+  return feels_cap(linearization, increment, enough);
+}
+
+/// Bending moves a rigid rod by F / 3 EI, shear by the compliance of the cap, 1e-5 of it; a rod that is pushed along
+/// its axis between two clamps moves by that compliance alone.
+TEST(CapCompliance, IsFeltWhereItIsMostOfTheMotion) {
+  constexpr double kEnough = 1e-4, kMuch = 10.0;
+  Scene bent = cantilever(section(kRigid, kRigid, 1.0, 1.0), 1.0, 2, 4);
+  bent.point_loads = {dead_load("tip", {0, 0.1, 0})};
+  EXPECT_FALSE(is_felt(bent, kEnough));
+  EXPECT_TRUE(is_felt(bent, 0.0)) << "what is allowed counts";
+  Scene pushed = cantilever(section(1e12, 1e12, 1.0, 1.0), 1.0, 2, 4);
+  pushed.supports.push_back(clamp("tip"));
+  DistributedLoad along;
+  along.member = "beam";
+  along.force = {0.1, 0, 0};
+  pushed.distributed_loads = {along};
+  EXPECT_TRUE(is_felt(pushed, kEnough));
+  EXPECT_FALSE(is_felt(pushed, kMuch));
+}
+
 /// What the cap leaves out is measured without writing its rows; the same number, but for the rounding of products that
 /// the compiler fuses in one place and not in the other.
 TEST(CapCompliance, LargestRowIsThatOfAllRows) {
