@@ -15,6 +15,7 @@
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 #include "discretization/text/result_names.hpp"
+#include "kernels/math/constants.hpp"
 #include "kernels/math/vector_algebra.hpp"
 
 #include <algorithm>
@@ -710,6 +711,12 @@ class SceneReader {
     }
   }
 
+  /// An arc of more than a turn lies on itself: its angle is rather meant in degrees.
+  static std::string degrees_hint(const Curve& curve) {
+    if (curve.shape != CurveShape::circular_arc || curve.angle <= 2.0 * kPi) return "";
+    return "; \"Angle\" is in radian, did you mean \"=" + shortest(curve.angle) + " deg\"?";
+  }
+
   /// Adds the point, or checks that it is there.
   void place_point(const PointOfMember& placed, std::size_t member) {
     using Role = PointOfMember::Role;
@@ -728,7 +735,8 @@ class SceneReader {
     throw member_error(member, parameter,
                        "value \"" + excerpt(placed.point) + "\" is at " + to_text(declared) + ", but the " + where +
                            to_text(placed.position) + "; allowed: equal to 1e-9 of the curve length " +
-                           shortest(placed.length) + (role == Role::start ? "" : ", or a new name"));
+                           shortest(placed.length) + (role == Role::start ? "" : ", or a new name") +
+                           degrees_hint(scene_.members[member].curve));
   }
 
   /// Curve of a member whose points are known as far as it needs them.

@@ -185,7 +185,8 @@ std::string nearest_name(const std::string& name, const std::vector<std::string>
   for (const std::string& candidate : candidates) {
     if (candidate.size() > name.size() + most_slips || name.size() > candidate.size() + most_slips) continue;
     const std::size_t slips = edit_distance(wanted, lower_case(candidate));
-    if (slips < fewest && slips < std::max(name.size(), candidate.size())) {
+    const bool goes_on = lower_case(candidate).rfind(wanted, 0) == 0 && lower_case(nearest).rfind(wanted, 0) != 0;
+    if ((slips < fewest || (slips == fewest && goes_on)) && slips < std::max(name.size(), candidate.size())) {
       fewest = slips;
       nearest = candidate;
     }

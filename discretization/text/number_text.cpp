@@ -81,10 +81,13 @@ std::string number_hint(const std::string& text) {
     return "; a comma stands between numbers, and no blank inside of one";
   const auto [stopped, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   const std::string rest = error == std::errc() ? trimmed({stopped, text.data() + text.size()}) : "";
+  const auto formula = [](const std::string& meant) { return "; did you mean \"=" + meant + "\", a formula?"; };
+  if (rest == "pi") return formula(shortest(number) + "*pi");
+  if (rest == "deg" || rest == "degrees" || rest == "°") return formula(shortest(number) + " deg");
   const bool has_unit = !rest.empty() && std::isalpha(static_cast<unsigned char>(rest[0])) != 0;
   if (has_unit) return "; numbers stand without units, all in one consistent set";
   if (rest == "%") return "; did you mean " + shortest(number / 100.0) + "?";
-  return plain.find_first_of("*/^(") < plain.size() ? "; did you mean \"=" + plain + "\", a formula?" : "";
+  return plain == "pi" || plain.find_first_of("*/^(") < plain.size() ? formula(plain) : "";
 }
 
 std::string shortest(double value) { return written(value); }

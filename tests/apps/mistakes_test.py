@@ -50,6 +50,9 @@ IN_YAML = (
     ("  Supports:\n    base: {Point: foot}\n", "", 1, 0, 'no support.*needed: in "Scene".*Supports: {base: {Point: foot}}'),
     ("Diameter: 0.06", "Diameter: 0,06", 5, 17, "did you mean 0.06"),
     ("E: 210e9", "E: 210 GPa", 7, 21, "numbers stand without units"),
+    ("E: 210e9", "E: pi", 7, 21, 'did you mean "=pi", a formula'),
+    ("E: 210e9", "E: 2pi", 7, 21, r'did you mean "=2\*pi", a formula'),
+    ("E: 210e9", "E: 30 deg", 7, 21, 'did you mean "=30 deg", a formula'),
     ("[2, 0, 3]", "[2,0, 0, 3,0]", 12, 10, "5 entries; allowed.* 3 values.*a comma separates entries"),
     ("Wall: 0.004", "Radius: 0.03", 6, 7, 'allowed: "Profile", "Shape", "Diameter", "Wall", "Shear Correction", "Inextensible", "Shear '
      'Rigid", "Largest Strain", "Material", "Damping"; did you mean "Diameter", twice the radius'),

@@ -185,6 +185,8 @@ TEST(NearestName, FindsSlipsAndNothingFarther) {
   EXPECT_EQ(nearest_name("force", kinds), "");  // the twin: in two of them
   EXPECT_EQ(nearest_name("press", kinds), "");  // no whole word
   EXPECT_EQ(nearest_name("x", {"y", "z"}), "");
+  EXPECT_EQ(nearest_name("EI", {"EA", "EI2", "EI3"}), "EI2");  // what begins so before other letters
+  EXPECT_EQ(nearest_name("EX", {"EA", "EI2", "EI3"}), "EA");
 }
 
 }  // namespace

@@ -80,6 +80,11 @@ TEST(SceneParameters, DeclaredEndsMustAgree) {
   EXPECT_NO_THROW(scene_from(changed(kBowScene, top, top + "\n    tip: [15, 5, 0]")));
   expect_refused(top, top + "\n    tip: [15, 5, 1e-6]",
                  {"\"Scene / Members / arch / End\"", "\"tip\" is at (15, 5, 1e-06)", "but the curve ends at", "1e-9"});
+  const std::string quarter = "Angle: 1.5707963267948966";
+  const std::string closed = changed(kBowScene, top, top + "\n    tip: [15, 5, 0]");
+  expect_refused(quarter, "Angle: 90", {"\"Angle\" is in radian, did you mean \"=90 deg\"?"}, closed);
+  const std::string shorter = message_of([&] { scene_from(changed(closed, quarter, "Angle: 1.5")); });
+  EXPECT_EQ(shorter.find("deg"), std::string::npos) << shorter;
 }
 
 TEST(SceneParameters, UnitsAreTextOfTwoWords) {
