@@ -79,6 +79,9 @@ const char* const kOtherWords[] = {
     "kind: type",
     "shape: kind type",
     "displacement: deflection translation sag",
+    "material force: section-force internal-force axial-force normal-force shear-force",
+    "material moment: section-moment internal-moment bending-moment twisting-moment torque",
+    "number: count",
     "name: nr no no. id label number",
     "double: float real number",
     "int: integer long",
@@ -177,6 +180,7 @@ std::string lower_case(std::string text) {
 
 std::string nearest_name(const std::string& name, const std::vector<std::string>& candidates) {
   if (name.size() > kLongestComparedName) return "";
+  if (const std::string meant = translated(name, candidates); !meant.empty()) return meant;
   const std::string wanted = lower_case(name);
   // One slip in three letters is a typing error; more is another word.
   const std::size_t most_slips = std::max<std::size_t>(1, (name.size() + 1) / 3);
@@ -192,7 +196,6 @@ std::string nearest_name(const std::string& name, const std::vector<std::string>
     }
   }
   if (!nearest.empty()) return nearest;
-  if (const std::string meant = translated(name, candidates); !meant.empty()) return meant;
   std::vector<std::string> longer;
   std::copy_if(candidates.begin(), candidates.end(), std::back_inserter(longer),
                [&](const std::string& candidate) { return has_words(candidate, wanted); });

@@ -71,6 +71,8 @@ IN_YAML = (
     ("Point Loads:", "Loads:", 18, 3, 'did you mean "Point Loads"'),
     ("Quantity: displacement", "Type: displacement", 25, 9, 'did you mean "Quantity"'),
     ("Quantity: displacement", "Quantity: deflection", 25, 19, 'did you mean "displacement"'),
+    ("Quantity: displacement", "Quantity: section force", 25, 19, 'did you mean "material force"'),
+    ("Quantity: displacement", "Quantity: reaction farce", 25, 19, 'did you mean "reaction force"'),
     ("Stability: true", "Stability: yes", 23, 14, "did you mean true"),
     ("{Point: foot}", "{Point: foot, Fixed Rotation: none}", 17, 41, r"did you mean \[\]"),
     ("Force: [20, 0, 0]", "Force: [20*x, 0, 0]", 21, 35, 'did you mean "Force Formula"'),
