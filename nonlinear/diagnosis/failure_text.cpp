@@ -137,6 +137,12 @@ class Adviser {
     add(AdviceKind::add_support,
         "Support the structure: it is a mechanism" + of_mode() + ". Add a support or spring there, or close a joint.");
   }
+  void hold_neutral_motion() {
+    if (report_.tangent.null == 0) return;
+    add(AdviceKind::add_support,
+        "If no load ever resists that motion" + of_mode() +
+            " (a ring of a straight round rod rolls about its tangent): hold it by a support, which takes no force.");
+  }
   void prescribe_displacement() {
     const bool is_automatic = parameters_.load_path.method == LoadPathMethod::automatic;
     add(AdviceKind::prescribe_displacement,
@@ -286,8 +292,8 @@ const std::map<FailureCause, std::vector<Advising>> kAdvice = {
     {FailureCause::mechanism, {&Adviser::add_support}},
     {FailureCause::end_angle, {&Adviser::more_elements, &Adviser::smaller_minimum_step}},
     {FailureCause::critical_point,
-     {&Adviser::prescribe_displacement, &Adviser::jump, &Adviser::add_imperfection, &Adviser::smaller_minimum_step,
-      &Adviser::stay_below}},
+     {&Adviser::hold_neutral_motion, &Adviser::prescribe_displacement, &Adviser::jump, &Adviser::add_imperfection,
+      &Adviser::smaller_minimum_step, &Adviser::stay_below}},
     {FailureCause::overflow, {&Adviser::check_units, &Adviser::smaller_first_step, &Adviser::check_sections}},
     {FailureCause::linear_solver, {&Adviser::check_sections, &Adviser::check_units, &Adviser::smaller_first_step}},
     {FailureCause::path_lost,

@@ -273,6 +273,19 @@ TEST(FailureReport, SuggestsJumpsWhereTheyAreAWay) {
   }
 }
 
+TEST(FailureReport, SuggestsASupportForMotionsWithoutStiffness) {
+  const auto next = [](int null) {
+    FailureReport report;
+    report.cause = FailureCause::critical_point;
+    report.tangent.known = true;
+    report.tangent.null = null;
+    report.next = advice_for(report, BeamProblem(elastica(1.0), this_rank(), {}), {});
+    return report;
+  };
+  EXPECT_TRUE(advises(next(1), AdviceKind::add_support));
+  EXPECT_FALSE(advises(next(0), AdviceKind::add_support));
+}
+
 /// A column that is twice as strong as its Euler load pi^2 EI / (4 L^2), and its twin that stays below.
 TEST(FailureReport, NamesTheLoadAtWhichTheStructureBuckles) {
   const auto text_under = [](double force) {
