@@ -263,6 +263,8 @@ class Scenes(InFolder):
                             (lambda: mixbeam.batch(scene, {"point_loads/weigth/force[2]": [1.0]}), "weight")):
             with self.assertRaisesRegex(mixbeam.InputError, f"did you mean .{near}"):
                 wrong()
+        with self.assertRaisesRegex(mixbeam.InputError, r"mixbeam.run\(scene\)"):
+            scene.run()
 
     def test_nothing_takes_the_place_of_another(self):
         scene, line = cantilever(), np.zeros((2, 3))

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from . import _core
-from .errors import InputError, unknown
+from .errors import InputError, UnknownName, unknown
 from .parameters import Declaration, Parameters, is_text, root
 
 
@@ -129,6 +129,8 @@ class Scene(Parameters):
     def _home(self, name):
         declaration = self._declaration.lists["Scene"]
         if declaration.xml_name(name) is None:
+            if name in ("run", "check", "view", "batch"):
+                raise UnknownName(f"scene: {name} is a function of the module: mixbeam.{name}(scene)")
             raise unknown("scene", name, [*self._declaration.xml_names, *declaration.xml_names])
         return super().__getattr__("Scene")
 
