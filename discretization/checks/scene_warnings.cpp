@@ -131,23 +131,12 @@ void add_close_points(const SceneSurvey& survey, WarningList& list) {
     grid.around(points[i].position, tolerance, [&](std::size_t j) {
       const double distance = norm(difference(points[i].position, points[j].position));
       if (j <= i || distance > tolerance || seen.size() > kMostOnOneMember || !seen.insert(j).second) return;
-      list.add("pairs of coincident points", "Points / " + excerpt(points[j].name) + ": lies at " +
-                                                 to_text(points[j].position) + ", " + shortest(distance) + " from \"" +
-                                                 excerpt(points[i].name) +
-                                                 "\", but members at them are not connected; usually they should be "
-                                                 "one point");
+      list.add("pairs of coincident points",
+               "Points / " + excerpt(points[j].name) + ": lies at " + to_text(points[j].position) + ", " +
+                   shortest(distance) + " from \"" + excerpt(points[i].name) +
+                   "\", but members at them are not connected; usually they should be one point");
     });
   }
-}
-
-/// Whether two members between the same points have their quarters at the same places.
-bool same_course(const ReferenceCurve& a, const ReferenceCurve& b, bool reversed, double tolerance) {
-  for (const double x : {0.25, 0.5, 0.75}) {
-    const Vector3 on_a = to_array(a.position(x * a.length));
-    const Vector3 on_b = to_array(b.position((reversed ? 1.0 - x : x) * b.length));
-    if (norm(difference(on_a, on_b)) > tolerance) return false;
-  }
-  return true;
 }
 
 void add_equal_members(const SceneSurvey& survey, WarningList& list) {
@@ -157,7 +146,7 @@ void add_equal_members(const SceneSurvey& survey, WarningList& list) {
     std::vector<std::size_t>& same_ends = between[std::minmax(members[i].start_point, members[i].end_point)];
     for (const std::size_t j : same_ends) {
       const bool reversed = members[i].start_point != members[j].start_point;
-      if (!same_course(survey.curves[i], survey.curves[j], reversed, kSamePlace * survey.size)) continue;
+      if (!coincide(survey.curves[i], survey.curves[j], reversed, kSamePlace * survey.size)) continue;
       list.add("coincident members", "Members / " + excerpt(members[i].name) + ": lies on \"" +
                                          excerpt(members[j].name) +
                                          "\" all along; usually one of them was copied by mistake");
@@ -202,11 +191,11 @@ void add_points_on(std::size_t index, const SceneSurvey& survey, const PointGrid
       if (norm(difference(point.position, to_array(curve.position(s)))) > tolerance) return;
       if (s <= tolerance || s >= curve.length - tolerance) return;  // at its ends: two points at one place
       seen.insert(p);
-      list.add("points on members",
-               "Points / " + excerpt(point.name) + ": lies on \"" + excerpt(member.name) + "\", " +
-                   shortest(s / curve.length) +
-                   " of its length from the start, but is not connected with it; usually it should "
-                   "be an inner point of it");
+      list.add(
+          "points on members",
+          "Points / " + excerpt(point.name) + ": lies on \"" + excerpt(member.name) + "\", " +
+              shortest(s / curve.length) +
+              " of its length from the start, but is not connected with it; usually it should be an inner point of it");
     });
   }
 }
@@ -273,26 +262,17 @@ struct ForceSurvey {
   bool has_formulas = false;
 };
 
-template <class Load>
-bool has_formula(const Load& load) {
-  return !load.amplitude.empty();
-}
-bool has_formula(const DistributedLoad& load) {
-  const auto given = [](const std::string& text) { return !text.empty(); };
-  return given(load.amplitude) || std::any_of(load.force_formula.begin(), load.force_formula.end(), given) ||
-         std::any_of(load.couple_formula.begin(), load.couple_formula.end(), given);
-}
-
 ForceSurvey forces_of(const SceneSurvey& survey) {
   ForceSurvey found;
   for (const PointLoad& load : survey.scene.point_loads) {
-    if (has_formula(load)) found.has_formulas = true;
+    if (!load.amplitude.empty()) found.has_formulas = true;
     found.forces.push_back({warned_place("Point Loads", "at " + load.point), norm(load.force), norm(load.moment)});
   }
   for (const DistributedLoad& load : survey.scene.distributed_loads) {
     const auto member = static_cast<std::size_t>(survey.names.member(load.member) - survey.scene.members.data());
     const double length = survey.curves[member].length;
-    if (has_formula(load)) found.has_formulas = true;
+    if (!load.amplitude.empty() || is_given(load.force_formula) || is_given(load.couple_formula))
+      found.has_formulas = true;
     found.forces.push_back({warned_place("Distributed Loads", "on " + load.member), norm(load.force) * length,
                             norm(load.couple) * length});
   }
@@ -491,18 +471,17 @@ void add_section_warnings(const Section& section, WarningList& list) {
   for (const double shear : section.shear_stiffness) {
     const double ratio = shear / section.axial_stiffness;
     if (!std::isfinite(ratio) || ratio == 0.0 || (ratio >= kLeastShearRatio && ratio <= kMostShearRatio)) continue;
-    list.add("sections with unusual shear stiffness", at + "GA / EA = " + number(ratio) +
-                                                          ", 0.3 to 0.5 for massive sections; usually one of them is "
-                                                          "in other units, or E and G are mixed up");
+    list.add("sections with unusual shear stiffness",
+             at + "GA / EA = " + number(ratio) +
+                 ", 0.3 to 0.5 for massive sections; usually one of them is in other units, or E and G are mixed up");
     break;
   }
   const double torsion = section.torsional_stiffness / smallest(section.bending_stiffness);
   if (torsion < kLeastTorsionRatio || torsion > kMostTorsionRatio)
-    list.add(
-        "sections with unusual torsional stiffness",
-        at + "GIt over the smaller EI = " + number(torsion) +
-            ", 0.77 for a circle; usually one of them is in other units, or It is the sum of I2 and I3 of a section "
-            "that is not round");
+    list.add("sections with unusual torsional stiffness",
+             at + "GIt over the smaller EI = " + number(torsion) +
+                 ", 0.77 for a circle; usually one of them is in other units, or It is the sum of I2 and I3 of a "
+                 "section that is not round");
 }
 
 /// sqrt(EI/EA) of the stiffer axis; zero for an inextensible section.
@@ -553,9 +532,9 @@ void add_division_warnings(const SceneSurvey& survey, WarningList& list) {
     // a rigid arm is exact with any mesh
     const bool bends = std::isfinite(survey.section_of(member).bending_stiffness[0]);
     if (bends && member.order == 1 && member.elements < kFewElementsOfOrderOne)
-      list.add("members with few elements of order 1", at + std::to_string(member.elements) +
-                                                           " element(s) of order 1 are coarse; order 3 or 4 "
-                                                           "costs little more");
+      list.add(
+          "members with few elements of order 1",
+          at + std::to_string(member.elements) + " element(s) of order 1 are coarse; order 3 or 4 costs little more");
     const double angle = (std::abs(member.twist) + std::abs(member.curve.angle)) / member.elements;
     if (angle > kMostAngleOfElement)
       list.add("members with a large angle per element", at + "each of " + std::to_string(member.elements) +
@@ -677,16 +656,13 @@ bool acts_in_plane(const SceneSurvey& survey, const Vector3& point, const Vector
   constexpr double kInPlane = 1e-6;  // of the size, of the load: numbers are written with six digits
   const auto is_across = [&](const Vector3& v) { return std::abs(dot(v, normal)) > kInPlane * norm(v); };
   const auto is_along = [&](const Vector3& v) { return norm(cross(v, normal)) > kInPlane * norm(v); };
-  const auto formulas = [](const auto& texts) {
-    return std::any_of(texts.begin(), texts.end(), [](const std::string& text) { return !text.empty(); });
-  };
   for (const Point& other : survey.scene.points)
     if (std::abs(dot(difference(other.position, point), normal)) > kInPlane * survey.size) return false;
   for (const PointLoad& load : survey.scene.point_loads)
     if (load.frame == LoadFrame::follower || is_across(load.force) || is_along(load.moment)) return false;
   for (const DistributedLoad& load : survey.scene.distributed_loads)
     if (load.frame == LoadFrame::follower || is_across(load.force) || is_along(load.couple) ||
-        formulas(load.force_formula) || formulas(load.couple_formula))
+        is_given(load.force_formula) || is_given(load.couple_formula))
       return false;
   return true;
 }
@@ -707,8 +683,8 @@ void add_shear_centre_warnings(const SceneSurvey& survey, WarningList& list) {
     list.add("members whose shear centre is not their centroid",
              warned_place("Members", member.name) + "the shear centre of section \"" + excerpt(section.name) + "\" (" +
                  section_shape_word(kind) +
-                 ") is not its centroid, and neither this distance nor warping counts: "
-                 "where loads or supports twist the member, its twist and the stresses of it are too small");
+                 ") is not its centroid, and neither this distance nor warping counts: where loads or supports twist "
+                 "the member, its twist and the stresses of it are too small");
   }
 }
 

@@ -277,4 +277,10 @@ Vector3 start_tangent(const Curve& curve, const Vector3& start, const Vector3& e
   return unit(sum(scaled(curve.angle, cross(axis, radius_vector(curve, start))), scaled(curve.rise, axis)));
 }
 
+bool coincide(const ReferenceCurve& a, const ReferenceCurve& b, bool reversed, double tolerance) {
+  for (const double x : {0.0, 0.25, 0.5, 0.75, 1.0})
+    if (norm(a.position(x * a.length) - b.position((reversed ? 1.0 - x : x) * b.length)) > tolerance) return false;
+  return true;
+}
+
 }  // namespace mixbeam

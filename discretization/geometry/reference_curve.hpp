@@ -71,6 +71,9 @@ constexpr double kSmallestSecondAxisAngle = 1e-6;
 /// for a second axis along the tangent, and for points and formulas that make no curve (polynomial_curve.hpp).
 ReferenceCurve make_reference_curve(const Member& member, const Vector3& start, const Vector3& end);
 
+/// Whether the ends, the middles and the quarters of two curves lie at the same places.
+bool coincide(const ReferenceCurve& a, const ReferenceCurve& b, bool reversed, double tolerance);
+
 // Pieces of it, for lines, arcs and helices.
 
 /// Unit vector along `curve.axis`.

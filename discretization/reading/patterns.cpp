@@ -70,11 +70,10 @@ BoundList<Pattern> declared_pattern_parameters() {
   BoundList<Pattern> pattern("Copies of members with their points; acts on the copies of the patterns before it too.");
   pattern.bind(&Pattern::members, array("Members", ParameterType::text_array).by_default(),
                "Names of the members; " + kWildcards + ".");
-  pattern.bind(
-      &Pattern::kind, text("Kind").required(),
-      "repeat: translated by Vector, repeatedly; rotate: about an axis; mirror: reflected in a plane. Points and "
-      "members of copies that coincide with existing ones become one with them.",
-      {{"repeat", PatternKind::repeat}, {"rotate", PatternKind::rotate}, {"mirror", PatternKind::mirror}});
+  pattern.bind(&Pattern::kind, text("Kind").required(),
+               "repeat: translated by Vector, repeatedly; rotate: about an axis; mirror: reflected in a plane. Points "
+               "and members of copies that coincide with existing ones become one with them.",
+               {{"repeat", PatternKind::repeat}, {"rotate", PatternKind::rotate}, {"mirror", PatternKind::mirror}});
   pattern.bind(&Pattern::count, integer("Count").at_least(2).at_most(kMostElements),
                "repeat, rotate: number of instances of the members, the original included.");
   pattern.bind(&Pattern::vector, direction("Vector"), "repeat: from each copy to the next [length].");
@@ -84,11 +83,10 @@ BoundList<Pattern> declared_pattern_parameters() {
                "rotate: from each copy to the next [radian]; a whole turn over Count if absent.");
   pattern.bind(&Pattern::point, bounded_vector("Point"), "mirror: a point of the plane [length].");
   pattern.bind(&Pattern::normal, direction("Normal"), "mirror: normal of the plane (any length).");
-  pattern.bind(
-      &Pattern::scope, text("Copy").by_default(),
-      "members: these with their points; joints: these as well; all: supports, loads and eigenstrains too, their "
-      "directions turned with the copy, unless they act there by their names already.",
-      {{"members", CopyScope::members}, {"joints", CopyScope::joints}, {"all", CopyScope::all}});
+  pattern.bind(&Pattern::scope, text("Copy").by_default(),
+               "members: these with their points; joints: these as well; all: supports, loads and eigenstrains too, "
+               "their directions turned with the copy, unless they act there by their names already.",
+               {{"members", CopyScope::members}, {"joints", CopyScope::joints}, {"all", CopyScope::all}});
   pattern.spec.with_forms("Kind", {{"repeat", {{{"Vector", "Count"}}}},
                                    {"rotate", {{{"Center", "Axis", "Count"}, {"Angle"}}}},
                                    {"mirror", {{{"Point", "Normal"}}}}});
@@ -146,15 +144,6 @@ Vector3 axis2(const ReferenceCurve& curve, double s) {
   return to_array(rotation_matrix(curve.triad(s)) * Vec3<double>{{0.0, 1.0, 0.0}});
 }
 
-bool coincide(const ReferenceCurve& a, const ReferenceCurve& b, SameLine direction, double tolerance) {
-  for (const double x : {0.0, 0.25, 0.5, 0.75, 1.0}) {
-    const double y = direction == SameLine::forward ? x : 1.0 - x;
-    const Vector3 from_a = to_array(a.position(x * a.length)), from_b = to_array(b.position(y * b.length));
-    if (norm(difference(from_a, from_b)) > tolerance) return false;
-  }
-  return true;
-}
-
 /// Whether it does not matter how the section is turned about the tangent.
 bool is_isotropic(const Section& section) {
   return !section.matrix && section.shear_stiffness[0] == section.shear_stiffness[1] &&
@@ -194,8 +183,8 @@ std::optional<SameLine> same_centerline(const PlacedMember& a, const PlacedMembe
   const auto first = forward ? SameLine::forward : SameLine::backward;
   if (a.member.curve.shape == CurveShape::line && b.member.curve.shape == CurveShape::line) return first;
   const ReferenceCurve along_a = a.curve(), along_b = b.curve();
-  if (coincide(along_a, along_b, first, tolerance)) return first;
-  if (closed && coincide(along_a, along_b, SameLine::backward, tolerance)) return SameLine::backward;
+  if (coincide(along_a, along_b, !forward, tolerance)) return first;
+  if (closed && coincide(along_a, along_b, true, tolerance)) return SameLine::backward;
   return std::nullopt;
 }
 

@@ -277,7 +277,7 @@ std::vector<FormulaAlong> formulas_along(const Scene& scene, const std::function
   std::optional<SceneNames> names;
   const auto add = [&](const std::string& list, const std::string& name, const std::array<std::string, 3>& formula,
                        const std::array<double, 2>& range) {
-    if (formula[0].empty() && formula[1].empty() && formula[2].empty()) return;
+    if (!is_given(formula)) return;
     if (!names) names.emplace(scene);
     const size_t m = static_cast<size_t>(names->member(name) - scene.members.data());
     if (!wanted(scene.members[m])) return;

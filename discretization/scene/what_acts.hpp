@@ -5,11 +5,16 @@
 
 #include "discretization/scene/scene.hpp"
 
+#include <algorithm>
 #include <type_traits>
 
 namespace mixbeam {
 
 using Formulas = std::array<std::string, 3>;  ///< of components, of s and x along a member; empty: constants
+
+inline bool is_given(const Formulas& formula) {
+  return std::any_of(formula.begin(), formula.end(), [](const std::string& text) { return !text.empty(); });
+}
 
 /// What a vector is; those that belong to rotations keep their sign where a reflection turns it, and the other way
 /// around.
