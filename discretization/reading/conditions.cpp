@@ -68,11 +68,10 @@ const BoundList<Support> kSupportParameters = [] {
   support.bind(&Support::displacement_fixed,
                subset("Fixed Displacement", kAxisNames).by_default(Teuchos::Array<std::string>(kAxisNames)),
                "Directions in which the displacement is fixed or prescribed; {} for none.");
-  support.bind(
-      &Support::rotation_fixed,
-      subset("Fixed Rotation", kAxisNames).by_default(Teuchos::Array<std::string>(kAxisNames)),
-      "Axes about which the rotation is fixed or prescribed; {} for a ball joint, two of them for a hinge about "
-      "the third, one of them to fix that component of the rotation vector at zero.");
+  support.bind(&Support::rotation_fixed,
+               subset("Fixed Rotation", kAxisNames).by_default(Teuchos::Array<std::string>(kAxisNames)),
+               "Axes about which the rotation is fixed or prescribed; {} for a ball joint, two of them for a hinge "
+               "about the third, one of them to fix that component of the rotation vector at zero.");
   support.bind_by(
       [](Support& s, const ParameterValue& value) {
         const auto& given = std::get<Teuchos::Array<double>>(value);
@@ -83,7 +82,7 @@ const BoundList<Support> kSupportParameters = [] {
         held.insert(held.end(), s.axes[1].begin(), s.axes[1].end());
         return ParameterValue(held);
       },
-      array("Axes", ParameterType::real_array, 6).at_least(-kLargestCoordinate).at_most(kLargestCoordinate),
+      coordinates("Axes", 6),
       "Directions of the support's own axes x and y in global components, {x1, x2, x3, y1, y2, y3}, of any length; of "
       "y only the part normal to x counts, and z = x cross y. All other parameters of the support refer to these "
       "axes.");
@@ -105,16 +104,14 @@ std::ptrdiff_t number_of(const std::array<bool, 3>& fixed) { return std::count(f
 const BoundList<Joint> kJointParameters = [] {
   BoundList<Joint> joint(
       "A connection that is not rigid: each listed member ends in its own joint with the rest of what meets at the "
-      "point; "
-      "members not listed stay rigidly connected, and supports and loads of the point act on them.");
+      "point; members not listed stay rigidly connected, and supports and loads of the point act on them.");
   joint.bind(&Joint::point, text("Point").required(), "Name of the point.");
   joint.bind(&Joint::members, array("Members", ParameterType::text_array).required(),
              "Names of members that have one end at the point, like {strut 1, strut 2}" + kWildcard);
-  joint.bind(
-      &Joint::kind, text("Kind").required(),
-      "hinge: free rotation about Axis; ball: free rotation about any axis; slider: free translation along Axis, "
-      "no rotation.",
-      {{"hinge", JointKind::hinge}, {"ball", JointKind::ball}, {"slider", JointKind::slider}});
+  joint.bind(&Joint::kind, text("Kind").required(),
+             "hinge: free rotation about Axis; ball: free rotation about any axis; slider: free translation along "
+             "Axis, no rotation.",
+             {{"hinge", JointKind::hinge}, {"ball", JointKind::ball}, {"slider", JointKind::slider}});
   joint.bind(&Joint::axis, direction("Axis"),
              "hinge, slider: direction in the undeformed structure, in global components, of any length; it rotates "
              "with the members not listed.");
@@ -132,17 +129,13 @@ const BoundList<Joint> kJointParameters = [] {
 /// of axial ones (moments, curvatures).
 constexpr Vector3 kMirroredVector{1, 1, -1}, kMirroredAxial{-1, -1, 1};
 
-bool says_anything(const Formulas& formula) {
-  return std::any_of(formula.begin(), formula.end(), [](const std::string& text) { return !text.empty(); });
-}
-
 Vector3 product(const Vector3& a, const Vector3& b) { return {a[0] * b[0], a[1] * b[1], a[2] * b[2]}; }
 
 /// The image of a field under `turn`, which is linear.
 template <class Turn>
 void turn_field(const Turn& turn, Vector3& constant, Formulas& formula) {
   constant = turn(constant);
-  if (!says_anything(formula)) return;
+  if (!is_given(formula)) return;
   const std::array<Vector3, 3> images = {turn(Vector3{1, 0, 0}), turn(Vector3{0, 1, 0}), turn(Vector3{0, 0, 1})};
   Formulas turned;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -284,8 +277,8 @@ const BoundList<DistributedLoad> kDistributedLoadParameters = [] {
   load.bind(&DistributedLoad::couple, vector3("Couple").by_default(), "Moment per length [force].");
   load.bind(
       &DistributedLoad::force_formula, formulas("Force Formula"),
-      "Instead of Force: its components as formulas of s = arc length from the start of the member, x = s / "
-      "length, the place X, Y, Z of the undeformed member in global axes and stage = Stage, like {0, 0, -3*(1 - x)}.");
+      "Instead of Force: its components as formulas of s = arc length from the start of the member, x = s / length, "
+      "the place X, Y, Z of the undeformed member in global axes and stage = Stage, like {0, 0, -3*(1 - x)}.");
   load.bind(&DistributedLoad::couple_formula, formulas("Couple Formula"),
             "Instead of Couple: its components likewise.");
   load.bind(&DistributedLoad::frame, text("Frame").by_default(),
@@ -306,9 +299,9 @@ const BoundList<PointMass> kPointMassParameters = [] {
   BoundList<PointMass> body("Body at a point, rigidly joined to what meets there.");
   body.bind(&PointMass::point, text("Point").required(), "Name of the point" + kWildcard);
   body.bind(&PointMass::mass, real("Mass").at_least(0.0).by_default(), "Its mass, on which Gravity acts.");
-  body.bind(&PointMass::inertia, vector3("Inertia").at_least(0.0).by_default(),
-            "Moments of inertia about the global axes through the point, of the undeformed structure "
-            "[mass * length^2].");
+  body.bind(
+      &PointMass::inertia, vector3("Inertia").at_least(0.0).by_default(),
+      "Moments of inertia about the global axes through the point, of the undeformed structure [mass * length^2].");
   return body;
 }();
 
@@ -333,8 +326,7 @@ const BoundList<EigenstrainDraft> kEigenstrainParameters = [] {
               "With Temperature: axial strain for each degree [1 / kelvin].");
   const std::string table =
       ": columns element, s = arc length from the start of the member, 1, 2, 3; the lines of one element are values of "
-      "a "
-      "polynomial. Instead of ";
+      "a polynomial. Instead of ";
   strain.bind(&EigenstrainDraft::strain_file, text("Strain Table"),
               "File, relative to the folder of the scene" + table + "Strain and Strain Formula.");
   strain.bind(&EigenstrainDraft::curvature_file, text("Curvature Table"),
@@ -977,7 +969,7 @@ class ConditionReader {
         throw place[parameter].error("given beside \"" + other + "\"; allowed: one of the two");
     double length = curve_of(*members.front()).length;
     for (const Member* member : members) length = std::min(length, curve_of(*member).length);
-    const ImportTable table = field_table(list, parameter, place);
+    const ImportTable table = import_table(list, parameter, place, {"element", "s", "1", "2", "3"}, 5);
     FieldTable result;
     std::string element;
     table.for_each([&](const CsvRecord& record) {
@@ -1162,14 +1154,15 @@ void add_condition_lists(ListSpec& spec) {
            "what acts says by Case to which of them it belongs.");
   spec.add_list(
       "Combinations",
-      ListSpec("Load cases that act together, each with a factor, beside whatever belongs to no case; each "
-               "combination is solved by itself.")
-          .with_named_lists("combination", ListSpec("Factors of its load cases.")
-                                               .with_named_parameters(
-                                                   "case",
-                                                   real("").required().means("Factor of this load case, or, as "
-                                                                             "\"Stage 2\", of what acts in a stage."),
-                                                   1)),
+      ListSpec("Load cases that act together, each with a factor, beside whatever belongs to no case; each combination "
+               "is solved by itself.")
+          .with_named_lists(
+              "combination",
+              ListSpec("Factors of its load cases.")
+                  .with_named_parameters("case",
+                                         real("").required().means(
+                                             "Factor of this load case, or, as \"Stage 2\", of what acts in a stage."),
+                                         1)),
       Presence::optional);
   ListSpec gravity = kGravityParameters.spec;
   for (ParameterSpec& parameter : gravity.parameters)

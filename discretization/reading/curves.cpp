@@ -26,7 +26,7 @@ const std::map<std::string, std::vector<Form>> kForms = {{"line", {Form{}}},
 
 BoundList<CurveDraft> declared_curve_parameters() {
   BoundList<CurveDraft> draft("Undeformed centerline of the member, from its start point to its end point.");
-  draft.bind([](auto& d) -> auto& { return d.curve.shape; }, text("Shape").by_default(),
+  draft.bind(&CurveDraft::shape, text("Shape").by_default(),
              "line: straight; arc: part of a circle; helix: part of a circular helix; spline: smooth through given "
              "points; parametric: by formulas; polyline: lines through given corners, each of which becomes a member "
              "\"<member>[1]\", \"<member>[2]\", ..., rigidly joined.",
@@ -36,42 +36,33 @@ BoundList<CurveDraft> declared_curve_parameters() {
               {"spline", CurveShape::spline},
               {"parametric", CurveShape::parametric},
               {"polyline", CurveShape::line}});
+  draft.bind(&CurveDraft::center, bounded_vector("Center"),
+             "arc: centre of the circle; helix: a point of its axis [length].");
   draft.bind(
-      [](auto& d) -> auto& { return d.curve.center; }, bounded_vector("Center"),
-      "arc: centre of the circle; helix: a point of its axis [length].");
-  draft.bind(
-      [](auto& d) -> auto& { return d.curve.axis; }, direction("Axis"),
+      &CurveDraft::axis, direction("Axis"),
       "arc: normal of its plane; helix: direction of its axis; the curve turns right-handed about it (any length).");
-  draft.bind(
-      [](auto& d) -> auto& { return d.curve.angle; }, real("Angle").above(0.0).at_most(kLargestAngle),
-      "arc, helix: angle swept about the axis [radian].");
-  draft.bind(
-      [](auto& d) -> auto& { return d.curve.rise; },
-      real("Rise").at_least(-kLargestCoordinate).at_most(kLargestCoordinate),
-      "helix: rise along the axis over the whole angle, with sign [length].");
+  draft.bind(&CurveDraft::angle, real("Angle").above(0.0).at_most(kLargestAngle),
+             "arc, helix: angle swept about the axis [radian].");
+  draft.bind(&CurveDraft::rise, real("Rise").at_least(-kLargestCoordinate).at_most(kLargestCoordinate),
+             "helix: rise along the axis over the whole angle, with sign [length].");
   draft.bind(&CurveDraft::radius, real("Radius").above(0.0).at_most(kLargestCoordinate),
              "arc: with Axis, the arc of at most half a turn between the two points; with Axis, Start Tangent and "
              "Angle, the arc that leaves the start point in this direction [length].");
-  draft.bind(&CurveDraft::through,
-             array("Through", ParameterType::real_array).at_least(-kLargestCoordinate).at_most(kLargestCoordinate),
+  draft.bind(&CurveDraft::through_numbers, coordinates("Through"),
              "Coordinates of points between start and end, three for each: one point of an arc, the points of a "
              "spline, the corners of a polyline, which become points \"<member>[1]\", ... [length].");
   draft.bind(&CurveDraft::corner_names, array("Corners", ParameterType::text_array),
              "polyline: names of points between start and end, instead of Through.");
   draft.bind(
-      [](auto& d) -> auto& { return d.curve.end_tangents[0]; }, direction("Start Tangent"),
+      [](auto& d) -> auto& { return d.end_tangents[0]; }, direction("Start Tangent"),
       "arc with Radius: its direction at the start; spline: likewise, no curvature there if absent (any length).");
   draft.bind(
-      [](auto& d) -> auto& { return d.curve.end_tangents[1]; }, direction("End Tangent"),
+      [](auto& d) -> auto& { return d.end_tangents[1]; }, direction("End Tangent"),
       "spline: its direction at the end; no curvature there if absent (any length).");
   draft.bind(
-      [](auto& d) -> auto& { return d.curve.formula; },
-      array("Formula", ParameterType::text_array, 3).or_other("a formula"),
+      &CurveDraft::formula, array("Formula", ParameterType::text_array, 3).or_other("a formula"),
       "parametric: x, y and z as formulas of t, in global axes; the start point must be where they begin [length].");
-  draft.bind(
-      [](auto& d) -> auto& { return d.curve.range; },
-      array("Range", ParameterType::real_array, 2).at_least(-kLargestCoordinate).at_most(kLargestCoordinate),
-      "parametric: t at start and end; {0, 1} if absent.");
+  draft.bind(&CurveDraft::range, coordinates("Range", 2), "parametric: t at start and end; {0, 1} if absent.");
   draft.spec.with_forms("Shape", kForms);
   return draft;
 }
@@ -85,9 +76,9 @@ class CurveReader {
     const auto& shape = list_.get<std::string>("Shape");
     draft.is_polyline = shape == "polyline";
     if (shape == "arc") draft.arc = arc_definition(draft);
-    if (shape == "spline") draft.curve.through = positions(draft.through);
-    if (shape == "parametric") check_formula(draft.curve);
-    if (draft.is_polyline) draft.corners = positions(draft.through);
+    if (shape == "spline") draft.through = positions(draft.through_numbers);
+    if (shape == "parametric") check_formula(draft);
+    if (draft.is_polyline) draft.corners = positions(draft.through_numbers);
     return draft;
   }
 
@@ -108,7 +99,7 @@ class CurveReader {
     if (list_.isParameter("Center")) return std::nullopt;
     ArcDefinition arc;
     if (list_.isParameter("Through")) {
-      const std::vector<Vector3> points = positions(draft.through);
+      const std::vector<Vector3> points = positions(draft.through_numbers);
       if (points.size() != 1)
         throw error("Through", std::to_string(points.size()) + " points; allowed: one point for \"Shape\" = \"arc\"");
       arc.vector = points.front();
@@ -118,7 +109,7 @@ class CurveReader {
     arc.given = ArcDefinition::Given::radius;
     if (list_.isParameter("Start Tangent")) {
       arc.given = ArcDefinition::Given::tangent;
-      arc.vector = draft.curve.end_tangents[0];
+      arc.vector = draft.end_tangents[0];
     }
     return arc;
   }

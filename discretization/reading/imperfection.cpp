@@ -61,10 +61,9 @@ BoundList<ModeImperfection> mode_parameters() {
   BoundList<ModeImperfection> mode("A mode in which the structure as it was drawn buckles.");
   mode.bind(&ModeImperfection::mode, integer("Mode").at_least(1).at_most(100),
             "Number of the mode of linear buckling, by growing positive load factor.");
-  mode.bind(
-      &ModeImperfection::critical_point, integer("Critical Point").at_least(1).at_most(100),
-      "Instead of Mode: number of the limit point or bifurcation, counted from 1, on the path of the structure as "
-      "it was drawn, which is followed first; its mode with the sign that result files have.");
+  mode.bind(&ModeImperfection::critical_point, integer("Critical Point").at_least(1).at_most(100),
+            "Instead of Mode: number of the limit point or bifurcation, counted from 1, on the path of the structure "
+            "as it was drawn, which is followed first; its mode with the sign that result files have.");
   mode.bind(&ModeImperfection::amplitude, real("Amplitude").required(),
             "Largest displacement of a vertex, with a sign [length].");
   return mode;
@@ -148,7 +147,7 @@ class Imperfection {
   }
 
   void shift_by_table() {
-    const ImportTable table = offsets_table(list_, place_);
+    const ImportTable table = import_table(list_, "Points File", place_, {"dx", "dy", "dz", "name", "x", "y", "z"}, 3);
     Box box;
     for (const Point& point : scene_.points) box.enclose(point.position);
     const double tolerance = std::max(kSamePoint * box.diagonal(), kShortestLength);
@@ -244,9 +243,9 @@ ListSpec imperfection_spec() {
                 ListSpec("Modes of linear buckling, added to each other; they bend members of every shape.")
                     .with_named_lists("mode", mode_parameters().spec),
                 Presence::optional);
-  spec.add(text("Case"),
-           "With Modes: the load case or combination under which the structure buckles; needed where the "
-           "scene has some.");
+  spec.add(
+      text("Case"),
+      "With Modes: the load case or combination under which the structure buckles; needed where the scene has some.");
   return spec;
 }
 

@@ -165,8 +165,7 @@ bool import_blade(const Teuchos::ParameterList& import, const InputPlace& place,
   for (const std::string& section : names_of(read)) {
     if (sections.isParameter(section))
       throw place[parameter].error("section \"" + section +
-                                   "\" is in the list \"Sections\" already; allowed: names "
-                                   "that differ");
+                                   "\" is in the list \"Sections\" already; allowed: names that differ");
     sections.sublist(section) = read.sublist(section);
   }
   return true;
@@ -240,10 +239,9 @@ ListSpec import_spec() {
       "then stand in any order.");
   spec.add(text(kPointsFile), "Table of points: name, x, y, z; relative to the folder of the scene.");
   spec.add(text(kMembersFile), meaning_of_members_file());
-  spec.add(
-      text(kProfilesFile),
-      "Table of profiles beside those of the program: name, shape, and the dimensions of the shape in millimetres, "
-      "which the first line names as a section does.");
+  spec.add(text(kProfilesFile),
+           "Table of profiles beside those of the program: name, shape, and the dimensions of the shape in "
+           "millimetres, which the first line names as a section does.");
   for (const std::string& list : kImportedLists)
     spec.add(text(list + " File"), "Table of entries of the list " + list +
                                        ": name, and any of the parameters of an entry, which the first line names" +
@@ -406,11 +404,10 @@ ProfileFinder profile_finder(const Teuchos::ParameterList& scene_list, const Inp
     if (found == catalogue.names.end()) {
       std::vector<std::string> names;
       for (const auto& [key, name] : catalogue.names) names.push_back(name);
-      throw place["Profile"].error(
-          "value \"" + excerpt(wanted) +
-          "\" is not in the catalogue; allowed: IPE, HEA, HEB, CHS, SHS, RHS with their sizes, and "
-          "the names of \"Profiles File\"" +
-          did_you_mean(wanted, names));
+      throw place["Profile"].error("value \"" + excerpt(wanted) +
+                                   "\" is not in the catalogue; allowed: IPE, HEA, HEB, CHS, SHS, RHS with their "
+                                   "sizes, and the names of \"Profiles File\"" +
+                                   did_you_mean(wanted, names));
     }
     const double unit = millimetres_of(units, place["Profile"]);
     Teuchos::ParameterList whole = section;
@@ -426,20 +423,13 @@ ProfileFinder profile_finder(const Teuchos::ParameterList& scene_list, const Inp
   };
 }
 
-ImportTable offsets_table(const Teuchos::ParameterList& list, const InputPlace& place) {
-  return {table_of(list, kPointsFile, place), {"dx", "dy", "dz", "name", "x", "y", "z"}, 3, place.source()};
-}
-
-ImportTable stations_table(const Teuchos::ParameterList& list, const InputPlace& place) {
-  return {table_of(list, "Table", place), {"position", "section", "twist", "offset 2", "offset 3"}, 2, place.source()};
-}
-
-ImportTable field_table(const Teuchos::ParameterList& list, const std::string& parameter, const InputPlace& place) {
-  return {table_of(list, parameter, place), {"element", "s", "1", "2", "3"}, 5, place.source()};
+ImportTable import_table(const Teuchos::ParameterList& list, const std::string& parameter, const InputPlace& place,
+                         const std::vector<std::string>& columns, std::size_t required) {
+  return {table_of(list, parameter, place), columns, required, place.source()};
 }
 
 ImportTable points_table(const Teuchos::ParameterList& list, const InputPlace& place) {
-  return {table_of(list, kPointsFile, place), {kNameColumn, "x", "y", "z"}, 4, place.source()};
+  return import_table(list, kPointsFile, place, {kNameColumn, "x", "y", "z"}, 4);
 }
 
 ImportTable members_table(const Teuchos::ParameterList& list, const InputPlace& place) {
@@ -447,7 +437,7 @@ ImportTable members_table(const Teuchos::ParameterList& list, const InputPlace& 
   columns.insert(columns.begin(), kNameColumn);
   const std::size_t required = columns.size();
   for (std::string& column : member_columns(true)) columns.push_back(std::move(column));
-  return {table_of(list, kMembersFile, place), columns, required, place.source()};
+  return import_table(list, kMembersFile, place, columns, required);
 }
 
 double imported_number(const ImportTable& table, const CsvRecord& record, const std::string& column,

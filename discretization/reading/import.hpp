@@ -69,14 +69,13 @@ void import_entries(Teuchos::ParameterList& scene_list, ParameterSource& source,
 ProfileFinder profile_finder(const Teuchos::ParameterList& scene_list, const InputPlace& scene,
                              const std::string& units);
 
-/// The table that a parameter of the list "Import" (of offsets: "Imperfection") names: a text that the source has under
-/// this name, otherwise a file relative to the folder of the scene file.
+/// The table that a parameter names: a text that the source has under this name, otherwise a file relative to the
+/// folder of the scene file. Columns as ImportTable takes them.
+ImportTable import_table(const Teuchos::ParameterList& list, const std::string& parameter, const InputPlace& place,
+                         const std::vector<std::string>& columns, std::size_t required);
+/// Those of the list "Import".
 ImportTable points_table(const Teuchos::ParameterList& list, const InputPlace& place);
 ImportTable members_table(const Teuchos::ParameterList& list, const InputPlace& place);
-ImportTable stations_table(const Teuchos::ParameterList& list, const InputPlace& place);
-ImportTable offsets_table(const Teuchos::ParameterList& list, const InputPlace& place);
-/// Of an eigenstrain along its member, by "Strain Table" or "Curvature Table".
-ImportTable field_table(const Teuchos::ParameterList& list, const std::string& parameter, const InputPlace& place);
 
 /// A cell as a number, 0 where it is empty. Without `variables` it is a number, no formula.
 double imported_number(const ImportTable& table, const CsvRecord& record, const std::string& column,

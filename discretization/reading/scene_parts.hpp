@@ -30,11 +30,10 @@ std::vector<Section> read_sections(const Teuchos::ParameterList& sections, const
                                    const ProfileFinder& profile);
 
 /// A curve as it was written; some follow only when the positions of their ends are known.
-struct CurveDraft {
-  Curve curve{};
+struct CurveDraft : Curve {
   std::optional<ArcDefinition> arc{};  ///< an arc without centre or angle
   double radius = 0.0;
-  std::vector<double> through{};  ///< three coordinates for each point
+  std::vector<double> through_numbers{};  ///< three coordinates for each point
   bool is_polyline = false;
   std::vector<Vector3> corners{};           ///< polyline: positions of its inner corners ...
   std::vector<std::string> corner_names{};  ///< ... or their names

@@ -22,7 +22,6 @@
 #include <array>
 #include <cctype>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <map>
 #include <numeric>
@@ -100,26 +99,21 @@ const BoundList<SectionStations>& section_stations_parameters() {
     BoundList<SectionStations> stations(
         "Sections of a straight member at places along it, in place of Section: it becomes members \"<member>[1]\", "
         "\"<member>[2]\", ... between them, as a polyline does, each with a taper from one section to the next.");
-    const auto numbers = [](const std::string& name) {
-      return array(name, ParameterType::real_array).at_least(-kLargestCoordinate).at_most(kLargestCoordinate);
-    };
-    stations.bind(&SectionStations::position, numbers("Position"),
+    stations.bind(&SectionStations::position, coordinates("Position"),
                   "Places from 0 to 1, or to the length of the member; ascending.");
     stations.bind(&SectionStations::section, array("Section", ParameterType::text_array),
                   "Name of the section at each.");
-    stations.bind(
-        &SectionStations::twist, numbers("Twist"),
-        "Angle by which the section is turned there about the line from start to end, from Second Axis [radian]; "
-        "0 if absent.");
+    stations.bind(&SectionStations::twist, coordinates("Twist"),
+                  "Angle by which the section is turned there about the line from start to end, from Second Axis "
+                  "[radian]; 0 if absent.");
     for (std::size_t i = 0; i < 2; ++i)
       stations.bind(
-          [i](auto& s) -> auto& { return s.offset[i]; }, numbers("Offset " + std::to_string(i + 2)),
+          [i](auto& s) -> auto& { return s.offset[i]; }, coordinates("Offset " + std::to_string(i + 2)),
           "How far the axis of the member lies there from that line, along axis " + std::to_string(i + 2) +
               " without twist [length]; 0 if absent.");
-    stations.bind(
-        &SectionStations::table, text("Table"),
-        "CSV with these columns in place of them: position, section, twist, offset 2, offset 3; relative to the "
-        "folder of the scene.");
+    stations.bind(&SectionStations::table, text("Table"),
+                  "CSV with these columns in place of them: position, section, twist, offset 2, offset 3; relative to "
+                  "the folder of the scene.");
     return stations;
   }();
   return parameters;
@@ -153,23 +147,19 @@ BoundList<Member> declared_member_parameters() {
   member.bind(&Member::keeps_second_axis, boolean("Keep Second Axis"),
               "True: Second Axis holds at every place of a curve, not at its start alone, from where it is carried.");
   member
-      .bind(
-          &Member::second_axis_from,
-          array("Second Axis From", ParameterType::real_array, 6)
-              .at_least(-kLargestCoordinate)
-              .at_most(kLargestCoordinate),
-          "A point of a line and its direction, in place of Second Axis: section axis 2 points away from that line at "
-          "every place, as the normal of a cylinder about it does.")
+      .bind(&Member::second_axis_from, coordinates("Second Axis From", 6),
+            "A point of a line and its direction, in place of Second Axis: section axis 2 points away from that line "
+            "at every place, as the normal of a cylinder about it does.")
       .not_compared();
   member
       .bind(&Member::twist, real("Twist").at_least(-kLargestAngle).at_most(kLargestAngle),
             "Pre-twist: angle by which the section turns about the tangent from start to end [radian].")
       .compared_within(kSameTwist);
   for (const std::string end : {"Start", "End"})
-    member.spec.add(bounded_vector(end + " Offset"),
-                    "Vector from the point " + end +
-                        " to where the axis of the member begins or ends: a rigid arm, which "
-                        "turns with the point [length].");
+    member.spec.add(
+        bounded_vector(end + " Offset"),
+        "Vector from the point " + end +
+            " to where the axis of the member begins or ends: a rigid arm, which turns with the point [length].");
   member.spec.add_list("Curve", curve_parameters().spec, Presence::optional);
   member.spec.add_list("Section Stations", section_stations_parameters().spec, Presence::optional);
   return member;
@@ -185,7 +175,8 @@ SectionStations read_section_stations(const Teuchos::ParameterList& list, const 
   if (!stations.table.empty()) {
     for (const std::string name : {"Position", "Section", "Twist", "Offset 2", "Offset 3"})
       if (list.isParameter(name)) throw place[name].error("given beside \"Table\"; allowed: one of the two");
-    const ImportTable table = stations_table(list, place);
+    const ImportTable table =
+        import_table(list, "Table", place, {"position", "section", "twist", "offset 2", "offset 3"}, 2);
     table.for_each([&](const CsvRecord& record) {
       stations.position.push_back(imported_number(table, record, "position", &variables));
       stations.section.push_back(table.cell(record, "section"));
@@ -362,9 +353,8 @@ class SceneReader {
     for (std::size_t i = 0; i < declared_points_; ++i) {
       if (point_touched_[i]) continue;
       const InputPlace place = place_["Points"][scene_.points[i].name];
-      place.source().keep(
-          place.error("unused: no member, imported or copied ones included, starts or ends here; allowed: points of "
-                      "members"));
+      place.source().keep(place.error(
+          "unused: no member, imported or copied ones included, starts or ends here; allowed: points of members"));
     }
   }
 
@@ -428,7 +418,7 @@ class SceneReader {
         continue;
       }
       if (draft.arc) open_arcs_.emplace(scene_.members.size(), *draft.arc);
-      member.curve = std::move(draft.curve);
+      member.curve = std::move(static_cast<Curve&>(draft));
       add_member(std::move(member), {false, i});
     }
   }
@@ -508,8 +498,7 @@ class SceneReader {
     const auto known = point_index_.find(end);
     if (known == point_index_.end())
       throw place.error("the position of point \"" + excerpt(end) +
-                        "\" follows from a curve; allowed: at points of the list "
-                        "\"Points\" or of a table");
+                        "\" follows from a curve; allowed: at points of the list \"Points\" or of a table");
     const std::string which = at_start ? "start" : "end";
     Member arm;
     arm.name = which + " arm of " + member.name;
@@ -930,10 +919,9 @@ ListSpec scene_spec() {
   spec.add(real("Accuracy").above(kBestAccuracy).below(1.0),
            "Wanted error of displacements over the largest of them, at the end of the path: order and number of "
            "elements are chosen for every member that does not give them itself.");
-  spec.add(
-      text("Accuracy Of"),
-      "With Accuracy: name of an entry of the list Quantities whose error over its size counts in place of that of "
-      "displacements, or stress: the largest von Mises stress.");
+  spec.add(text("Accuracy Of"),
+           "With Accuracy: name of an entry of the list Quantities whose error over its size counts in place of that "
+           "of displacements, or stress: the largest von Mises stress.");
   spec.add(text("Units"),
            "Units of length and force, as \"m, N\": words for the labels of pictures and for reports. Nothing is "
            "converted but the dimensions of a Profile.");

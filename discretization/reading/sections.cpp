@@ -84,11 +84,7 @@ BoundList<StressPoints> stress_points_parameters() {
   stress.bind(&StressPoints::strength, real("Strength").above(0.0),
               "Admissible von Mises stress [force / length^2]; the report then states the utilisation.");
   stress.bind_named(&StressPoints::points, "Points", "The points; at least one.", "point",
-                    array("", ParameterType::real_array, 2)
-                        .at_least(-kLargestCoordinate)
-                        .at_most(kLargestCoordinate)
-                        .required()
-                        .means("Coordinates along axes 2 and 3, from the centroid [length]."),
+                    coordinates("", 2).required().means("Coordinates along axes 2 and 3, from the centroid [length]."),
                     &StressPoints::Place::name, &StressPoints::Place::at);
   stress.spec.add_list(
       "Recovery",
@@ -191,26 +187,23 @@ const BoundList<SectionDraft> kSectionParameters = [] {
                    "table Profiles File of the list Import; with Material, and Units of the scene.");
   bind_stiffnesses(section);
   bind_shape(section);
-  section.bind(
-      &SectionDraft::matrix, array("Matrix", ParameterType::real_array).at_least(-std::numeric_limits<double>::max()),
-      "Stiffness of a coupled section in the order EA, GA2, GA3, GIt, EI2, EI3: all 36 entries or the 21 of the "
-      "upper triangle, row by row; symmetric and positive definite.");
-  section.bind(
-      &SectionDraft::mass, real("Mass").at_least(0.0),
-      "Mass per length of a section given by stiffnesses or Matrix, for the list Gravity and for Modes (Density "
-      "of Material of one given by Shape).");
+  section.bind(&SectionDraft::matrix,
+               array("Matrix", ParameterType::real_array).at_least(-std::numeric_limits<double>::max()),
+               "Stiffness of a coupled section in the order EA, GA2, GA3, GIt, EI2, EI3: all 36 entries or the 21 of "
+               "the upper triangle, row by row; symmetric and positive definite.");
+  section.bind(&SectionDraft::mass, real("Mass").at_least(0.0),
+               "Mass per length of a section given by stiffnesses or Matrix, for the list Gravity and for Modes "
+               "(Density of Material of one given by Shape).");
   section.bind(&SectionDraft::rotary_inertia, array("Rotary Inertia", ParameterType::real_array, 3).at_least(0.0),
                "With Mass: moments of inertia per length about axes 1, 2 and 3 through the centre of mass, for Modes; "
                "zero if absent (those of one given by Shape follow from Density) [mass * length].");
+  section.bind(&SectionDraft::inertia_product, real("Inertia Product"),
+               "Integral of density times x2 x3, with Rotary Inertia, over the section, from the centre of mass; zero "
+               "if absent [mass * length].");
   section.bind(
-      &SectionDraft::inertia_product, real("Inertia Product"),
-      "Integral of density times x2 x3, with Rotary Inertia, over the section, from the centre of mass; zero if "
-      "absent [mass * length].");
-  section.bind(
-      &SectionDraft::mass_offset,
-      array("Mass Offset", ParameterType::real_array, 2).at_least(-kLargestCoordinate).at_most(kLargestCoordinate),
-      "With Mass: place of the centre of mass along axes 2 and 3, for Modes; zero if absent. Weight acts on "
-      "the axis all the same [length].");
+      &SectionDraft::mass_offset, coordinates("Mass Offset", 2),
+      "With Mass: place of the centre of mass along axes 2 and 3, for Modes; zero if absent. Weight acts on the axis "
+      "all the same [length].");
   section.bind_list(&SectionDraft::damping, "Damping", damping_parameters(), Presence::optional);
   section.bind_list(&SectionDraft::stress_points, "Stress Points", stress_points_parameters(), Presence::optional);
   section.bind_list(&SectionDraft::drawn_as, "Drawn As", drawn_as_parameters(), Presence::optional);
@@ -219,10 +212,9 @@ const BoundList<SectionDraft> kSectionParameters = [] {
   section.bind(&SectionDraft::shear_rigid, boolean("Shear Rigid").by_default(),
                "True: no shear strain, sections stay normal to the axis; GA2 and GA3 must then not be given, and their "
                "rows of Matrix do not count.");
-  section.bind(
-      &SectionDraft::largest_strain, real("Largest Strain").above(0.0).by_default(),
-      "A run warns of larger strains, of the axis or at the edge of the section: the linear law is hardly valid "
-      "there. Eigenstrains do not count.");
+  section.bind(&SectionDraft::largest_strain, real("Largest Strain").above(0.0).by_default(),
+               "A run warns of larger strains, of the axis or at the edge of the section: the linear law is hardly "
+               "valid there. Eigenstrains do not count.");
   return section;
 }();
 
@@ -279,8 +271,8 @@ class SectionReader {
     section.mass_offset = draft_.mass_offset.value_or(section.mass_offset);
     if (!is_inertia(section.rotary_inertia))
       throw error("Rotary Inertia",
-                  "one of the three is larger than the sum of the others, which no body has; "
-                  "allowed: for flat sections {J2 + J3, J2, J3}");
+                  "one of the three is larger than the sum of the others, which no body has; allowed: for flat "
+                  "sections {J2 + J3, J2, J3}");
     section.inertia_product = draft_.inertia_product.value_or(0.0);
     const double product = section.inertia_product;
     if (product * product > section.rotary_inertia[1] * section.rotary_inertia[2] * (1.0 + kRoundedProduct))
@@ -416,8 +408,8 @@ class SectionReader {
     const std::size_t count = draft_.matrix.size();
     if (count != kMatrixSize && count != kTriangleSize) {
       throw error("Matrix", std::to_string(count) +
-                                " entries; allowed: 36, row by row, or the 21 of the upper triangle, row by "
-                                "row, in the order EA, GA2, GA3, GIt, EI2, EI3");
+                                " entries; allowed: 36, row by row, or the 21 of the upper triangle, row by row, in "
+                                "the order EA, GA2, GA3, GIt, EI2, EI3");
     }
     Matrix6 matrix{};
     auto next = draft_.matrix.begin();

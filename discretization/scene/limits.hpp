@@ -15,6 +15,11 @@ inline constexpr double kLargestAngle = 1e6;
 /// Below that relative errors of displacements are those of rounding.
 inline constexpr double kBestAccuracy = 1e-12;
 
+/// Coordinates, a fixed number of them or any.
+inline ParameterSpec coordinates(const std::string& name, int count = 0) {
+  return array(name, ParameterType::real_array, count).at_least(-kLargestCoordinate).at_most(kLargestCoordinate);
+}
+
 /// A position.
 inline ParameterSpec bounded_vector(const std::string& name) {
   return vector3(name).at_least(-kLargestCoordinate).at_most(kLargestCoordinate);
