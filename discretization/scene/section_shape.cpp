@@ -18,9 +18,14 @@ constexpr double kZeta5 = 1.03692775514336992633;  // Riemann's zeta function at
 /// Stresses of unit forces go with the third power, and what searches for the largest with the eighth.
 constexpr double kSmallestLength = 1e-30, kLargestLength = 1e30;
 
+/// "the wall thickness is 3; allowed: at most 2"
+void require_size(bool is_allowed, const std::string& name, double value, const std::string& allowed) {
+  require(is_allowed, name + " is " + shortest(value) + "; allowed: " + allowed);
+}
+
 void require_length(double value, const std::string& name) {
-  require(value >= kSmallestLength && value <= kLargestLength,
-          name + " is " + shortest(value) + "; allowed: a length > 0, from 1e-30 to 1e30 in the unit of the scene");
+  require_size(value >= kSmallestLength && value <= kLargestLength, name, value,
+               "a length > 0, from 1e-30 to 1e30 in the unit of the scene");
 }
 
 double square(double x) { return x * x; }
@@ -158,8 +163,8 @@ SectionGeometry box_geometry(const SectionShape& s, double nu) {
 /// Within half of the smaller of two lengths.
 void check_fillet(double radius, const std::string& name, double length, double other) {
   const double most = 0.5 * std::min(length, other);
-  require(radius >= 0.0 && radius <= most, name + " is " + shortest(radius) + "; allowed: from 0 to " + shortest(most) +
-                                               ", where it meets the next one");
+  require_size(radius >= 0.0 && radius <= most, name, radius,
+               "from 0 to " + shortest(most) + ", where it meets the next one");
 }
 
 /// Of T, L and U. A rectangle carries the shear force along its longer side.
@@ -185,53 +190,49 @@ void check_dimensions(const SectionShape& s) {
   if (!round) require_length(s.size3, "the height");
   if (s.kind == SectionShapeKind::tube) {
     require_length(s.wall, "the wall thickness");
-    require(2.0 * s.wall <= s.size2, "the wall thickness is " + shortest(s.wall) + "; allowed: at most half of the " +
-                                         "diameter " + shortest(s.size2));
+    require_size(2.0 * s.wall <= s.size2, "the wall thickness", s.wall,
+                 "at most half of the diameter " + shortest(s.size2));
   }
   if (s.kind == SectionShapeKind::box) {
     require_length(s.wall, "the wall thickness");
     const double smaller = std::min(s.size2, s.size3);
-    require(2.0 * s.wall < smaller, "the wall thickness is " + shortest(s.wall) +
-                                        "; allowed: less than half of the smaller dimension " + shortest(smaller));
+    require_size(2.0 * s.wall < smaller, "the wall thickness", s.wall,
+                 "less than half of the smaller dimension " + shortest(smaller));
     check_fillet(s.fillet, "the corner radius", s.size2, s.size3);
     check_fillet(s.inner_fillet, "the inner radius", s.size2 - 2.0 * s.wall, s.size3 - 2.0 * s.wall);
   }
   if (s.kind == SectionShapeKind::l_section) {
     require_length(s.wall, "the wall thickness");
     const double most = 0.5 * std::min(s.size2, s.size3);
-    require(s.wall <= most, "the wall thickness is " + shortest(s.wall) + "; allowed: at most " + shortest(most) +
-                                ", half of the shorter leg");
+    require_size(s.wall <= most, "the wall thickness", s.wall,
+                 "at most " + shortest(most) + ", half of the shorter leg");
   }
   if (s.kind == SectionShapeKind::t_section || s.kind == SectionShapeKind::u_section) {
     require_length(s.wall, "the flange thickness");
     require_length(s.web, "the web thickness");
     const double most = s.kind == SectionShapeKind::t_section ? 0.5 * s.size3 : s.size3 / 3.0;
-    require(s.wall <= most, "the flange thickness is " + shortest(s.wall) + "; allowed: at most " + shortest(most) +
-                                ", so that the web is longer");
-    require(s.web <= 0.5 * s.size2, "the web thickness is " + shortest(s.web) +
-                                        "; allowed: at most half of the width " + "of the flanges " +
-                                        shortest(s.size2));
+    require_size(s.wall <= most, "the flange thickness", s.wall,
+                 "at most " + shortest(most) + ", so that the web is longer");
+    require_size(s.web <= 0.5 * s.size2, "the web thickness", s.web,
+                 "at most half of the width of the flanges " + shortest(s.size2));
   }
   if (s.kind == SectionShapeKind::i_section) {
     require_length(s.wall, "the flange thickness");
     require_length(s.web, "the web thickness");
-    require(2.0 * s.wall < s.size3, "the flange thickness is " + shortest(s.wall) + "; allowed: less than half of " +
-                                        "the height " + shortest(s.size3));
-    require(s.web <= s.size2, "the web thickness is " + shortest(s.web) + "; allowed: at most the width of the " +
-                                  "flanges " + shortest(s.size2));
+    require_size(2.0 * s.wall < s.size3, "the flange thickness", s.wall,
+                 "less than half of the height " + shortest(s.size3));
+    require_size(s.web <= s.size2, "the web thickness", s.web, "at most the width of the flanges " + shortest(s.size2));
     check_fillet(s.fillet, "the fillet", s.size2 - s.web, s.size3 - 2.0 * s.wall);
   }
 }
 
 void check_material(const SectionShape& s) {
   const auto positive = [](double value) { return std::isfinite(value) && value > 0.0; };
-  require(positive(s.youngs_modulus), "Young's modulus is " + shortest(s.youngs_modulus) + "; allowed: > 0");
-  require(s.poisson_ratio > -1.0 && s.poisson_ratio <= 0.5,
-          "Poisson's ratio is " + shortest(s.poisson_ratio) + "; allowed: -1 < nu <= 0.5");
-  if (s.shear_modulus)
-    require(positive(*s.shear_modulus), "the shear modulus is " + shortest(*s.shear_modulus) + "; allowed: > 0");
+  require_size(positive(s.youngs_modulus), "Young's modulus", s.youngs_modulus, "> 0");
+  require_size(s.poisson_ratio > -1.0 && s.poisson_ratio <= 0.5, "Poisson's ratio", s.poisson_ratio, "-1 < nu <= 0.5");
+  if (s.shear_modulus) require_size(positive(*s.shear_modulus), "the shear modulus", *s.shear_modulus, "> 0");
   for (const auto& factor : s.shear_correction)
-    if (factor) require(positive(*factor), "a shear correction factor is " + shortest(*factor) + "; allowed: > 0");
+    if (factor) require_size(positive(*factor), "a shear correction factor", *factor, "> 0");
 }
 
 /// Dimensions far from 1 overflow in their fourth powers.
