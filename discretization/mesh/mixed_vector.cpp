@@ -170,17 +170,27 @@ KernelView<double*> MixedVector::view_of(DofVector& v) {
   return KernelView<double*>(local.data(), local.extent(0));
 }
 
+/// this_i = action(this_i, other_i)
+template <class Action>
+void MixedVector::combine_with(const MixedVector& other, const Action& action) {
+  const Sources in[2] = {other.vertex(), other.interior_}, old[2] = {std::as_const(*this).vertex(), interior_};
+  const Entries out[2] = {writable_vertex(false), writable_interior(false)};
+  for (int part = 0; part < 2; ++part) {
+    const Entries y = out[part];
+    const Sources x = in[part], own = old[part];
+    for_each_entry(
+        "mixbeam::vector::combine", y.extent(0), KOKKOS_LAMBDA(size_t i) { y(i) = action(own(i), x(i)); });
+  }
+}
+
 void MixedVector::fill(double value) {
   if (value == 0.0) {
     vertex_dofs_ = zero_vertices_of(*pool_, vertex_dofs_->getMap());
     interior_ = zeros_of(*pool_, interior_.extent(0));
     return;
   }
-  for (const Entries& part : {writable_vertex(false), writable_interior(false)}) {
-    const Entries y = part;
-    for_each_entry(
-        "mixbeam::vector::fill", y.extent(0), KOKKOS_LAMBDA(size_t i) { y(i) = value; });
-  }
+  combine_with(
+      *this, KOKKOS_LAMBDA(double, double) { return value; });
 }
 
 void MixedVector::assign(const MixedVector& other) {
@@ -189,14 +199,8 @@ void MixedVector::assign(const MixedVector& other) {
 }
 
 void MixedVector::scale(double factor) {
-  const Sources old[2] = {std::as_const(*this).vertex(), interior_};
-  const Entries out[2] = {writable_vertex(false), writable_interior(false)};
-  for (int part = 0; part < 2; ++part) {
-    const Entries y = out[part];
-    const Sources x = old[part];
-    for_each_entry(
-        "mixbeam::vector::scale", y.extent(0), KOKKOS_LAMBDA(size_t i) { y(i) = factor * x(i); });
-  }
+  combine_with(
+      *this, KOKKOS_LAMBDA(double own, double) { return factor * own; });
 }
 
 void MixedVector::update(double a, const MixedVector& x, double gamma) {
@@ -219,19 +223,6 @@ void MixedVector::update(double a, const MixedVector& x, double b, const MixedVe
           if (b != 0.0) value += b * q(i);
           z(i) = value;
         });
-  }
-}
-
-/// this_i = action(this_i, other_i)
-template <class Action>
-void MixedVector::combine_with(const MixedVector& other, const Action& action) {
-  const Sources in[2] = {other.vertex(), other.interior_}, old[2] = {std::as_const(*this).vertex(), interior_};
-  const Entries out[2] = {writable_vertex(false), writable_interior(false)};
-  for (int part = 0; part < 2; ++part) {
-    const Entries y = out[part];
-    const Sources x = in[part], own = old[part];
-    for_each_entry(
-        "mixbeam::vector::combine", y.extent(0), KOKKOS_LAMBDA(size_t i) { y(i) = action(own(i), x(i)); });
   }
 }
 
