@@ -13,7 +13,17 @@ using vector_algebra::to_array;
 
 constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
 
-Vector3 turned(const PointSample& sample, const Vec3<double>& v) { return to_array(rotation_matrix(sample.triad) * v); }
+using Part = Vec3<double> PointSample::*;
+
+template <Part part>
+Vector3 own(const PointSample& sample, const MeshMember&) {
+  return to_array(sample.*part);
+}
+/// From the axes of the section to global ones.
+template <Part part>
+Vector3 turned(const PointSample& sample, const MeshMember&) {
+  return to_array(rotation_matrix(sample.triad) * (sample.*part));
+}
 
 QuantityKind along_members(const char* name, QuantitySource source, const char* unit,
                            Vector3 (*field)(const PointSample&, const MeshMember&),
@@ -43,58 +53,45 @@ QuantityKind of_structure(const char* name, const char* unit, double (*value)(co
 
 std::vector<QuantityKind> all_kinds() {
   using S = PointSample;
-  using M = MeshMember;
   using Largest = LargestStresses;
   using State = QuantityState;
   const QuantitySource motion = QuantitySource::motion, section = QuantitySource::section;
-  return {
-      along_members(
-          "displacement", motion, "L", [](const S& s, const M&) { return to_array(s.displacement); },
-          &MemberSamples::displacement),
-      along_members(
-          "position", motion, "L", [](const S& s, const M&) { return to_array(s.position); }, &MemberSamples::position),
-      along_members("rotation", motion, "rad",
-                    [](const S& s, const M& m) {
-                      return to_array(log_quaternion(s.triad * conjugate(m.curve.triad(s.arc_length))));
+  return {along_members("displacement", motion, "L", own<&S::displacement>, &MemberSamples::displacement),
+          along_members("position", motion, "L", own<&S::position>, &MemberSamples::position),
+          along_members("rotation", motion, "rad",
+                        [](const S& s, const MeshMember& m) {
+                          return to_array(log_quaternion(s.triad * conjugate(m.curve.triad(s.arc_length))));
+                        }),
+          along_members("material force", section, "F", own<&S::force>, &MemberSamples::material_force),
+          along_members("material moment", section, "F L", own<&S::moment>, &MemberSamples::material_moment),
+          along_members("material strain", section, "", own<&S::force_strain>, &MemberSamples::force_strain),
+          along_members("material curvature", section, "1/L", own<&S::moment_strain>, &MemberSamples::moment_strain),
+          along_members("spatial force", section, "F", turned<&S::force>),
+          along_members("spatial moment", section, "F L", turned<&S::moment>),
+          along_members("spatial strain", section, "", turned<&S::force_strain>),
+          along_members("spatial curvature", section, "1/L", turned<&S::moment_strain>),
+          {"triad", QuantitySource::triad, ""},
+          stress_of("normal stress", "F/L\u00b2", [](const Largest& s, double) { return s.normal.value; }),
+          stress_of("shear stress", "F/L\u00b2", [](const Largest& s, double) { return s.shear.value; }),
+          stress_of("von Mises stress", "F/L\u00b2", [](const Largest& s, double) { return s.von_mises.value; }),
+          stress_of("utilisation", "",
+                    [](const Largest& s, double strength) {
+                      return strength > 0.0 ? s.von_mises.value / strength : kNotKnown;
                     }),
-      along_members(
-          "material force", section, "F", [](const S& s, const M&) { return to_array(s.force); },
-          &MemberSamples::material_force),
-      along_members(
-          "material moment", section, "F L", [](const S& s, const M&) { return to_array(s.moment); },
-          &MemberSamples::material_moment),
-      along_members(
-          "material strain", section, "", [](const S& s, const M&) { return to_array(s.force_strain); },
-          &MemberSamples::force_strain),
-      along_members(
-          "material curvature", section, "1/L", [](const S& s, const M&) { return to_array(s.moment_strain); },
-          &MemberSamples::moment_strain),
-      along_members("spatial force", section, "F", [](const S& s, const M&) { return turned(s, s.force); }),
-      along_members("spatial moment", section, "F L", [](const S& s, const M&) { return turned(s, s.moment); }),
-      along_members("spatial strain", section, "", [](const S& s, const M&) { return turned(s, s.force_strain); }),
-      along_members("spatial curvature", section, "1/L",
-                    [](const S& s, const M&) { return turned(s, s.moment_strain); }),
-      {"triad", QuantitySource::triad, ""},
-      stress_of("normal stress", "F/L\u00b2", [](const Largest& s, double) { return s.normal.value; }),
-      stress_of("shear stress", "F/L\u00b2", [](const Largest& s, double) { return s.shear.value; }),
-      stress_of("von Mises stress", "F/L\u00b2", [](const Largest& s, double) { return s.von_mises.value; }),
-      stress_of(
-          "utilisation", "",
-          [](const Largest& s, double strength) { return strength > 0.0 ? s.von_mises.value / strength : kNotKnown; }),
-      reaction_of("reaction force", "F", &RecordedReaction::force),
-      reaction_of("reaction moment", "F L", &RecordedReaction::moment),
-      {"distance", QuantitySource::between, "L"},
-      {"angle", QuantitySource::between, "rad"},
-      {"length", QuantitySource::length, "L"},
-      of_structure("strain energy", "F L", [](const State& at) { return at.energy.force + at.energy.moment; }),
-      of_structure("force energy", "F L", [](const State& at) { return at.energy.force; }),
-      of_structure("moment energy", "F L", [](const State& at) { return at.energy.moment; }),
-      of_structure("load factor", "", [](const State& at) { return at.load_factor; }),
-      of_structure("jumps", "", [](const State& at) { return static_cast<double>(at.jumps); }),
-      of_structure("negative eigenvalues", "",
-                   [](const State& at) { return at.negative < 0 ? kNotKnown : static_cast<double>(at.negative); }),
-      {"natural frequency", QuantitySource::mode, ""},
-      {"formula", QuantitySource::formula, ""}};
+          reaction_of("reaction force", "F", &RecordedReaction::force),
+          reaction_of("reaction moment", "F L", &RecordedReaction::moment),
+          {"distance", QuantitySource::between, "L"},
+          {"angle", QuantitySource::between, "rad"},
+          {"length", QuantitySource::length, "L"},
+          of_structure("strain energy", "F L", [](const State& at) { return at.energy.force + at.energy.moment; }),
+          of_structure("force energy", "F L", [](const State& at) { return at.energy.force; }),
+          of_structure("moment energy", "F L", [](const State& at) { return at.energy.moment; }),
+          of_structure("load factor", "", [](const State& at) { return at.load_factor; }),
+          of_structure("jumps", "", [](const State& at) { return static_cast<double>(at.jumps); }),
+          of_structure("negative eigenvalues", "",
+                       [](const State& at) { return at.negative < 0 ? kNotKnown : static_cast<double>(at.negative); }),
+          {"natural frequency", QuantitySource::mode, ""},
+          {"formula", QuantitySource::formula, ""}};
 }
 
 }  // namespace
