@@ -116,12 +116,13 @@ ResultTable sample_table(const std::string& name, std::size_t columns, const Sam
   });
 }
 
-template <class Field>
-ResultTable field_table(const std::string& name, const SampledMembers& members, Field field) {
-  constexpr std::size_t columns = std::tuple_size_v<
-      typename std::decay_t<decltype(std::declval<MemberSamples>().*std::declval<Field>())>::value_type>;
-  return sample_table(name, columns, members, [field](const MemberSamples& member, std::size_t sample, double* row) {
-    std::copy_n((member.*field)[sample].data(), columns, row);
+/// A field of numbers, or of rows of them.
+template <class Row>
+ResultTable field_table(const std::string& name, const SampledMembers& members,
+                        std::vector<Row> MemberSamples::*field) {
+  constexpr std::size_t kColumns = sizeof(Row) / sizeof(double);
+  return sample_table(name, kColumns, members, [field](const MemberSamples& member, std::size_t sample, double* row) {
+    std::copy_n(reinterpret_cast<const double*>(&(member.*field)[sample]), kColumns, row);
   });
 }
 
@@ -177,24 +178,18 @@ RowShare share_of_samples(const SampledMembers& members) {
 }
 
 void add_fields(const std::string& group, const SampledMembers& members, std::vector<ResultTable>& tables) {
-  tables.push_back(field_table(group + "position", members, &MemberSamples::position));
-  tables.push_back(field_table(group + "displacement", members, &MemberSamples::displacement));
-  tables.push_back(field_table(group + "triad", members, &MemberSamples::triad));
-  tables.push_back(field_table(group + "force_strain", members, &MemberSamples::force_strain));
-  tables.push_back(field_table(group + "moment_strain", members, &MemberSamples::moment_strain));
-  tables.push_back(field_table(group + "material_force", members, &MemberSamples::material_force));
-  tables.push_back(field_table(group + "material_moment", members, &MemberSamples::material_moment));
+  const auto add = [&](const char* name, auto field) { tables.push_back(field_table(group + name, members, field)); };
+  add("position", &MemberSamples::position);
+  add("displacement", &MemberSamples::displacement);
+  add("triad", &MemberSamples::triad);
+  add("force_strain", &MemberSamples::force_strain);
+  add("moment_strain", &MemberSamples::moment_strain);
+  add("material_force", &MemberSamples::material_force);
+  add("material_moment", &MemberSamples::material_moment);
   tables.push_back(spatial_table(group + "spatial_force", members, &MemberSamples::material_force));
   tables.push_back(spatial_table(group + "spatial_moment", members, &MemberSamples::material_moment));
   for (std::size_t i = 0; i < 3; ++i)
     tables.push_back(triad_table(group + "triad_" + std::to_string(i + 1), members, i));
-}
-
-ResultTable scalar_table(const std::string& name, const SampledMembers& members,
-                         std::vector<double> MemberSamples::*field) {
-  return sample_table(name, 1, members, [field](const MemberSamples& member, std::size_t sample, double* row) {
-    *row = (member.*field)[sample];
-  });
 }
 
 /// In the order of kStressNames.
@@ -296,7 +291,7 @@ std::vector<ResultTable> tables_of_step(const StepRecord& record, RankNumber ran
   add_fields(group, record.members, tables);
   const std::vector<std::string> stresses = stresses_of_step(record);
   for (std::size_t i = 0; i < stresses.size(); ++i)
-    tables.push_back(scalar_table(group + stresses[i], record.members, kStresses[i]));
+    tables.push_back(field_table(group + stresses[i], record.members, kStresses[i]));
   for (std::size_t i = 0; i < record.critical_points.size(); ++i) {
     const RecordedCriticalPoint& point = record.critical_points[i];
     const std::string inside = group + "critical_points/" + std::to_string(i) + "/";

@@ -32,6 +32,12 @@ auto reading(const fs::path& path, const Read& read) {
   });
 }
 
+/// Reads a step of the file with read(its group).
+template <class Read>
+auto reading_step(const fs::path& path, const std::string& name, const Read& read) {
+  return reading(path, [&](hid_t file) { return read(hdf5::open_group(hdf5::open_group(file, "steps"), name)); });
+}
+
 /// Requires a series of every run that has come as far as to a step.
 void require_own_series(const fs::path& path, const std::vector<MonitoredSeries>& monitor) {
   for (const std::string& name : kOwnTimeSeries)
@@ -97,21 +103,15 @@ void StoredRun::complete(const std::vector<MonitoredSeries>& series) {
 }
 
 StateSnapshot StoredRun::state(std::size_t position) const {
-  return reading(path_, [&](hid_t file) {
-    return read_state(hdf5::open_group(hdf5::open_group(file, "steps"), groups_.at(position)));
-  });
+  return reading_step(path_, groups_.at(position), read_state);
 }
 
 std::vector<RecordedCriticalPoint> StoredRun::critical_points(std::size_t position) const {
-  return reading(path_, [&](hid_t file) {
-    return read_critical_points(hdf5::open_group(hdf5::open_group(file, "steps"), groups_.at(position)));
-  });
+  return reading_step(path_, groups_.at(position), read_critical_points);
 }
 
 std::optional<RecordedJump> StoredRun::jump(std::size_t position) const {
-  return reading(path_, [&](hid_t file) {
-    return read_jump(hdf5::open_group(hdf5::open_group(file, "steps"), groups_.at(position)));
-  });
+  return reading_step(path_, groups_.at(position), read_jump);
 }
 
 }  // namespace mixbeam
