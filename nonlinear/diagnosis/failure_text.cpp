@@ -181,18 +181,15 @@ class Adviser {
   }
   void smaller_rotation() {
     const double now = parameters_.newton.maximum_rotation;
-    add(AdviceKind::smaller_rotation,
-        "A smaller \"Maximum Rotation\" in \"Newton\": " + number(0.5 * now) + " (now " + number(now) + ").");
+    add_smaller(AdviceKind::smaller_rotation, "\"Maximum Rotation\" in \"Newton\"", 0.5 * now, now);
   }
   void smaller_first_step() {
     const double now = parameters_.load_path.initial_step;
-    add(AdviceKind::smaller_first_step,
-        "A smaller \"Initial Step\" in \"Load Path\": " + number(0.1 * now) + " (now " + number(now) + ").");
+    add_smaller(AdviceKind::smaller_first_step, "\"Initial Step\" in \"Load Path\"", 0.1 * now, now);
   }
   void smaller_minimum_step() {
     const double now = report_.minimum_step;
-    add(AdviceKind::smaller_minimum_step,
-        "A smaller \"Minimum Step\" in \"Load Path\": " + number(0.01 * now) + " (now " + number(now) + ").");
+    add_smaller(AdviceKind::smaller_minimum_step, "\"Minimum Step\" in \"Load Path\"", 0.01 * now, now);
   }
   /// Whether the steps permitted have brought the path next to nowhere: more of them will not do.
   bool crawls() const { return !has_lost_stability() && report_.last_load_factor < kShareOfACrawl * report_.stages; }
@@ -272,6 +269,9 @@ class Adviser {
   }
 
   void add(AdviceKind kind, const std::string& text) { advice.push_back({kind, text}); }
+  void add_smaller(AdviceKind kind, const std::string& parameter, double value, double now) {
+    add(kind, "A smaller " + parameter + ": " + number(value) + " (now " + number(now) + ").");
+  }
 
   /// ", where point "tip" moves along (0, 1, 0)", of the mode nearest to zero.
   std::string of_mode() const {
@@ -284,47 +284,42 @@ class Adviser {
   const SolverParameters& parameters_;
 };
 
-using Advising = void (Adviser::*)();
-/// The most promising first.
-const std::map<FailureCause, std::vector<Advising>> kAdvice = {
-    {FailureCause::load_not_finite, {&Adviser::correct_load}},
-    {FailureCause::steps_used_up, {&Adviser::jump, &Adviser::more_steps}},
-    {FailureCause::mechanism, {&Adviser::add_support}},
-    {FailureCause::end_angle, {&Adviser::more_elements, &Adviser::smaller_minimum_step}},
+/// A cause in words, and what to try, the most promising first.
+struct Remedy {
+  const char* words;
+  std::vector<void (Adviser::*)()> advice;
+};
+using A = Adviser;
+const std::map<FailureCause, Remedy> kRemedies = {
+    {FailureCause::load_not_finite, {"a load or prescribed motion is not finite there", {&A::correct_load}}},
+    {FailureCause::steps_used_up, {"more steps are needed than are permitted", {&A::jump, &A::more_steps}}},
+    {FailureCause::mechanism, {"the structure is a mechanism: it can move without strain", {&A::add_support}}},
+    {FailureCause::end_angle,
+     {"elements are too long for the rotations in them", {&A::more_elements, &A::smaller_minimum_step}}},
     {FailureCause::critical_point,
-     {&Adviser::hold_neutral_motion, &Adviser::prescribe_displacement, &Adviser::jump, &Adviser::add_imperfection,
-      &Adviser::smaller_minimum_step, &Adviser::stay_below}},
-    {FailureCause::overflow, {&Adviser::check_units, &Adviser::smaller_first_step, &Adviser::check_sections}},
-    {FailureCause::linear_solver, {&Adviser::check_sections, &Adviser::check_units, &Adviser::smaller_first_step}},
+     {"a critical point: the load cannot grow from here (limit point), or the structure buckles (bifurcation)",
+      {&A::prescribe_displacement, &A::jump, &A::add_imperfection, &A::smaller_minimum_step, &A::stay_below}}},
+    {FailureCause::overflow,
+     {"numbers beyond the range of double precision", {&A::check_units, &A::smaller_first_step, &A::check_sections}}},
+    {FailureCause::linear_solver,
+     {"the linear equations are too ill-conditioned to be solved",
+      {&A::check_sections, &A::check_units, &A::smaller_first_step}}},
     {FailureCause::path_lost,
-     {&Adviser::jump, &Adviser::prescribe_displacement, &Adviser::smaller_minimum_step, &Adviser::smaller_first_step,
-      &Adviser::stay_below}},
+     {"the path continues from here, but not to the end of the stage",
+      {&A::jump, &A::prescribe_displacement, &A::smaller_minimum_step, &A::smaller_first_step, &A::stay_below}}},
     {FailureCause::incompatible,
-     {&Adviser::finite_stiffness, &Adviser::smaller_minimum_step, &Adviser::more_elements, &Adviser::stay_below}},
-    {FailureCause::taut, {&Adviser::finite_stiffness}},
-    {FailureCause::slow,
-     {&Adviser::jump, &Adviser::more_iterations, &Adviser::smaller_minimum_step, &Adviser::smaller_rotation,
-      &Adviser::more_elements}},
-    {FailureCause::wandering,
-     {&Adviser::jump, &Adviser::smaller_minimum_step, &Adviser::more_elements, &Adviser::smaller_rotation,
-      &Adviser::more_iterations, &Adviser::smaller_first_step}}};
-
-const std::map<FailureCause, const char*> kWords = {
-    {FailureCause::load_not_finite, "a load or prescribed motion is not finite there"},
-    {FailureCause::steps_used_up, "more steps are needed than are permitted"},
-    {FailureCause::mechanism, "the structure is a mechanism: it can move without strain"},
-    {FailureCause::end_angle, "elements are too long for the rotations in them"},
-    {FailureCause::critical_point,
-     "a critical point: the load cannot grow from here (limit point), or the structure buckles (bifurcation)"},
-    {FailureCause::overflow, "numbers beyond the range of double precision"},
-    {FailureCause::linear_solver, "the linear equations are too ill-conditioned to be solved"},
-    {FailureCause::path_lost, "the path continues from here, but not to the end of the stage"},
-    {FailureCause::incompatible,
-     "imposed strains or motions are incompatible with members that are inextensible or shear rigid, or nearly so"},
+     {"imposed strains or motions are incompatible with members that are inextensible or shear rigid, or nearly so",
+      {&A::finite_stiffness, &A::smaller_minimum_step, &A::more_elements, &A::stay_below}}},
     {FailureCause::taut,
-     "a straight member that cannot stretch is held at both ends: no finite axial force carries a load across it"},
-    {FailureCause::slow, "Newton's method was converging, but had too few iterations"},
-    {FailureCause::wandering, "Newton's method did not converge from the last equilibrium to the next"}};
+     {"a straight member that cannot stretch is held at both ends: no finite axial force carries a load across it",
+      {&A::finite_stiffness}}},
+    {FailureCause::slow,
+     {"Newton's method was converging, but had too few iterations",
+      {&A::jump, &A::more_iterations, &A::smaller_minimum_step, &A::smaller_rotation, &A::more_elements}}},
+    {FailureCause::wandering,
+     {"Newton's method did not converge from the last equilibrium to the next",
+      {&A::jump, &A::smaller_minimum_step, &A::more_elements, &A::smaller_rotation, &A::more_iterations,
+       &A::smaller_first_step}}}};
 
 }  // namespace
 
@@ -336,7 +331,7 @@ std::vector<Advice> advice_for(const FailureReport& report, const BeamProblem& p
     to.check_sections();
   }
   if (report.cause != FailureCause::overflow) to.separate_stages();
-  for (const Advising advice : kAdvice.at(report.cause)) (to.*advice)();
+  for (const auto advice : kRemedies.at(report.cause).advice) (to.*advice)();
   return to.advice;
 }
 
@@ -349,7 +344,7 @@ std::string text_of(const FailureReport& report) {
   write_angles(out, report);
   write_springs(out, report);
   write_tangent(out, report);
-  out << "Most likely: " << kWords.at(report.cause) << ".\n";
+  out << "Most likely: " << kRemedies.at(report.cause).words << ".\n";
   out << "What to try, in this order:\n";
   for (std::size_t i = 0; i < report.next.size(); ++i) out << "  " << i + 1 << ". " << report.next[i].text << "\n";
   return out.str();
