@@ -37,22 +37,17 @@ class ScaledInverse {
 
   DofVector create_vector() const { return DofVector(matrix_->getDomainMap()); }
 
-  void apply(const DofVector& x, DofVector& y) const {
-    DofVector scaled(x, Teuchos::Copy);
-    scaled.elementWiseMultiply(1.0, column_scale_, x, 0.0);
-    DofVector solution = create_vector();
-    transposed_inverse_->solve(scaled, solution);
-    y.elementWiseMultiply(1.0, row_sum_, solution, 0.0);
-  }
-  void apply_transposed(const DofVector& x, DofVector& y) const {
-    DofVector scaled(x, Teuchos::Copy);
-    scaled.elementWiseMultiply(1.0, row_sum_, x, 0.0);
-    DofVector solution = create_vector();
-    inverse_->solve(scaled, solution);
-    y.elementWiseMultiply(1.0, column_scale_, solution, 0.0);
-  }
+  void apply(const DofVector& x, DofVector& y) const { solve(*transposed_inverse_, column_scale_, row_sum_, x, y); }
+  void apply_transposed(const DofVector& x, DofVector& y) const { solve(*inverse_, row_sum_, column_scale_, x, y); }
 
  private:
+  void solve(LinearSolver& inverse, const DofVector& before, const DofVector& behind, const DofVector& x,
+             DofVector& y) const {
+    DofVector scaled(x, Teuchos::Copy), solution = create_vector();
+    scaled.elementWiseMultiply(1.0, before, x, 0.0);
+    inverse.solve(scaled, solution);
+    y.elementWiseMultiply(1.0, behind, solution, 0.0);
+  }
   void fill_scales(double length) {
     const auto local = matrix_->getLocalMatrixHost();
     const auto columns = matrix_->getColMap();
