@@ -64,12 +64,11 @@ const BoundList<AnalysisParameters> kAnalysisParameters = [] {
                 "\"Branch Component\"; where these are not given, in its mean displacement over the structure (the "
                 "first component x, y, z that is nearly the largest), or that of the first half of a member.",
                 {{"primary", Branch::primary}, {"positive", Branch::positive}, {"negative", Branch::negative}});
-  analysis.bind(
-      &AnalysisParameters::snap, text("Snap").by_default(),
-      "Where the stable path ends or turns unstable: follow: the path, through unstable states; jump: down the "
-      "total potential to a stable state at the next load, for dead forces and prescribed motions. Each jump is "
-      "reported, with its load and the energy that it releases.",
-      {{"follow", Snap::follow}, {"jump", Snap::jump}});
+  analysis.bind(&AnalysisParameters::snap, text("Snap").by_default(),
+                "Where the stable path ends or turns unstable: follow: the path, through unstable states; jump: down "
+                "the total potential to a stable state at the next load, for dead forces and prescribed motions. Each "
+                "jump is reported, with its load and the energy that it releases.",
+                {{"follow", Snap::follow}, {"jump", Snap::jump}});
   analysis.spec.add(text("Branch Point"), "Name of the point whose displacement is positive on the positive branch.");
   analysis.spec.add(choice("Branch Component", {"x", "y", "z"}), "Component of that displacement; default: y.");
   analysis.bind(
@@ -80,12 +79,11 @@ const BoundList<AnalysisParameters> kAnalysisParameters = [] {
                 "Estimate the discretization error of the state at the end of the path, for about two Newton "
                 "iterations; auto: in structures of at most 100,000 elements.",
                 {{"auto", ErrorEstimation::automatic}, {"on", ErrorEstimation::on}, {"off", ErrorEstimation::off}});
-  analysis.bind(
-      &AnalysisParameters::stresses, text("Stresses").by_default(),
-      "Compute the largest normal, shear and von Mises stress along members whose section is given by Shape and "
-      "Material, and look at strains (Largest Strain); auto: at the end of the path, in structures of at most "
-      "20,000 elements.",
-      {{"auto", StressesOf::automatic}, {"every step", StressesOf::every_step}, {"off", StressesOf::none}});
+  analysis.bind(&AnalysisParameters::stresses, text("Stresses").by_default(),
+                "Compute the largest normal, shear and von Mises stress along members whose section is given by Shape "
+                "and Material, and look at strains (Largest Strain); auto: at the end of the path, in structures of at "
+                "most 20,000 elements.",
+                {{"auto", StressesOf::automatic}, {"every step", StressesOf::every_step}, {"off", StressesOf::none}});
   analysis.bind_list(&AnalysisParameters::modes, "Modes", modes_parameters(), Presence::optional);
   analysis.bind_list(&AnalysisParameters::control, "Control", control_parameters(), Presence::optional);
   const Form with_branch{{}, {"Branch Point", "Branch Component"}};
@@ -96,86 +94,80 @@ const BoundList<AnalysisParameters> kAnalysisParameters = [] {
 /// A direction that is perpendicular to another one but for rounding.
 constexpr double kNoFreedom = 1e-12;
 
-void require_point(const std::string& name, const Scene& scene, const ParameterSource& source,
-                   const ParameterPath& path) {
+void require_point(const std::string& name, const Scene& scene, const InputPlace& place) {
   std::vector<std::string> points;
   for (const Point& point : scene.points) points.push_back(point.name);
   if (std::find(points.begin(), points.end(), name) == points.end())
-    throw source.error(
-        path, "value \"" + name + "\" is no point of the scene; did you mean \"" + nearest_name(name, points) + "\"?");
+    throw place.error("value \"" + name + "\" is no point of the scene; did you mean \"" + nearest_name(name, points) +
+                      "\"?");
 }
 
 /// A component that a support leaves no freedom cannot be controlled.
-void require_free(const MonitoredComponent& control, const Scene& scene, const ParameterSource& source,
-                  const ParameterPath& path) {
+void require_free(const MonitoredComponent& control, const Scene& scene, const InputPlace& place) {
   for (const Support& support : scene.supports) {
     if (support.point != control.point) continue;
     double freedom = 0.0;
     for (int i = 0; i < 3; ++i)
       if (!support.displacement_fixed[i]) freedom = std::max(freedom, std::abs(support.axes[i][control.component]));
     if (freedom <= kNoFreedom)
-      throw source.error(path, "value \"" + std::string(1, "xyz"[control.component]) +
-                                   "\", but a support fixes it at \"" + control.point +
-                                   "\"; allowed: a displacement that is free (a point that is moved " +
-                                   "has a \"Prescribed Displacement\")");
+      throw place.error("value \"" + std::string(1, "xyz"[control.component]) + "\", but a support fixes it at \"" +
+                        control.point + "\"; allowed: a displacement that is free (a point that is moved " +
+                        "has a \"Prescribed Displacement\")");
   }
 }
 
 /// The load factor is the unknown of a controlled displacement: something must grow with it, in every load case.
-void require_loads(const Scene& scene, const ParameterSource& source, const ParameterPath& path) {
+void require_loads(const Scene& scene, const InputPlace& place) {
   std::vector<std::string> cases = alternatives(scene);
   if (cases.empty()) cases.emplace_back();
   for (const std::string& name : cases) {
     if (!anything_acts(scene_of_case(scene, name)))
-      throw source.error(path,
-                         "given, but nothing acts" + (name.empty() ? "" : " in \"" + name + "\"") +
-                             "; allowed: with loads, whose factor is then found (a force at the point, say), or " +
-                             "\"Prescribed Displacement\" of a support in its place");
+      throw place.error("given, but nothing acts" + (name.empty() ? "" : " in \"" + name + "\"") +
+                        "; allowed: with loads, whose factor is then found (a force at the point, say), or " +
+                        "\"Prescribed Displacement\" of a support in its place");
   }
 }
 
 /// Reads the displacement that is positive on the positive branch.
 std::optional<MonitoredComponent> read_branch_point(const Teuchos::ParameterList& list, const Scene& scene,
-                                                    const ParameterSource& source, const ParameterPath& path) {
+                                                    const InputPlace& place) {
   if (!list.isParameter("Branch Point") && list.isParameter("Branch Component"))
-    throw source.error(child(path, "Branch Component"), "given without \"Branch Point\"");
+    throw place["Branch Component"].error("given without \"Branch Point\"");
   if (!list.isParameter("Branch Point")) return std::nullopt;
   MonitoredComponent branch{list.get<std::string>("Branch Point"), 1, 0.0};
   for (const auto& [word, component] : kComponents)
     if (list.isParameter("Branch Component") && list.get<std::string>("Branch Component") == word)
       branch.component = component;
-  require_point(branch.point, scene, source, child(path, "Branch Point"));
+  require_point(branch.point, scene, place["Branch Point"]);
   return branch;
 }
 
 /// Linear buckling takes stresses that grow with the loads, and a plane has no frame.
-void require_rest(const AnalysisParameters& parameters, const ParameterSource& source, const ParameterPath& path) {
+void require_rest(const AnalysisParameters& parameters, const InputPlace& place) {
   if (parameters.buckling_modes > 0)
-    throw source.error(
-        child(path, "Buckling Modes"),
-        "given, but in \"Rotating Frame\" loads grow with the square of the load factor; allowed: without "
-        "one of them (the path itself meets critical speeds)");
+    throw place["Buckling Modes"].error(
+        "given, but in \"Rotating Frame\" loads grow with the square of the load factor; allowed: "
+        "without one of them (the path itself meets critical speeds)");
   if (parameters.modes.in_plane)
-    throw source.error(child(child(path, "Modes"), "In Plane"),
-                       "value true with \"Rotating Frame\"; allowed: false (its modes are those in space)");
+    throw place["Modes"]["In Plane"].error(
+        "value true with \"Rotating Frame\"; allowed: false (its modes are those in space)");
 }
 
 constexpr size_t kMostLoadFactors = 1000;
 /// Load factors that differ by less are one: the path stops there to rounding.
 constexpr double kSameFactor = 1e-12;
 
-void require_load_factors(const AnalysisParameters& parameters, const Scene& scene, const ParameterSource& source,
-                          const ParameterPath& path) {
+void require_load_factors(const AnalysisParameters& parameters, const Scene& scene, const InputPlace& place) {
   const std::vector<double>& given = parameters.modes.load_factors;
   const std::string range = "0 to " + std::to_string(scene.stages);
   if (!given.empty() && parameters.control)
-    throw source.error(path, "given with \"Control\", where the load factor is an unknown; allowed: \"At\" alone");
+    throw place.error("given with \"Control\", where the load factor is an unknown; allowed: \"At\" alone");
   if (given.size() > kMostLoadFactors)
-    throw source.error(
-        path, "has " + std::to_string(given.size()) + " entries; allowed: up to " + std::to_string(kMostLoadFactors));
+    throw place.error("has " + std::to_string(given.size()) + " entries; allowed: up to " +
+                      std::to_string(kMostLoadFactors));
   for (const double one : given)
     if (!(one <= scene.stages))
-      throw source.error(path, "value " + shortest(one) + " is no load factor of the path; allowed: " + range);
+      throw place.error("value " + shortest(one) + " is no load factor of the path; allowed: " + range);
 }
 
 }  // namespace
@@ -192,17 +184,17 @@ AnalysisParameters read_analysis_parameters(Teuchos::ParameterList& list, const 
                                             const ParameterSource& source, const ParameterPath& path) {
   validate(list, kAnalysisParameters.spec, source, path);
   AnalysisParameters parameters = kAnalysisParameters.read(list);
-  const ParameterPath control = child(path, "Control");
-  if (parameters.control) require_point(parameters.control->point, scene, source, child(control, "Point"));
+  const InputPlace place(source, path), control = place["Control"];
+  if (parameters.control) require_point(parameters.control->point, scene, control["Point"]);
   if (parameters.control && scene.stages > 1)
-    throw source.error(control, "given, but the scene has " + std::to_string(scene.stages) + " stages; allowed: one");
-  if (parameters.control) require_free(*parameters.control, scene, source, child(control, "Component"));
-  if (parameters.control) require_loads(scene, source, control);
-  parameters.branch_point = read_branch_point(list, scene, source, path);
-  require_load_factors(parameters, scene, source, child(child(path, "Modes"), "Load Factors"));
-  if (!scene.rotating_frames.empty()) require_rest(parameters, source, path);
+    throw control.error("given, but the scene has " + std::to_string(scene.stages) + " stages; allowed: one");
+  if (parameters.control) require_free(*parameters.control, scene, control["Component"]);
+  if (parameters.control) require_loads(scene, control);
+  parameters.branch_point = read_branch_point(list, scene, place);
+  require_load_factors(parameters, scene, place["Modes"]["Load Factors"]);
+  if (!scene.rotating_frames.empty()) require_rest(parameters, place);
   if (parameters.branch != Branch::primary && !parameters.stability.value_or(true))
-    throw source.error(child(path, "Branch"), "given, but bifurcations are not looked for with \"Stability\" = false");
+    throw place["Branch"].error("given, but bifurcations are not looked for with \"Stability\" = false");
   return parameters;
 }
 

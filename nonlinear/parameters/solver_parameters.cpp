@@ -45,8 +45,8 @@ BoundList<LoadPathParameters> load_path_parameters() {
   path.bind(&LoadPathParameters::maximum_step, real("Maximum Step").above(0.0).at_most(1.0).by_default(),
             "automatic, adaptive: largest size.");
   path.bind(&LoadPathParameters::maximum_steps, integer("Maximum Steps").at_least(1).at_most(kMostSteps).by_default(),
-            "The run ends after this many steps; fixed: after as many on top of those that \"Steps\" asks for, "
-            "which failed ones and shorter ones take.");
+            "The run ends after this many steps; fixed: after as many on top of those that \"Steps\" asks for, which "
+            "failed ones and shorter ones take.");
   path.bind(&LoadPathParameters::aggressiveness, real("Aggressiveness").at_least(0.0).at_most(1.0).by_default(),
             "adaptive: how fast steps grow; a step that takes no iteration lengthens the next one by this share.");
   const Form with_size{{}, {"Initial Step", "Minimum Step", "Maximum Step", "Aggressiveness"}};
@@ -74,21 +74,19 @@ BoundList<LinearSolverParameters> linear_parameters() {
       &LinearSolverParameters::method, choice("Method", {"automatic", "chains", "iterative", "KLU2"}).by_default(),
       "automatic: chains, and iterative where factors of a network would take too much memory, or more time from a "
       "stable state; chains: elements in a row are condensed to the ends of their chain in parallel; the remaining "
-      "system is solved by KLU2 where it has "
-      "few loops, as L D L^T by MUMPS where it is a network; iterative: the remaining system is solved by conjugate "
-      "gradients with coarse spaces, and of stability only its sign at the end of each stage is "
-      "determined; KLU2: sparse direct solver of Amesos2 for the whole matrix. "
-      "Of several ranks all make the factors of large networks, rank 0 makes those of everything else.");
+      "system is solved by KLU2 where it has few loops, as L D L^T by MUMPS where it is a network; iterative: the "
+      "remaining system is solved by conjugate gradients with coarse spaces, and of stability only its sign at the end "
+      "of each stage is determined; KLU2: sparse direct solver of Amesos2 for the whole matrix. Of several ranks all "
+      "make the factors of large networks, rank 0 makes those of everything else.");
   linear.bind(&LinearSolverParameters::residual_tolerance,
               real("Residual Tolerance").above(0.0).below(1.0).by_default(),
               "A solve counts as failed if |b - A x| / (|A| |x| + |b|) is larger.");
   linear.spec.had_once("Precision");
-  linear.bind(
-      &LinearSolverParameters::force_stiffness_cap,
-      real("Force Stiffness Cap").at_least(1e3).at_most(1e14).by_default(),
-      "Force stiffness in the tangent (never in the residual) is cut off at this number times the larger of EI / L^2 "
-      "and the forces at work, less where elements are shorter than 1e-4 of L, up to 1000 times as much in networks; "
-      "results do not depend on it.");
+  linear.bind(&LinearSolverParameters::force_stiffness_cap,
+              real("Force Stiffness Cap").at_least(1e3).at_most(1e14).by_default(),
+              "Force stiffness in the tangent (never in the residual) is cut off at this number times the larger of EI "
+              "/ L^2 and the forces at work, less where elements are shorter than 1e-4 of L, up to 1000 times as much "
+              "in networks; results do not depend on it.");
   return linear;
 }
 
@@ -219,20 +217,15 @@ const BoundList<SolverParameters> kSolverParameters = [] {
 }();
 
 /// Checks the three sizes; the default of the first follows the bounds.
-void check_steps(LoadPathParameters& parameters, const ParameterList& list, const ParameterSource& source,
-                 const ParameterPath& path) {
-  if (parameters.minimum_step > parameters.maximum_step) {
-    throw source.error(child(path, "Minimum Step"),
-                       "value " + shortest(parameters.minimum_step) +
-                           "; allowed: at most \"Maximum Step\" = " + shortest(parameters.maximum_step));
-  }
+void check_steps(LoadPathParameters& parameters, const ParameterList& list, const InputPlace& place) {
+  if (parameters.minimum_step > parameters.maximum_step)
+    throw place["Minimum Step"].error("value " + shortest(parameters.minimum_step) +
+                                      "; allowed: at most \"Maximum Step\" = " + shortest(parameters.maximum_step));
   const double nearest = std::clamp(parameters.initial_step, parameters.minimum_step, parameters.maximum_step);
-  if (is_given(list, "Initial Step") && parameters.initial_step != nearest) {
-    throw source.error(child(path, "Initial Step"),
-                       "value " + shortest(parameters.initial_step) +
-                           "; allowed: from \"Minimum Step\" = " + shortest(parameters.minimum_step) +
-                           " to \"Maximum Step\" = " + shortest(parameters.maximum_step));
-  }
+  if (is_given(list, "Initial Step") && parameters.initial_step != nearest)
+    throw place["Initial Step"].error("value " + shortest(parameters.initial_step) +
+                                      "; allowed: from \"Minimum Step\" = " + shortest(parameters.minimum_step) +
+                                      " to \"Maximum Step\" = " + shortest(parameters.maximum_step));
   parameters.initial_step = nearest;
 }
 
@@ -278,24 +271,20 @@ std::string problem_of_status_tests(const ParameterList& tests) {
   return "";
 }
 
-RCP<ParameterList> given_status_tests(const ParameterList& list, const ParameterSource& source,
-                                      const ParameterPath& path) {
-  RCP<ParameterList> tests = given_list(list, "Status Tests");
-  const std::string problem = tests.is_null() ? "" : problem_of_status_tests(*tests);
-  if (!problem.empty()) throw source.error(child(path, "Status Tests"), "NOX refuses this list: " + problem);
-  return tests;
-}
-
 }  // namespace
 
 ListSpec solver_spec() { return kSolverParameters.spec; }
 
 SolverParameters read_solver_parameters(ParameterList& list, const ParameterSource& source, const ParameterPath& path) {
   validate(list, kSolverParameters.spec, source, path);
+  const InputPlace place(source, path);
   SolverParameters parameters = kSolverParameters.read(list);
-  check_steps(parameters.load_path, list.sublist("Load Path"), source, child(path, "Load Path"));
+  check_steps(parameters.load_path, list.sublist("Load Path"), place["Load Path"]);
   parameters.nox = given_list(list, "NOX");
-  parameters.status_tests = given_status_tests(list, source, path);
+  parameters.status_tests = given_list(list, "Status Tests");
+  const std::string refusal =
+      parameters.status_tests.is_null() ? "" : problem_of_status_tests(*parameters.status_tests);
+  if (!refusal.empty()) throw place["Status Tests"].error("NOX refuses this list: " + refusal);
   parameters.loca = given_list(list, "LOCA");
   // LOCA's own parameters are for LOCA's stepper
   if (!parameters.loca.is_null() && parameters.load_path.method == LoadPathMethod::automatic)
