@@ -116,12 +116,10 @@ std::set<int> attached_vertices(const Scene& scene, const Mesh& mesh) {
   return attached;
 }
 
-double end_value_of(int j, int end) { return end == 1 || j % 2 == 0 ? 1.0 : -1.0; }
-
 /// phi_e of theory (12).
 Vec end_rotation(const ElementView& element, int end) {
   Vec psi{{0.0, 0.0, 0.0}};
-  for (int j = 1; j < element.order(); ++j) psi += end_value_of(j, end) * element.relative_rotation(j);
+  for (int j = 1; j < element.order(); ++j) psi += end_value(end, j) * element.relative_rotation(j);
   return log_quaternion(conjugate(element.triad() * exp_quaternion(psi)) * element.end_triad(end));
 }
 
@@ -445,7 +443,7 @@ class RestShapeFinder {
       for (int j = 0; j <= k; ++j)
         for (int c = 0; c < 3; ++c) {
           double moment = row[element.layout().moment(j) + c];
-          if (is_first) moment -= end_value_of(j, 0) * member.end_turns[0][c];
+          if (is_first) moment -= end_value(0, j) * member.end_turns[0][c];
           if (is_last) moment -= member.end_turns[1][c];
           curvature[c] += (2 * j + 1) / element.length() * P[j] * moment;
         }
