@@ -2,16 +2,14 @@
 #include "apps/common/studies/study.hpp"
 #include "apps/common/studies/variants.hpp"
 #include "apps/common/tables/formatted.hpp"
+#include "discretization/state/sampling.hpp"
 #include "discretization/text/errors.hpp"
 #include "kernels/math/gauss.hpp"
 #include "kernels/math/legendre.hpp"
 #include "kernels/math/vector_algebra.hpp"
 
-#include <Teuchos_CommHelpers.hpp>
-
 #include <algorithm>
 #include <cmath>
-#include <ostream>
 
 namespace mixbeam {
 
@@ -123,53 +121,13 @@ Vec3<double> offset_of_paper(const Simulation& simulation) {
   return offset;
 }
 
-/// The displacement along a computed arc as the polynomials that it is, away from the simulation, to be compared with
-/// that of another mesh. Complete on every rank.
-class DisplacementField {
- public:
-  /// Collective.
-  explicit DisplacementField(const Simulation& simulation)
-      : order(simulation.scene().members.front().order), elements(simulation.scene().members.front().elements) {
-    values_.resize(static_cast<std::size_t>(elements) * (order + 1) * 3);
-    const MemberSamples samples = simulation.samples(order + 1).front();  // complete on rank 0
-    for (std::size_t i = 0; i < samples.displacement.size(); ++i)
-      std::copy(samples.displacement[i].begin(), samples.displacement[i].end(), values_.begin() + 3 * i);
-    Teuchos::broadcast(*simulation.model().map()->getComm(), 0, static_cast<int>(values_.size()), values_.data());
-  }
-
-  /// u at xi in [-1, 1] along an element.
-  Vec3<double> at(int element, double xi) const {
-    const double* node = &values_[static_cast<std::size_t>(element) * (order + 1) * 3];
-    Vec3<double> sum{{0.0, 0.0, 0.0}};
-    for (int i = 0; i <= order; ++i, node += 3) {
-      double lagrange = 1.0;
-      for (int j = 0; j <= order; ++j)
-        if (j != i) lagrange *= (0.5 * order * (1.0 + xi) - j) / (i - j);
-      sum += lagrange * Vec3<double>{{node[0], node[1], node[2]}};
-    }
-    return sum;
-  }
-
-  const int order, elements;
-
- private:
-  std::vector<double> values_;  // (element, node 0..k, component), nodes equidistant from end to end
-};
-
-/// sqrt(1/L int |a - b|^2 ds); the elements of `coarse` must consist of whole elements of `fine`.
-double l2_difference(const DisplacementField& coarse, const DisplacementField& fine) {
-  const int points = std::max(coarse.order, fine.order) + 1;
-  const int parts = fine.elements / coarse.elements;
-  std::vector<double> xi(points), weights(points);
-  gauss_rule(points, xi.data(), weights.data());
-  double sum = 0.0;
-  for (int e = 0; e < fine.elements; ++e)
-    for (int q = 0; q < points; ++q) {
-      const double place = (e % parts + 0.5 * (1.0 + xi[q])) / parts;  // in the coarse element, 0 to 1
-      const Vec3<double> difference = coarse.at(e / parts, 2.0 * place - 1.0) - fine.at(e, xi[q]);
-      sum += 0.5 * weights[q] * dot(difference, difference);
-    }
-  return std::sqrt(sum / fine.elements);
+/// sqrt(1/L int |u - u_fine|^2 ds); the elements of `coarse` must consist of whole elements of `fine`.
+double l2_difference(const Simulation& coarse, const Simulation& fine, int points) {
+  return fine.l2_norm(points, [&](const PointSample& sample, int member) {
+    const double length = coarse.model().mesh().member_length[member];
+    return sample.displacement -
+           sample_member(coarse.model(), coarse.state(), member, sample.arc_length / length).displacement;
+  });
 }
 
 /// The scene, one circular arc, and what is computed of its variants.
@@ -310,14 +268,13 @@ class ArcStudy {
                            elements, kRoundOff);
     for (double slenderness : study_list<double>(app_, "Slenderness")) {
       table.add_group("slenderness " + formatted("%g", slenderness));
-      const auto field = [&](int order, int n) {
-        return DisplacementField(app_.solve(variant(slenderness, order, n), solver, ""));
-      };
-      const DisplacementField reference = field(reference_order, reference_elements);
+      const auto solved = [&](int order, int n) { return app_.solve(variant(slenderness, order, n), solver, ""); };
+      const Simulation reference = solved(reference_order, reference_elements);
       for (int order : study_list<int>(app_, "Orders")) {
         std::vector<double> errors;
         for (int n : elements) {
-          errors.push_back(l2_difference(field(order, n), reference) / radius_);
+          const int points = std::max(order, reference_order) + 1;
+          errors.push_back(l2_difference(solved(order, n), reference, points) / radius_);
           csv.add_row({order, slenderness, n, errors.back()});
         }
         if (const auto rate = table.add_row(order, errors))
