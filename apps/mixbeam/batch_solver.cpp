@@ -195,9 +195,7 @@ bool BatchSolver::solve_together(const Range& range) {
     app_.summary.newton_iterations += simulation.work().newton_iterations;
     return false;
   }
-  for (const auto& [phase, seconds] : simulation.times()) app_.summary.seconds[phase] += seconds;
-  app_.summary.load_steps += simulation.result().steps;
-  app_.summary.newton_iterations += simulation.result().newton_iterations;
+  app_.summary.add_work(simulation.result().steps, simulation.result().newton_iterations, simulation.times());
   if (!simulation.result().finished) return false;
   const std::string& stable = simulation.stability().stable;
   if (stable == "false" || stable == "neutral") return false;  // of some case: which one, the halves tell
@@ -218,11 +216,8 @@ CaseResult BatchSolver::solved_accurately(const Scene& scene) {
   References references;
   observer.step = taking(references, &scene, 1, false);
   const AccurateRun run = run_accurately(scene, app_.solver, app_.communicator, quantities_.needs_path(), observer);
-  for (const MeshRound& round : run.rounds) {
-    app_.summary.load_steps += round.steps;
-    app_.summary.newton_iterations += round.iterations;
-  }
-  for (const auto& [phase, seconds] : run.simulation.times()) app_.summary.seconds[phase] += seconds;
+  for (const MeshRound& round : run.rounds) app_.summary.add_work(round.steps, round.iterations);
+  app_.summary.add_work(0, 0, run.simulation.times());
   CaseResult result;
   if (run.end == AccuracyEnd::interrupted) return result;
   result.solved = result.alone = true;

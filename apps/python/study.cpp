@@ -217,11 +217,7 @@ void bind_study(py::module_& module) {
       .def("check_upper_bound", check_by(&Summary::check_upper_bound))
       .def("check_absolute", check_by(&Summary::check_absolute))
       .def("check_relative", check_by(&Summary::check_relative))
-      .def("count_work",
-           [](Application& app, int load_steps, int iterations) {
-             app.summary.load_steps += load_steps;
-             app.summary.newton_iterations += iterations;
-           })
+      .def("count_work", [](Application& app, int steps, int iterations) { app.summary.add_work(steps, iterations); })
       .def("table", [](const Application& app, const std::string& file, const std::string& columns,
                        std::size_t shown) { return StudyTable(app, file, words(columns), shown); })
       .def("write_machine", [](const Application& app) { write_machine(app); })

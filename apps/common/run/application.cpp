@@ -142,9 +142,8 @@ Simulation Application::walk(const std::shared_ptr<const Scene>& solved, const S
         if (observer) observer(simulation, report);
       },
       watched);
-  summary.load_steps += simulation.result().steps - steps_before;
-  summary.newton_iterations += simulation.result().newton_iterations - iterations_before;
-  for (const auto& [phase, seconds] : simulation.times()) summary.seconds[phase] += seconds;
+  const LoadPathResult& result = simulation.result();
+  summary.add_work(result.steps - steps_before, result.newton_iterations - iterations_before, simulation.times());
   return simulation;
 }
 

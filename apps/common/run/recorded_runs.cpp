@@ -378,11 +378,8 @@ AccurateRun Application::record_accurately(const Scene& solved, const SolverPara
   };
   AccurateRun run = run_accurately(solved, parameters, communicator, keeps_path, observer);
   recorder->close();
-  for (const MeshRound& round : run.rounds) {
-    summary.load_steps += round.steps;
-    summary.newton_iterations += round.iterations;
-  }
-  for (const auto& [phase, seconds] : run.simulation.times()) summary.seconds[phase] += seconds;
+  for (const MeshRound& round : run.rounds) summary.add_work(round.steps, round.iterations);
+  summary.add_work(0, 0, run.simulation.times());
   if (run.simulation.result().finished || run.simulation.result().interrupted) return run;
   give_up(run.simulation, label, remains_of(recording), recording.file);
 }

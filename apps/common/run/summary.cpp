@@ -220,6 +220,12 @@ bool agrees(const CheckedQuantity& quantity) {
   return false;
 }
 
+void Summary::add_work(int steps, int iterations, const std::map<std::string, double>& times) {
+  load_steps += steps;
+  newton_iterations += iterations;
+  for (const auto& [phase, time] : times) seconds[phase] += time;
+}
+
 bool Summary::check(CheckedQuantity quantity) {
   if (quantity.source.empty()) throw std::invalid_argument("the reference of '" + quantity.name + "' names no source");
   quantity.pass = agrees(quantity);
@@ -375,8 +381,7 @@ std::string Summary::packed() const {
 
 void Summary::append(const std::string& packed) {
   const nlohmann::json json = nlohmann::json::from_cbor(packed);
-  load_steps += json["load_steps"].get<int>();
-  newton_iterations += json["newton_iterations"].get<int>();
+  add_work(json["load_steps"], json["newton_iterations"], json["seconds"]);
   take(json["warnings"], warnings);
   take(json["ends"], ends);
   take(json["quantities"], quantities);
@@ -384,7 +389,6 @@ void Summary::append(const std::string& packed) {
   take(json["errors"], estimated_errors);
   take(json["meshes"], chosen_meshes);
   take(json["checks"], checks_);
-  for (const auto& [phase, time] : json["seconds"].get<std::map<std::string, double>>()) seconds[phase] += time;
 }
 
 }  // namespace mixbeam

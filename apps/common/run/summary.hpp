@@ -146,6 +146,9 @@ class Summary {
   std::map<std::string, double> rest_shape;  ///< what the list "Inverse" has found, by words
   std::map<std::string, double> seconds;     ///< phase of the run -> wall time
 
+  /// Adds what a run took.
+  void add_work(int steps, int iterations, const std::map<std::string, double>& times = {});
+
   /// Judges the quantity, keeps it and returns whether it passed. A quantity without a source is refused
   /// (std::invalid_argument): a reference that cannot be looked up checks nothing.
   bool check(CheckedQuantity quantity);
