@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ostream>
 
 namespace mixbeam {
 
@@ -52,8 +51,7 @@ const std::string kExact = "exact arc", kPolygon = "polygon";
 /// For k = 1 with 3 elements per member, in both configurations, by representation.
 const std::string kPrototypeSource =
     "stand-alone prototype of the element with all derivatives by automatic differentiation; reference error: half of "
-    "the "
-    "sixth decimal";
+    "the sixth decimal";
 const std::vector<std::pair<std::string, std::array<std::array<std::string, 3>, 2>>> kPrototype = {
     {kExact, {{{"-1.095829", "-0.764450", "1.998650"}, {"-0.603967", "-0.740340", "1.483168"}}}},
     {kPolygon, {{{"-1.083302", "-0.753566", "1.981053"}, {"-0.590690", "-0.728401", "1.463117"}}}}};
@@ -212,10 +210,10 @@ void compare_with_table(Application& app) {
     }
   }
   for (const TablePrinter& table : tables) table.print(app.out());
-  app.out()
-      << "Must agree: k >= 3 with 30 elements in every printed digit, k = 4 with 9 elements to " << kCoarseTolerance
-      << ".\nThe other rows depend on how the semicircle is represented, which the paper does not say; here it is "
-         "exact.\n\n";
+  app.out() << "Must agree: k >= 3 with 30 elements in every printed digit, k = 4 with 9 elements to "
+            << kCoarseTolerance
+            << ".\nThe other rows depend on how the semicircle is represented, which the paper does not say; here it "
+               "is exact.\n\n";
 }
 
 int points_per_member(Application& app) {
@@ -401,10 +399,10 @@ ListSpec fork_study_spec() {
 void run_fork_study(Application& app) {
   for (const char* point : {"P1", "P2", "PB"}) require_point(app, point);
   if (app.scene.stages != 2)
-    throw app.xml.source.error({"Scene", "Point Loads"},
-                               std::to_string(app.scene.stages) +
-                                   " stages of loading; the study needs 2, one for each force (--single takes any "
-                                   "scene)");
+    throw app.xml.source.error(
+        {"Scene", "Point Loads"},
+        std::to_string(app.scene.stages) +
+            " stages of loading; the study needs 2, one for each force (--single takes any scene)");
   compare_with_table(app);
   compare_representations(app);
   compare_load_orders(app);

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <map>
-#include <ostream>
 
 namespace mixbeam {
 

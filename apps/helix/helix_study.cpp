@@ -7,7 +7,6 @@
 #include "kernels/math/constants.hpp"
 
 #include <algorithm>
-#include <ostream>
 
 namespace mixbeam {
 

@@ -10,7 +10,6 @@
 #include "discretization/text/text_file.hpp"
 #include "mixbeam/version.hpp"
 
-#include <algorithm>
 #include <limits>
 #include <ostream>
 

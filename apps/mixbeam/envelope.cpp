@@ -9,7 +9,6 @@
 
 #include <cmath>
 #include <map>
-#include <ostream>
 #include <set>
 
 namespace mixbeam {

@@ -14,7 +14,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <ostream>
 #include <set>
 
 namespace mixbeam {

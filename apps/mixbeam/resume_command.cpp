@@ -10,7 +10,6 @@
 #include "mixbeam/version.hpp"
 
 #include <memory>
-#include <ostream>
 
 namespace mixbeam {
 

@@ -16,7 +16,6 @@
 #include <algorithm>
 #include <cstdlib>
 #include <memory>
-#include <ostream>
 #include <sstream>
 
 namespace mixbeam {

@@ -221,8 +221,7 @@ std::vector<std::string> stress_warnings(const StressSummary& stresses) {
         ": hardly any material is linear up to there (\"Largest Strain\" of its section changes the limit)");
   if (!curved.member.empty() && curved.value > curved.limit)
     warnings.push_back("member \"" + curved.member +
-                       "\" is curved so much that the bending stress at its inner fibre is "
-                       "too low by about " +
+                       "\" is curved so much that the bending stress at its inner fibre is too low by about " +
                        percent(curved.value) + " (Winkler and Bach), for its section is thick against its radius");
   return warnings;
 }

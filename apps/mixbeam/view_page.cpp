@@ -45,14 +45,12 @@ std::string view_page(const std::vector<fs::path>& files, const std::optional<Sa
   nlohmann::json pages = {{"cases", nlohmann::json::array()}, {"renew", renew}};
   for (const ViewData& data : cases) pages["cases"].push_back(data.load_case);
   const auto own = [&](const std::string& name) { return text_of_file((parts / name).string(), "part of the page"); };
-  std::string page = kBegin +
-                     "<html lang=\"en\"><head><meta charset=\"utf-8\">"
-                     "<meta http-equiv=\"Content-Security-Policy\" content=\"" +
-                     kPolicy +
-                     "\">"
-                     "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"><title>" +
-                     xml_escaped(cases.size() == 1 ? cases[0].title : cases[0].scene_name) + "</title><style>" +
-                     own("viewer.css") + "</style></head><body>\n" + own("page.html") + "\n";
+  std::string page =
+      kBegin +
+      "<html lang=\"en\"><head><meta charset=\"utf-8\"><meta http-equiv=\"Content-Security-Policy\" content=\"" +
+      kPolicy + "\"><meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"><title>" +
+      xml_escaped(cases.size() == 1 ? cases[0].title : cases[0].scene_name) + "</title><style>" + own("viewer.css") +
+      "</style></head><body>\n" + own("page.html") + "\n";
   constexpr auto kReplace = nlohmann::json::error_handler_t::replace;  // names that are no UTF-8
   page += element("pages", deflated(pages.dump(-1, ' ', false, kReplace)));
   for (std::size_t i = 0; i < cases.size(); ++i)

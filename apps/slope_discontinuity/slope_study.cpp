@@ -4,7 +4,6 @@
 #include "kernels/math/vector_algebra.hpp"
 
 #include <algorithm>
-#include <ostream>
 
 namespace mixbeam {
 

@@ -10,9 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <map>
-#include <ostream>
 #include <sstream>
 
 namespace mixbeam {
@@ -241,11 +239,10 @@ ListSpec scaling_spec() {
   ListSpec spec("Sizes of the thread scaling study.");
   std::vector<std::string> kinds = {kSpatial, kPlanar};
   kinds.insert(kinds.end(), lattice_kinds().begin(), lattice_kinds().end());
-  spec.add(
-      subset("Kinds", kinds)
-          .by_default(Teuchos::Array<std::string>(std::vector<std::string>{kSpatial, kPlanar}))
-          .means("The chain under loads in space, or their part in the plane of x and y; lattices of struts of two "
-                 "elements and slenderness 20."));
+  spec.add(subset("Kinds", kinds)
+               .by_default(Teuchos::Array<std::string>(std::vector<std::string>{kSpatial, kPlanar}))
+               .means("The chain under loads in space, or their part in the plane of x and y; lattices of struts of "
+                      "two elements and slenderness 20."));
   spec.add(counts("Elements", {1000, 10000, 100000}, kLargestCount,
                   "Numbers of elements of the chain; of lattices about as many."));
   spec.add(counts("Orders", {1, 2, 3, 4}, kMaximumOrder, "Element orders, 1 to 8."));

@@ -96,22 +96,21 @@ BoundList<ExpectedValue> parameters_of_one(const std::vector<std::string>& own_q
   std::vector<std::string> quantities = common_quantities();
   quantities.insert(quantities.end(), own_quantities.begin(), own_quantities.end());
   BoundList<ExpectedValue> one("A value that the run must reproduce.");
-  one.bind(&ExpectedValue::quantity,
-           choice("Quantity", quantities)
-               .required()
-               .or_other("a name of the list \"Quantities\", with .x, .y, .z or "
-                         ".1, .2, .3 for one component of a vector"),
-           "The compared quantity.");
+  one.bind(
+      &ExpectedValue::quantity,
+      choice("Quantity", quantities)
+          .required()
+          .or_other("a name of the list \"Quantities\", with .x, .y, .z or .1, .2, .3 for one component of a vector"),
+      "The compared quantity.");
   one.bind(&ExpectedValue::point, text("Point"),
            "Name of the point, for a quantity of a point; for a reaction: a supported one.");
   one.bind(&ExpectedValue::member, text("Member"), "Name of the member, for a material force or moment.");
   one.bind(&ExpectedValue::position, real("Position").at_least(0.0).at_most(1.0),
            "Where along the member: arc length from its start over its length; between two elements the value of the "
            "second one counts.");
-  one.bind(
-      &ExpectedValue::component, choice("Component", kComponents),
-      "For vectors: component x, y, z in global axes, or 1 (along), 2, 3 of a material force or moment in the axes "
-      "of the section, or the norm.");
+  one.bind(&ExpectedValue::component, choice("Component", kComponents),
+           "For vectors: component x, y, z in global axes, or 1 (along), 2, 3 of a material force or moment in the "
+           "axes of the section, or the norm.");
   one.bind(&ExpectedValue::load_case, text("Case"),
            "Load case in which it is compared; needed where the scene has load cases.");
   one.bind(&ExpectedValue::load_factor, real("Load Factor").at_least(0.0),

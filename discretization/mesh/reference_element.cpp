@@ -3,7 +3,6 @@
 #include "kernels/math/gauss.hpp"
 #include "kernels/math/legendre.hpp"
 
-#include <algorithm>
 #include <stdexcept>
 #include <vector>
 

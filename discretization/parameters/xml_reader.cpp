@@ -96,8 +96,7 @@ class ListBuilder {
   void characters(const std::string& text) {
     if (trimmed(text).empty()) return;
     throw error_at(tag_place(), "text \"" + excerpt(trimmed(text)) +
-                                    "\" outside of tags; allowed: <ParameterList> and "
-                                    "<Parameter .../> only");
+                                    "\" outside of tags; allowed: <ParameterList> and <Parameter .../> only");
   }
 
   void document_type() {

@@ -58,18 +58,17 @@ BoundList<Quantity> declared_quantity_parameters() {
   for (const auto& [kind, allowed] : forms) kinds.push_back(kind);
   one.bind(
       &Quantity::kind, choice("Quantity", kinds).required(),
-      "What it is. Material components refer to the axes of the section, spatial ones to the global axes; a strain "
-      "is axial and shear strain, a curvature twist and bending, without those of the undeformed member; an angle "
-      "is that at Corner between Point and Other Point [radian]; length is that of the deformed member; stresses are "
-      "the largest over the section (Shape and Material), the utilisation von Mises stress over Strength.");
-  one.bind(&Quantity::point, text("Point"),
-           "Where: name of a point, MEMBER@s (arc length from the start of the member) or MEMBER@p% (share of its "
-           "length), or a pattern with *, ?, [abc]: each place that fits, or what Take says. Of a reaction: supported "
-           "points.");
+      "What it is. Material components refer to the axes of the section, spatial ones to the global axes; a strain is "
+      "axial and shear strain, a curvature twist and bending, without those of the undeformed member; an angle is that "
+      "at Corner between Point and Other Point [radian]; length is that of the deformed member; stresses are the "
+      "largest over the section (Shape and Material), the utilisation von Mises stress over Strength.");
   one.bind(
-      &Quantity::mode, integer("Mode").at_least(1),
-      "natural frequency: number of the mode, one of those that the list Modes of Analysis asks for; omega / (2 pi), "
-      "known in the steps that have modes.");
+      &Quantity::point, text("Point"),
+      "Where: name of a point, MEMBER@s (arc length from the start of the member) or MEMBER@p% (share of its length), "
+      "or a pattern with *, ?, [abc]: each place that fits, or what Take says. Of a reaction: supported points.");
+  one.bind(&Quantity::mode, integer("Mode").at_least(1),
+           "natural frequency: number of the mode, one of those that the list Modes of Analysis asks for; omega / (2 "
+           "pi), known in the steps that have modes.");
   one.bind(&Quantity::other_point, text("Other Point"), "distance, angle: the second place.");
   one.bind(&Quantity::corner, text("Corner"), "angle: the place where its two sides meet.");
   one.bind(&Quantity::member, text("Member"),
@@ -90,10 +89,9 @@ BoundList<Quantity> declared_quantity_parameters() {
             {"largest", Take::largest},
             {"smallest", Take::smallest},
             {"largest size", Take::largest_size}});
-  one.bind(
-      &Quantity::formula, text("Formula").or_other("a formula"),
-      "Of variables and of quantities above it: NAME, NAME_x, NAME_1, ..., with _ in place of what is no letter or "
-      "digit.");
+  one.bind(&Quantity::formula, text("Formula").or_other("a formula"),
+           "Of variables and of quantities above it: NAME, NAME_x, NAME_1, ..., with _ in place of what is no letter "
+           "or digit.");
   one.bind(&Quantity::limit, real("Limit").at_least(0.0),
            "Largest absolute value that is allowed in any completed step; beyond it the run ends with exit code 1.");
   one.bind(&Quantity::ratio, real("Span Ratio").above(0.0), "In place of Limit: it is Span over this number, as 300.");
@@ -132,8 +130,8 @@ void check_take(const Quantity& quantity, const InputPlace& place) {
   const bool is_vector = quantity.component.empty() && !is_number;
   if (is_extreme && is_vector)
     throw place["Component"].error(
-        "missing; needed for the largest or smallest of a vector: \"x\", \"y\", \"z\", or "
-        "\"1\", \"2\", \"3\", or \"norm\"");
+        "missing; needed for the largest or smallest of a vector: \"x\", \"y\", \"z\", or \"1\", \"2\", \"3\", or "
+        "\"norm\"");
   const bool is_whole_member = quantity.point.empty() && !quantity.position && quantity.kind != "length";
   if (!quantity.member.empty() && is_whole_member && !is_extreme)
     throw place["Take"].error(

@@ -17,10 +17,8 @@
 #include "discretization/results/stored_run.hpp"
 #include "discretization/state/member_samples.hpp"
 
-#include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <string>
 #include <vector>
 
 namespace mixbeam {

@@ -5,7 +5,6 @@
 #include "discretization/mesh/reference_element.hpp"
 #include "kernels/element/layout.hpp"
 
-#include <utility>
 #include <vector>
 
 namespace mixbeam {

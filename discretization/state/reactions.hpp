@@ -4,7 +4,6 @@
 #include "discretization/assembly/residual.hpp"
 #include "discretization/state/member_samples.hpp"
 
-#include <string>
 #include <vector>
 
 namespace mixbeam {

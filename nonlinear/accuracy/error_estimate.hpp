@@ -6,7 +6,6 @@
 #include "discretization/state/member_samples.hpp"
 #include "nonlinear/newton/beam_problem.hpp"
 
-#include <string>
 #include <vector>
 
 namespace mixbeam {

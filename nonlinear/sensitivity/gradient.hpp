@@ -8,7 +8,6 @@
 #include "nonlinear/sensitivity/number_derivatives.hpp"
 
 #include <optional>
-#include <string>
 #include <vector>
 
 namespace mixbeam {

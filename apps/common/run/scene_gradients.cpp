@@ -40,10 +40,9 @@ BoundList<GradientParameters> gradient_parameters() {
   gradient.bind(&GradientParameters::of, array("Of", ParameterType::text_array).required(),
                 "Names of quantities, as the list Quantities gives them (\"tip.y\"), or patterns: " + kWildcards +
                     "; \"" + kCriticalLoad + "1\": of the first limit point or bifurcation of the path.");
-  gradient.bind(
-      &GradientParameters::by, array("With Respect To", ParameterType::text_array).by_default(),
-      "Paths of numbers below the list Scene (\"Sections/*/EI2\", \"Points/tip[0]\", \"Variables/L\"), or patterns "
-      "of each name in them; without [...] all numbers of an array.");
+  gradient.bind(&GradientParameters::by, array("With Respect To", ParameterType::text_array).by_default(),
+                "Paths of numbers below the list Scene (\"Sections/*/EI2\", \"Points/tip[0]\", \"Variables/L\"), or "
+                "patterns of each name in them; without [...] all numbers of an array.");
   gradient.bind(&GradientParameters::by_element, boolean("By Element").by_default(),
                 "Also with respect to stiffnesses, compliances and natural strains of each element by itself.");
   return gradient;

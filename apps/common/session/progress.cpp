@@ -67,8 +67,7 @@ std::string critical_text(const std::string& kind, double load_factor, double er
 
 std::string jump_text(const RecordedJump& jump) {
   return formatted(
-      "jump between load factors %.6g and %.6g: energy released %.6g, mean motion %.3g, largest "
-      "displacement %.6g (%s)",
+      "jump between load factors %.6g and %.6g: energy released %.6g, mean motion %.3g, largest displacement %.6g (%s)",
       jump.from, jump.to, jump.released, jump.motion, jump.largest, jump.place.c_str());
 }
 

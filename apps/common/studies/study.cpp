@@ -134,9 +134,8 @@ std::vector<ComparedValue> compared(Application& app, const std::string& before,
 void require_point(const Application& app, const std::string& name) {
   for (const Point& point : app.scene.points)
     if (point.name == name) return;
-  throw app.xml.source.error({"Scene", "Points"}, "no point \"" + name +
-                                                      "\"; the study reports its displacement (--single takes any "
-                                                      "scene)");
+  throw app.xml.source.error(
+      {"Scene", "Points"}, "no point \"" + name + "\"; the study reports its displacement (--single takes any scene)");
 }
 
 Simulation solve_in_steps(Application& app, const Scene& scene, int steps, const RunObserver& observer) {
