@@ -7,9 +7,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace mixbeam {
 
@@ -182,7 +184,7 @@ void LineFields::add_source(const Mesh& mesh, Structure& structure, const Source
   if (local.block < 0) return;
   ElementBlock& block = structure.blocks[local.block];
   const std::vector<GaussPoints> rules = rules_of(source.kind, block);
-  Field field{source.kind, local.block, source.amplitude};
+  Field field{source.kind, source.member, local.block, source.amplitude};
   const double length = field.length = member.curve.length;
   field.points = line_field_points(source.kind, block.order, block.interior.force_points);
   field.elements = KernelView<int*>("mixbeam::field_elements", local.elements.size());
@@ -193,7 +195,6 @@ void LineFields::add_source(const Mesh& mesh, Structure& structure, const Source
   std::vector<double> value;
   for (size_t i = 0; i < local.elements.size(); ++i) {
     const int e = field.elements(i) = local.elements[i];
-    block.field_row(e, static_cast<int>(source.kind)) = 0;  // number_rows gives the true row
     block.kinds_of_fields |= 1U << static_cast<int>(source.kind);
     const MeshElement& element = mesh.elements[structure.local_element_to_mesh[block.first_element + e]];
     const double middle = mesh.arc_length(element, 0.0);
@@ -223,17 +224,28 @@ void LineFields::add_source(const Mesh& mesh, Structure& structure, const Source
       row += rule.xi.size();
     }
   }
+  const size_t one = 3 * static_cast<size_t>(field.points);
+  const double* first = field.value.data();
+  field.apart = std::equal(first + one, first + field.value.size(), first) ? 0 : field.points;
+  if (field.apart == 0) Kokkos::resize(field.value, field.points);
   fields_.push_back(field);
 }
 
+/// The elements of a member share their row of a kind where all fields of that kind are the same in all of them.
 void LineFields::number_rows(Structure& structure) {
-  for (ElementBlock& block : structure.blocks)
-    for (int e = 0; e < static_cast<int>(block.field_row.extent(0)); ++e)
-      for (int kind = 0; kind < kLineFields; ++kind) {
-        if (block.field_row(e, kind) < 0) continue;
-        block.field_row(e, kind) = rows_;
-        rows_ += line_field_points(static_cast<LineField>(kind), block.order, block.interior.force_points);
-      }
+  std::map<std::pair<int, LineField>, int> apart;
+  for (const Field& field : fields_) {
+    int& most = apart[{field.member, field.kind}];
+    most = std::max(most, field.apart);
+  }
+  for (const Field& field : fields_) {
+    const auto row = structure.blocks[field.block].field_row;
+    const int kind = static_cast<int>(field.kind), elements = static_cast<int>(field.elements.extent(0));
+    if (row(field.elements(0), kind) >= 0) continue;  // with an earlier field
+    const int step = apart[{field.member, field.kind}];
+    for (int i = 0; i < elements; ++i) row(field.elements(i), kind) = rows_ + i * step;
+    rows_ += (elements - 1) * step + field.points;
+  }
 }
 
 std::vector<double> LineFields::amplitudes(double load_factor, bool with_loads) const {
@@ -258,14 +270,15 @@ void LineFields::add_up(const Structure& structure, const std::vector<double>& f
     const auto row = structure.blocks[field.block].field_row;
     const auto value = field.value;
     const auto elements = field.elements;
-    const int kind = static_cast<int>(field.kind), points = field.points;
+    const int kind = static_cast<int>(field.kind), points = field.points, apart = field.apart;
     const double factor = factors[f];
+    const int all = static_cast<int>(elements.extent(0));
+    const bool share = all > 1 && row(elements(0), kind) == row(elements(1), kind);
     Kokkos::parallel_for(
-        "mixbeam::line_fields", Kokkos::RangePolicy<ExecutionSpace>(0, static_cast<int>(elements.extent(0))),
-        KOKKOS_LAMBDA(int i) {
+        "mixbeam::line_fields", Kokkos::RangePolicy<ExecutionSpace>(0, share ? 1 : all), KOKKOS_LAMBDA(int i) {
           const int first = row(elements(i), kind);
           for (int q = 0; q < points; ++q)
-            for (int c = 0; c < 3; ++c) sum(first + q, c) += factor * value(i * points + q, c);
+            for (int c = 0; c < 3; ++c) sum(first + q, c) += factor * value(i * apart + q, c);
         });
   }
 }
@@ -276,9 +289,10 @@ bool LineFields::keep_in_plane(const Structure& structure, const Vec& normal, do
     const bool in_space = field.kind == LineField::dead_force || field.kind == LineField::dead_couple;
     const bool is_axial = field.kind == LineField::dead_couple || field.kind == LineField::follower_couple ||
                           field.kind == LineField::eigencurvature;
-    for (size_t row = 0; row < field.value.extent(0); ++row) {
+    for (size_t row = 0; row < field.elements.extent(0) * field.points; ++row) {
       const int e = field.elements(row / field.points);
-      const Vec value = load_vector(&field.value(row, 0));
+      const size_t own = field.apart == 0 ? row % field.points : row;
+      const Vec value = load_vector(&field.value(own, 0));
       const Mat triad = rotation_matrix(load_quaternion(&block.reference(e, block.reference_layout.end_triad(0))));
       const Vec along = in_space ? normal : transpose_times(triad, normal);
       // couples and curvatures turn about the normal, all others lie in the plane

@@ -52,11 +52,12 @@ class LineFields {
   /// One vector along the elements of one member on this rank.
   struct Field {
     LineField kind;
-    int block = 0;
+    int member = 0, block = 0;
     Amplitude amplitude{};
     double largest = 0.0;              ///< component, at amplitude 1
     double length = 0.0;               ///< of the member
     int points = 0;                    ///< of each element
+    int apart = 0;                     ///< rows of one element and the next; zero: all have the same
     KernelView<int*> elements{};       ///< of the block
     KernelView<double* [3]> value {};  ///< (element by element, point)
   };

@@ -371,6 +371,40 @@ TEST(Equations, CondensedRightHandSidesSolveTheSameSystem) {
 }
 
 // The twin that must fail: a wrong entry of the increment is seen.
+/// Loads that are the same in all elements of a member have one row for them; beside one that changes along it each
+/// element has its own. What they do adds up all the same.
+TEST(Equations, ElementsShareTheRowsOfConstantLineLoads) {
+  Scene scene = mixed_scene();
+  scene.point_loads.clear();
+  DistributedLoad constant{"shaft", {5, -6, 7}, {2, -1, 3}, 1}, varying = constant;
+  varying.force_formula = {"5 * x", "", ""};
+  const int points = scene.members[0].order + 1, elements = scene.members[0].elements;
+  int rows = 0;
+  const auto rows_under = [&](const std::vector<DistributedLoad>& loads) {
+    scene.distributed_loads = loads;
+    const Model model(scene, this_rank(), without_cap());
+    rows = model.line_fields().rows();
+    MixedVector result = model.create_vector();
+    element_rows(model, some_state(model), 1.0, ElementLoads::line_loads, result);
+    return std::vector<double>(result.interior().data(), result.interior().data() + result.interior().extent(0));
+  };
+  const std::vector<double> none = rows_under({}), one = rows_under({constant});
+  EXPECT_EQ(rows, 2 * points);
+  const std::vector<double> other = rows_under({varying});
+  EXPECT_EQ(rows, points * elements + points);
+  const std::vector<double> both = rows_under({constant, varying});
+  EXPECT_EQ(rows, points * elements + points);
+  const auto missing = [&](double share) {
+    double largest = 0.0;
+    for (size_t i = 0; i < none.size(); ++i)
+      largest = std::max(largest, std::abs(both[i] - none[i] - share * (one[i] - none[i]) - (other[i] - none[i])));
+    return largest;
+  };
+  constexpr double kRoundings = 1e-11;  // of rows below a thousand
+  EXPECT_LE(missing(1.0), kRoundings);
+  EXPECT_GT(missing(1.0 + 1e-6), kRoundings);
+}
+
 TEST(Equations, AWrongIncrementIsSeen) {
   const Model model(loaded_scene(), this_rank(), without_cap());
   const State state = some_state(model);
