@@ -337,15 +337,19 @@ void element_rows(const Model& model, const State& state, double load_factor, El
 void load_derivative(const Model& model, const State& state, double load_factor, const ResidualScales& scales,
                      MixedVector& rows) {
   rows.fill(0.0);
+  const bool rotates = model.rotating() != nullptr;
   if (!model.line_fields().empty())
-    evaluate_elements(model, state, line_fields_of(model, model.line_fields().slopes(load_factor)), {}, nullptr,
-                      take_end_angles(model), rows, true);
-  if (model.rotating() != nullptr) add_frame_slopes(model, state, load_factor, rows);
+    evaluate_elements(model, state, line_fields_of(model, model.line_fields().slopes(load_factor)), {},
+                      rotates ? nullptr : &scales, take_end_angles(model), rows, true);
+  if (rotates) add_frame_slopes(model, state, load_factor, rows);
   const KernelView<double*> vertex = rows.vertex();
   for (const auto& energy : model.external()) energy->add_slopes(state, load_factor, vertex);
   model.constraints().project(state, vertex);
   model.constraints().set_slopes(load_factor, vertex);
-  scale_rows(model, scales, rows);
+  if (rotates)
+    scale_rows(model, scales, rows);
+  else
+    scale_vertex_rows(model, scales, vertex);
 }
 
 void clear_rows(const Structure& structure, const KernelView<double*>& interior, RowsOf which) {

@@ -7,6 +7,7 @@
 #include <Teuchos_CommHelpers.hpp>
 
 #include <algorithm>
+#include <utility>
 
 namespace mixbeam {
 
@@ -46,6 +47,11 @@ std::shared_ptr<TangentArrays> take_arrays(const Model& model) {
   return *found;
 }
 
+bool is_zero_inside(const MixedVector& rows) {
+  const KernelView<const double*> x = rows.interior();
+  return rows.shares_zeros() || std::all_of(x.data(), x.data() + x.extent(0), [](double row) { return row == 0.0; });
+}
+
 }  // namespace
 
 Tangent::Tangent(const Model& model, const EvaluationPoint& point, const Cap& cap, const TangentKind& kind)
@@ -59,7 +65,13 @@ Tangent::Tangent(const Model& model, const EvaluationPoint& point, const Cap& ca
     arrays_->interior_negative =
         KernelView<int*>("mixbeam::elements::interior_negative", model.structure().local_elements());
   arrays_->elements.interior_negative = kind.counts_interior ? arrays_->interior_negative : KernelView<int*>();
-  evaluate();
+  const MixedVector* rhs = kind.right_hand_side;
+  if (rhs == nullptr || !arrays_->rotating.empty() || is_zero_inside(*rhs)) {
+    evaluate();
+  } else {
+    condense(*rhs);
+    held_ = *rhs;
+  }
 }
 
 const ElementEquations& Tangent::elements() const { return arrays_->elements; }
@@ -143,12 +155,12 @@ void Tangent::condense_residual() {
 }
 
 /// Rows of the vertices that interior rows leave, spatial.
-KernelView<double*> Tangent::condense_interior(const KernelView<const double*>& interior) {
+KernelView<double*> Tangent::condense_interior(const MixedVector& all) {
+  const KernelView<const double*> interior = all.interior();
   holds_residual_ = false;
   const Structure& structure = model_->structure();
   const KernelView<double*> rows = MixedVector::view_of(condensed_rows());
-  const auto is_zero = [](double x) { return x == 0.0; };
-  if (arrays_->rotating.empty() && std::all_of(interior.data(), interior.data() + interior.extent(0), is_zero)) {
+  if (arrays_->rotating.empty() && is_zero_inside(all)) {
     for (size_t b = 0; b < structure.blocks.size(); ++b)
       if (planar_)
         clear_planar_right_hand_side(arrays_->planar_blocks[b]);
@@ -172,10 +184,12 @@ KernelView<double*> Tangent::condense_interior(const KernelView<const double*>& 
 }
 
 void Tangent::condense(const MixedVector& scaled_rhs) {
+  const std::optional<MixedVector> held = std::exchange(held_, std::nullopt);
+  if (held && held->shares_entries(scaled_rhs)) return;
   PhaseTimer timer(model_->times(), "condense right-hand side");
   MixedVector rhs = scaled_rhs.clone(true);
   unscale_rows(*model_, point_.scales, rhs);
-  const KernelView<double*> rows = condense_interior(rhs.interior());
+  const KernelView<double*> rows = condense_interior(rhs);
   project_on_free_motions(rows);
   const KernelView<double*> given = rhs.vertex();
   const auto fixed = model_->fixed_rows();
@@ -186,7 +200,7 @@ void Tangent::condense(const MixedVector& scaled_rhs) {
 
 void Tangent::condense_spatial(const MixedVector& rows) {
   PhaseTimer timer(model_->times(), "condense right-hand side");
-  const KernelView<double*> all = condense_interior(rows.interior());
+  const KernelView<double*> all = condense_interior(rows);
   const KernelView<const double*> given = rows.vertex();
   for (size_t i = 0; i < all.extent(0); ++i) all(i) += given(i);
   project_on_free_motions(all);

@@ -4,6 +4,7 @@
 #include "discretization/assembly/cap.hpp"
 
 #include <functional>
+#include <optional>
 
 namespace mixbeam {
 
@@ -16,6 +17,8 @@ struct TangentKind {
   /// (6 * owned vertex + component): stiffness of springs from the present place of each vertex to the ground, in the
   /// matrix over all vertices alone; empty: none.
   KernelView<const double*> springs{};
+  /// Scaled; in place of the residual, where it is what condense() will be asked for.
+  const MixedVector* right_hand_side = nullptr;
 };
 
 /// Knows the state, the scales and the cap that it was taken with. Its arrays are used again when it is gone. The model
@@ -68,7 +71,7 @@ class Tangent {
   void evaluate_in_space() const;
   void evaluate_rotating() const;
   void condense_rotating(const KernelView<const double*>& interior) const;
-  KernelView<double*> condense_interior(const KernelView<const double*>& interior);
+  KernelView<double*> condense_interior(const MixedVector& all);
   /// Sections with the cap, line fields of the point.
   StructureViews structure_views() const;
   void gather_condensed_rows(const KernelView<double* [2]>& loads, const KernelView<double*>& rows) const;
@@ -80,6 +83,7 @@ class Tangent {
   bool planar_;
   KernelView<const double*> springs_;
   bool holds_residual_ = false;
+  std::optional<MixedVector> held_;  ///< the right-hand side of construction, until it is asked for
   std::shared_ptr<TangentArrays> arrays_;
 };
 

@@ -59,6 +59,9 @@ class MixedVector {
   /// True: the interior is zero. False: unknown.
   bool shares_zeros() const { return interior_.data() == pool_->zeros.data(); }
   void assign(const MixedVector& other);
+  bool shares_entries(const MixedVector& other) const {
+    return vertex_dofs_ == other.vertex_dofs_ && interior_.data() == other.interior_.data();
+  }
   void scale(double factor);
   void update(double a, const MixedVector& x, double gamma);  ///< a x + gamma this
   void update(double a, const MixedVector& x, double b, const MixedVector& y,

@@ -186,11 +186,11 @@ NOX::Abstract::Group::ReturnType BeamGroup::computeF() {
   return Ok;
 }
 
-Linearization& BeamGroup::linearization() {
+Linearization& BeamGroup::linearization(const MixedVector* first) {
   if (isJacobian()) return *linearization_;
   computeF();
   ++problem_->work.tangents;
-  linearize_here(choice_.in_space);
+  linearize_here(choice_.in_space, first);
   problem_->last_failure = linearization_->failure();
   return *linearization_;
 }
@@ -211,11 +211,11 @@ NOX::Abstract::Group::ReturnType BeamGroup::computeJacobian() {
 }
 
 /// Borders may leave the plane, and all solves are to be with the same tangent.
-void BeamGroup::linearize_here(bool in_space) const {
+void BeamGroup::linearize_here(bool in_space, const MixedVector* first) const {
   TangentChoice choice = choice_;
   choice.in_space = in_space;
   linearization_.reset();  // its arrays are used again
-  linearization_ = linearize(*problem_, point_, choice);
+  linearization_ = linearize(*problem_, point_, choice, first);
 }
 
 Tangent BeamGroup::tangent() const { return Tangent(problem_->model, point_, cap(), {choice_.in_space, false}); }
@@ -252,7 +252,7 @@ NOX::Abstract::Group::ReturnType BeamGroup::applyJacobianInverse(Teuchos::Parame
   }
   BeamVector increment(problem_->model.create_vector());
   try {
-    if (linearization_->tangent().is_planar() && !problem_->model.is_in_plane(rhs)) linearize_here(true);
+    if (linearization_->tangent().is_planar() && !problem_->model.is_in_plane(rhs)) linearize_here(true, &rhs);
     linearization_->solve(rhs, increment.values(), choice_.enough);
     if (!choice_.keeps_cap && feels_cap(*linearization_, increment.values(), choice_.enough)) {
       const double cap_ratio = linearization_->tangent().cap().least_ratio;

@@ -80,8 +80,8 @@ class BeamGroup : public LOCA::Abstract::Group {
   const ResidualScales& scales() const { return point_.scales; }
   /// Of F.
   const EvaluationPoint& point() const { return point_; }
-  /// The tangent here with its factors, without the Newton increment.
-  Linearization& linearization();
+  /// The tangent here with its factors, without the Newton increment. `first`: see linearize().
+  Linearization& linearization(const MixedVector* first = nullptr);
   /// As the Newton increment here is computed with, taken anew.
   Tangent tangent() const;
   /// Largest equilibrium row (forces and moments, compatibility left out) of the scaled residual.
@@ -141,7 +141,7 @@ class BeamGroup : public LOCA::Abstract::Group {
     linearization_.reset();
   }
   Cap cap() const { return cap_for(problem_->model, point_.scales, choice_.cap_raise); }
-  void linearize_here(bool in_space) const;
+  void linearize_here(bool in_space, const MixedVector* first) const;
   void find_newton() const;
   double enough_for_increment() const;
 

@@ -19,10 +19,10 @@ EvaluationPoint take_residual(BeamProblem& problem, const State& state, double l
 }
 
 std::unique_ptr<Linearization> linearize(BeamProblem& problem, const EvaluationPoint& point,
-                                         const TangentChoice& choice) {
+                                         const TangentChoice& choice, const MixedVector* first) {
   ++problem.work.factorizations;
   const Cap cap = cap_for(problem.model, point.scales, choice.cap_raise);
-  const TangentKind kind{choice.in_space, choice.counts_interior};
+  const TangentKind kind{choice.in_space, choice.counts_interior, {}, first};
   // tangent of the elements, each condensed to its two vertices -> chains eliminated to their ends
   // -> junctions factorised
   return std::make_unique<Linearization>(problem, point, cap, kind, choice.may_iterate);

@@ -58,9 +58,10 @@ class Linearization {
 
 /// Scales of the rows and residual of the elements, its rows scaled.
 EvaluationPoint take_residual(BeamProblem& problem, const State& state, double load_factor, MixedVector& rows);
-/// The tangent there, factorised; Linearization::failure() where that was not possible.
+/// The tangent there, factorised; Linearization::failure() where that was not possible. `first`: the right-hand side
+/// that will be solved for first; null: the residual.
 std::unique_ptr<Linearization> linearize(BeamProblem& problem, const EvaluationPoint& point,
-                                         const TangentChoice& choice);
+                                         const TangentChoice& choice, const MixedVector* first = nullptr);
 /// The Newton increment for the rows at that point, NaN where the linear solver fails (BeamProblem::last_failure).
 /// Returns the cap that was left in it, of no stiffness where it was taken out.
 Cap find_increment(BeamProblem& problem, Linearization& here, const MixedVector& rows, bool keeps_cap, double enough,

@@ -426,7 +426,7 @@ std::optional<StabilityResult> StepJudge::count(const Asked& at, How how) const 
 
 /// Theory (54) for the given derivative of the residual with the load factor, which grows along it.
 PathDirection StepJudge::tangent_of(BeamGroup& group, const MixedVector& slope) const {
-  group.linearization();
+  group.linearization(&slope);
   BeamVector by_load(problem_->model.create_vector());
   Teuchos::ParameterList none;
   group.applyJacobianInverse(none, BeamVector(slope), by_load);
@@ -436,6 +436,7 @@ PathDirection StepJudge::tangent_of(BeamGroup& group, const MixedVector& slope) 
 
 Station StepJudge::station(const State& state, double load_factor, const PathDirection* along, bool counts) const {
   Station here{state, load_factor, {problem_->model.create_vector(), 0.0}};
+  ResidualScales scales;
   {
     TangentChoice choice;
     choice.counts_interior = counts;
@@ -443,16 +444,15 @@ Station StepJudge::station(const State& state, double load_factor, const PathDir
     choice.may_iterate = true;
     BeamGroup group(corrector_.global(), problem_, state, load_factor, {}, choice);
     group.computeF();
-    if (counts) here.stability = count({state, load_factor, &group.linearization()}, How::factors);
+    scales = group.scales();
     MixedVector slope = problem_->model.create_vector();
-    load_derivative(problem_->model, state, within_stage(load_factor, stage_end_), group.scales(), slope);
+    load_derivative(problem_->model, state, within_stage(load_factor, stage_end_), scales, slope);
+    if (counts) here.stability = count({state, load_factor, &group.linearization(&slope)}, How::factors);
     here.tangent = tangent_of(group, slope);
   }
   if (along != nullptr && measure_.inner(*along, here.tangent) < 0.0) here.tangent = scaled(here.tangent, -1.0);
   if (counts && !here.stability) here.stability = count({state, load_factor}, How::inertia);
-  here.cap_ratio = here.stability
-                       ? here.stability->cap_ratio
-                       : cap_for(problem_->model, scales_of(problem_->model, state, load_factor)).least_ratio;
+  here.cap_ratio = here.stability ? here.stability->cap_ratio : cap_for(problem_->model, scales).least_ratio;
   return here;
 }
 

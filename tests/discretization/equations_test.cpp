@@ -371,6 +371,40 @@ TEST(Equations, CondensedRightHandSidesSolveTheSameSystem) {
 }
 
 // The twin that must fail: a wrong entry of the increment is seen.
+/// A right-hand side of construction is condensed as a later one, to the bit, and no other is taken for it.
+TEST(Equations, RightHandSideOfConstruction) {
+  for (const bool is_planar : {false, true}) {
+    Scene scene = is_planar ? cantilever(section(1e3, 1e3, 10.0, 10.0), 1.0, 3, 4) : loaded_scene();
+    if (is_planar) scene.distributed_loads = {{"beam", {0, -3, 0}, {}, 1}};
+    const Model model(scene, this_rank(), without_cap());
+    const State state = is_planar ? model.reference_state() : some_state(model);
+    ASSERT_EQ(state.in_plane, is_planar);
+    MixedVector rows = model.create_vector(), slope = rows.clone(false);
+    const EvaluationPoint point = mixed_residual(model, state, 0.5, rows);
+    load_derivative(model, state, 0.5, point.scales, slope);
+    TangentKind kind;
+    Tangent later(model, point, cap_for(model, point.scales), kind);
+    kind.right_hand_side = &slope;
+    Tangent first(model, point, cap_for(model, point.scales), kind);
+    const auto recovered = [&](Tangent& tangent) {
+      MixedVector increment = model.create_vector();
+      fill_at_random(increment, 0.1, kSeed);
+      if (is_planar) increment.fill(0.0);
+      tangent.recover(increment);
+      return increment;
+    };
+    EXPECT_FALSE(recovered(first).same_values(recovered(later))) << "that one still holds the residual";
+    for (const MixedVector& rhs : {slope, rows}) {
+      later.condense(rhs);
+      first.condense(rhs);
+      EXPECT_TRUE(recovered(first).same_values(recovered(later)));
+      const auto a = MixedVector::view_of(first.condensed_rows()), b = MixedVector::view_of(later.condensed_rows());
+      for (size_t i = 0; i < a.extent(0); ++i) EXPECT_EQ(a(i), b(i)) << i;
+    }
+    EXPECT_EQ(dense_matrix(first), dense_matrix(later));
+  }
+}
+
 /// Loads that are the same in all elements of a member have one row for them; beside one that changes along it each
 /// element has its own. What they do adds up all the same.
 TEST(Equations, ElementsShareTheRowsOfConstantLineLoads) {
