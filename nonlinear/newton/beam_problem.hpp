@@ -8,6 +8,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace mixbeam {
@@ -43,6 +44,14 @@ class BeamProblem {
   /// Whether stable states are iterated with, and counted so.
   bool tries_iteration() const { return solvers_.front()->tries_iteration(); }
 
+  /// A state is never written to, and the last one is held. What formulas of loads mean depends on the piece that runs.
+  bool is_last_point(const State& state, double load_factor) const {
+    if (!last_point || model.clock().have_formulas()) return false;
+    const State& last = last_point->state;
+    return last.views.interior.data() == state.views.interior.data() && last.in_plane == state.in_plane &&
+           last.turns == state.turns && last_point->load_factor == load_factor;
+  }
+
   /// Drops cached factors, so that the next solve depends on its tangent alone. A resumed path starts in this state.
   void forget_tangents() {
     for (const auto& solver : solvers_) solver->reset_factors();
@@ -53,6 +62,9 @@ class BeamProblem {
 
   const Model model;
   WorkCount work;
+  // Where the residual was taken last: steps are judged, counted and reported at the state that was found.
+  std::optional<EvaluationPoint> last_point;
+  std::optional<MixedVector> last_rows;
   AttemptLog attempts;
   /// Called before each iteration and each evaluation inside a step; throws to leave it. Must answer the same on every
   /// rank.

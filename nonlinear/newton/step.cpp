@@ -14,8 +14,22 @@ namespace mixbeam {
 // The step, in the order in which it happens. BeamGroup: computeF, computeJacobian, computeNewton, computeX.
 
 EvaluationPoint take_residual(BeamProblem& problem, const State& state, double load_factor, MixedVector& rows) {
+  if (problem.last_rows && problem.is_last_point(state, load_factor)) {
+    rows.assign(*problem.last_rows);
+    return *problem.last_point;
+  }
   ++problem.work.residuals;
-  return mixed_residual(problem.model, state, load_factor, rows);  // scales of the rows -> residual of the elements
+  problem.last_rows.reset();  // its arrays are used again
+  // scales of the rows -> residual of the elements
+  problem.last_point = mixed_residual(problem.model, state, load_factor, rows);
+  problem.last_rows = rows.clone(true);
+  return *problem.last_point;
+}
+
+EvaluationPoint take_point(BeamProblem& problem, const State& state, double load_factor) {
+  if (problem.is_last_point(state, load_factor)) return *problem.last_point;
+  MixedVector rows = problem.model.create_vector();
+  return take_residual(problem, state, load_factor, rows);
 }
 
 std::unique_ptr<Linearization> linearize(BeamProblem& problem, const EvaluationPoint& point,

@@ -16,9 +16,8 @@ namespace {
 
 /// A relative rotation of pi cannot be told from one of -pi; what converged next to it is not to be trusted. Tells
 /// which element turns by as much at the end of a stage, if any.
-std::string problem_of_end_angles(const BeamProblem& problem, const State& state, double load_factor) {
-  MixedVector residual = problem.model.create_vector();
-  const EndAngle angle = largest_end_angle(problem.model, mixed_residual(problem.model, state, load_factor, residual));
+std::string problem_of_end_angles(BeamProblem& problem, const State& state, double load_factor) {
+  const EndAngle angle = largest_end_angle(problem.model, take_point(problem, state, load_factor));
   if (angle.angle < kPi * (1.0 - path_limit.margin_of_half_turn)) return "";
   return "element " + std::to_string(angle.element) + " of member \"" + excerpt(angle.member) +
          "\" turns by pi against its vertices, where rotations are no longer unique";

@@ -293,8 +293,7 @@ Stability::Look Stability::evaluate_tangent(const State& state, double load_fact
   const Model& model = problem_.model;
   const double stress = stress_of(model, magnitude_of(model, state, load_factor));
   const double share = share_of_cap(stress);
-  MixedVector residual = model.create_vector();
-  const EvaluationPoint point = mixed_residual(model, state, load_factor, residual);
+  const EvaluationPoint point = take_point(problem_, state, load_factor);
   std::optional<Tangent> tangent;
   Tangent::InteriorCount interior;
   for (double part : kCapParts) {
@@ -320,8 +319,7 @@ double Stability::least_stiffness(const Tangent* unloaded) {
   const Model& model = problem_.model;
   std::optional<Tangent> own;
   if (unloaded == nullptr) {
-    MixedVector residual = model.create_vector();
-    const EvaluationPoint point = mixed_residual(model, model.reference_state(), 0.0, residual);
+    const EvaluationPoint point = take_point(problem_, model.reference_state(), 0.0);
     unloaded = &own.emplace(model, point, cap_for(model, point.scales), TangentKind{true, true});
   }
   const Tangent::InteriorCount interior = unloaded->interior_count();
@@ -352,8 +350,7 @@ std::optional<StabilityResult> Stability::count_without_stress(const State& stat
   if (norm(model.frame().at(load_factor)) > 0.0) return std::nullopt;
   const double share = share_of_cap(0.0);
   if (!unloaded_->is_stable) return std::nullopt;
-  MixedVector residual = model.create_vector();
-  return stable(mixed_residual(model, state, load_factor, residual), share);
+  return stable(take_point(problem_, state, load_factor), share);
 }
 
 /// The tangent of evaluate_tangent(), all of it.
@@ -530,8 +527,7 @@ std::optional<StabilityResult> Stability::count_by(Linearization& at) {
 
 std::optional<StabilityResult> Stability::count_by_iteration(const State& state, double load_factor) {
   const Model& model = problem_.model;
-  MixedVector residual = model.create_vector();
-  const EvaluationPoint point = mixed_residual(model, state, load_factor, residual);
+  const EvaluationPoint point = take_point(problem_, state, load_factor);
   Linearization at(problem_, point, cap_for(model, point.scales, stability_limit.cap_of_count), TangentKind{true, true},
                    true);
   if (at.failure().empty()) try {

@@ -76,6 +76,33 @@ TEST(CapCompliance, LargestRowIsThatOfAllRows) {
       << "another one is seen";
 }
 
+/// The residual where it was taken last is not taken again; anywhere else it is.
+TEST_F(BeamGroupTest, ResidualIsTakenOncePlaceByPlace) {
+  const Model& model = problem().model;
+  const State state = model.reference_state(), same_numbers = model.reference_state();
+  MixedVector rows = model.create_vector(), again = rows.clone(false), anew = rows.clone(false);
+  const int before = problem().work.residuals;
+  const auto taken = [&] { return problem().work.residuals - before; };
+  take_residual(problem(), state, 1.0, rows);
+  take_residual(problem(), State(state), 1.0, again);
+  EXPECT_EQ(take_point(problem(), state, 1.0).end_angles.data(), take_point(problem(), state, 1.0).end_angles.data());
+  EXPECT_EQ(taken(), 1);
+  mixed_residual(model, state, 1.0, anew);
+  EXPECT_TRUE(same_bits(again, rows));
+  EXPECT_TRUE(same_bits(again, anew));
+  again.writable_vertex(true)(0) += 1.0;
+  take_residual(problem(), state, 1.0, anew);
+  EXPECT_TRUE(same_bits(anew, rows)) << "one that was written to";
+  take_residual(problem(), same_numbers, 1.0, again);
+  EXPECT_EQ(taken(), 2);
+  take_residual(problem(), same_numbers, 0.5, again);
+  EXPECT_EQ(taken(), 3);
+  EXPECT_FALSE(same_bits(again, rows));
+  State in_space = same_numbers;
+  in_space.in_plane = !in_space.in_plane;
+  EXPECT_FALSE(problem().is_last_point(in_space, 0.5));
+}
+
 TEST_F(BeamGroupTest, PresentCoordinateChangesNothing) {
   newton_step();
   group().computeF();
