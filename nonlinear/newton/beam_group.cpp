@@ -33,10 +33,7 @@ NOX::Abstract::Vector& BeamVector::abs(const NOX::Abstract::Vector& y) {
   return *this;
 }
 
-NOX::Abstract::Vector& BeamVector::operator=(const NOX::Abstract::Vector& y) {
-  values().assign(of(y));
-  return *this;
-}
+NOX::Abstract::Vector& BeamVector::operator=(const NOX::Abstract::Vector& y) { return *this = BeamVector(of(y)); }
 
 NOX::Abstract::Vector& BeamVector::reciprocal(const NOX::Abstract::Vector& y) {
   values().reciprocals_of(of(y));
@@ -44,7 +41,10 @@ NOX::Abstract::Vector& BeamVector::reciprocal(const NOX::Abstract::Vector& y) {
 }
 
 NOX::Abstract::Vector& BeamVector::scale(double gamma) {
-  values().scale(gamma);
+  if (gamma == -1.0)
+    is_negated_ = !is_negated_;
+  else
+    values().scale(gamma);
   return *this;
 }
 
@@ -54,6 +54,7 @@ NOX::Abstract::Vector& BeamVector::scale(const NOX::Abstract::Vector& a) {
 }
 
 NOX::Abstract::Vector& BeamVector::update(double alpha, const NOX::Abstract::Vector& a, double gamma) {
+  if (alpha == -1.0 && gamma == 0.0) return (*this = a).scale(alpha);
   values().update(alpha, of(a), gamma);
   return *this;
 }
@@ -82,7 +83,7 @@ double BeamVector::norm(const NOX::Abstract::Vector& weights) const {
   return std::sqrt(weighted.inner_product(values_));
 }
 
-double BeamVector::innerProduct(const NOX::Abstract::Vector& y) const { return values_.inner_product(of(y)); }
+double BeamVector::innerProduct(const NOX::Abstract::Vector& y) const { return values().inner_product(of(y)); }
 
 BeamGroup::BeamGroup(const Teuchos::RCP<LOCA::GlobalData>& global, const Teuchos::RCP<BeamProblem>& problem,
                      const State& initial, double load_factor, StepObserver observer, const TangentChoice& choice)

@@ -17,13 +17,15 @@ namespace mixbeam {
 class BeamVector : public NOX::Abstract::Vector {
  public:
   explicit BeamVector(MixedVector values) : values_(std::move(values)) {}
-  BeamVector(const BeamVector& other, NOX::CopyType type) : values_(other.values_.clone(type == NOX::DeepCopy)) {
+  BeamVector(const BeamVector& other, NOX::CopyType type)
+      : values_(other.values_.clone(type == NOX::DeepCopy)), is_negated_(other.is_negated_) {
     if (type == NOX::DeepCopy) maximum_norm_ = other.maximum_norm_;
   }
   BeamVector(const BeamVector& other) : BeamVector(other, NOX::DeepCopy) {}
   // The implicit operator would call the pure virtual one of the base.
   BeamVector& operator=(const BeamVector& other) {
     values_.assign(other.values_);
+    is_negated_ = other.is_negated_;
     maximum_norm_ = other.maximum_norm_;
     return *this;
   }
@@ -31,9 +33,13 @@ class BeamVector : public NOX::Abstract::Vector {
   /// For writing at once: what is written after the next question for a norm would not be seen by it.
   MixedVector& values() {
     maximum_norm_.reset();
+    give_sign();
     return values_;
   }
-  const MixedVector& values() const { return values_; }
+  const MixedVector& values() const {
+    give_sign();
+    return values_;
+  }
   /// The mixed vector inside any vector that NOX or LOCA hands over, also one extended by continuation parameters.
   static const MixedVector& of(const NOX::Abstract::Vector& vector);
 
@@ -54,7 +60,13 @@ class BeamVector : public NOX::Abstract::Vector {
   NOX::size_type length() const override { return static_cast<NOX::size_type>(values_.global_length()); }
 
  private:
-  MixedVector values_;
+  void give_sign() const {
+    if (is_negated_) values_.scale(-1.0);
+    is_negated_ = false;
+  }
+
+  mutable MixedVector values_;
+  mutable bool is_negated_ = false;             ///< values_ lack their sign: LOCA turns that of each solution, and back
   mutable std::optional<double> maximum_norm_;  ///< once known: status tests and reports all ask for that of F
 };
 

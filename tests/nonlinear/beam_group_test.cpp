@@ -103,6 +103,25 @@ TEST_F(BeamGroupTest, ResidualIsTakenOncePlaceByPlace) {
   EXPECT_FALSE(problem().is_last_point(in_space, 0.5));
 }
 
+/// A sign that is turned takes no pass over the numbers, and is there when they are asked for.
+TEST_F(BeamGroupTest, VectorsKeepTheirSigns) {
+  const BeamVector a = random_vector(1.0, 3);
+  BeamVector minus(problem().model.create_vector());
+  minus.update(-1.0, a, 0.0);
+  EXPECT_TRUE(same_bits(BeamVector(minus).scale(-1.0), a));
+  EXPECT_EQ(minus.norm(NOX::Abstract::Vector::TwoNorm), a.norm(NOX::Abstract::Vector::TwoNorm));
+  EXPECT_LT(BeamVector(minus, NOX::DeepCopy).innerProduct(a), 0.0);
+  BeamVector sum(minus), twice(problem().model.create_vector());
+  sum.update(2.0, a, 1.0);
+  EXPECT_TRUE(same_bits(sum, a));
+  twice.update(1.0, minus, 1.0, minus, 0.0);
+  twice.update(2.0, a, 1.0);
+  EXPECT_EQ(twice.norm(NOX::Abstract::Vector::MaxNorm), 0.0);
+  static_cast<NOX::Abstract::Vector&>(twice) = minus;
+  EXPECT_FALSE(same_bits(twice, a));
+  EXPECT_TRUE(same_bits(twice.scale(-1.0), a));
+}
+
 TEST_F(BeamGroupTest, PresentCoordinateChangesNothing) {
   newton_step();
   group().computeF();
