@@ -25,6 +25,16 @@ double PathMeasure::motion(const MixedVector& a, const MixedVector& b) const { r
 
 double PathMeasure::motion(const MixedVector& a) const { return std::sqrt(motion(a, a)); }
 
+double PathMeasure::motion_beside(const MixedVector& a, double factor, const MixedVector& b) const {
+  const KernelView<const double*> w = weights_.vertex(), x = a.vertex(), y = b.vertex();
+  const double sum = ordered_sum(
+      x.extent(0), KOKKOS_LAMBDA(size_t i) {
+        const double beside = x(i) - factor * y(i);
+        return beside * w(i) * beside;
+      });
+  return std::sqrt(sum_over_ranks(*a.vertex_dofs().getMap()->getComm(), sum));
+}
+
 std::vector<double> PathMeasure::motion_of_parts(const MixedVector& a, const MixedVector& b) const {
   if (parts_ == 1) return {motion(a, b)};
   std::vector<double> sums(parts_, 0.0);

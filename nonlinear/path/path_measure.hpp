@@ -37,6 +37,8 @@ class PathMeasure {
   /// Of the motions alone.
   double motion(const MixedVector& a, const MixedVector& b) const;
   double motion(const MixedVector& a) const;
+  /// Of a - factor b.
+  double motion_beside(const MixedVector& a, double factor, const MixedVector& b) const;
   /// The same of each part of the structure that touches no other one: parts follow paths of their own.
   std::vector<double> motion_of_parts(const MixedVector& a, const MixedVector& b) const;
   /// Cosine of the angle between two motions; zero where one of them is none.

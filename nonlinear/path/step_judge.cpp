@@ -278,9 +278,7 @@ bool StepJudge::is_straight(const PathPiece& piece) const {
   const double most =
       std::min(path_limit.magnified_rounding, path_limit.largest_correction * measure_.length(piece.moved));
   const auto leads = [&](const PathDirection& tangent) {
-    PathDirection missed = scaled(piece.moved, 1.0);
-    missed.x.update(-piece.moved.load / tangent.load, tangent.x, 1.0);
-    return measure_.motion(missed.x) <= most;
+    return measure_.motion_beside(piece.moved.x, piece.moved.load / tangent.load, tangent.x) <= most;
   };
   return leads(piece.start.tangent) || leads(piece.end.tangent);
 }
