@@ -3,7 +3,6 @@
 /// equilibrium; 1 for a missed expectation. A crash fails the test.
 #include "mixbeam_files.hpp"
 
-#include <hdf5.h>
 #include <nlohmann/json.hpp>
 
 namespace mixbeam {
@@ -204,17 +203,7 @@ TEST_F(BadInput, MissedExpectationsFailTheRun) {
 }
 
 double load_factor_of_first_step(const fs::path& results) {
-  const hid_t file = H5Fopen(results.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
-  EXPECT_GE(file, 0) << results << " is not readable";
-  if (file < 0) return -1.0;
-  const hid_t attribute = H5Aopen_by_name(file, "/steps/000001", "load_factor", H5P_DEFAULT, H5P_DEFAULT);
-  double value = -1.0;
-  if (attribute >= 0) {
-    H5Aread(attribute, H5T_NATIVE_DOUBLE, &value);
-    H5Aclose(attribute);
-  }
-  H5Fclose(file);
-  return value;
+  return h5::number(results, "/steps/000001", "load_factor");
 }
 
 /// The first step takes 5 iterations, the second one 6 and may not be shortened: the path ends half way.

@@ -2,11 +2,9 @@
 
 #include "apps/common/session/interrupt.hpp"
 #include "process.hpp"
-
-#include <gtest/gtest.h>
+#include "tests/support/child.hpp"
 
 #include <chrono>
-#include <csignal>
 #include <stdexcept>
 #include <thread>
 
@@ -18,8 +16,7 @@ constexpr double kPromised = 2.0, kBusyMachine = 13.0, kTooLate = 20.0;  // seco
 
 /// Exit code of a process that is interrupted and needs so many seconds to its orderly end.
 int exit_code_of(double seconds_to_its_end, const std::function<void()>& save) {
-  const pid_t child = fork();
-  if (child == 0) {
+  return end_of(started([&]() -> int {
     watch_for_interrupts();
     {
       const LastResort rows(save);
@@ -27,10 +24,7 @@ int exit_code_of(double seconds_to_its_end, const std::function<void()>& save) {
       std::this_thread::sleep_for(std::chrono::duration<double>(seconds_to_its_end));
     }
     _exit(kOrderlyEnd);
-  }
-  int status = 0;
-  waitpid(child, &status, 0);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+  }));
 }
 
 TEST(LastResort, SavesWhatThereIsWithinTheTimeThatIsPromised) {

@@ -73,14 +73,18 @@ TEST(OpenSections, EqualAnglesHaveDiagonalPrincipalAxes) {
   EXPECT_GT(std::abs(c[4][5]), 0.1 * c[4][4]);
 }
 
+const SectionForces kBent = {{0.3, 0.0, 0.0}, {0.0, 0.7, -0.4}};
+
+test::Integrals resultants_of(const SectionShape& shape, const SectionStresses& stresses, const SectionForces& f) {
+  return test::resultants(shape, [&](double x2, double x3) { return stresses.at(f, {x2, x3}); });
+}
+
 /// What bends the section by strains that are linear over it makes the stresses of these strains, and the other way.
 TEST(OpenSections, StressesAreThoseOfTheStrains) {
   for (const SectionShape& shape : {tee(), angle(), channel()}) {
     const Section section = make_section("s", shape);
     const Matrix6 c = section_compliance(section);
-    SectionForces f;
-    f.force = {0.3, 0.0, 0.0};
-    f.moment = {0.0, 0.7, -0.4};
+    const SectionForces& f = kBent;
     const auto strain = [&](std::size_t i) {
       return c[i][0] * f.force[0] + c[i][4] * f.moment[1] + c[i][5] * f.moment[2];
     };
@@ -94,20 +98,15 @@ TEST(OpenSections, StressesAreThoseOfTheStrains) {
 
 TEST(OpenSections, NormalStressesHaveTheirResultants) {
   for (SectionShape shape : {tee(), angle(), channel()}) {
-    const SectionStresses stresses(shape);
-    SectionForces f;
-    f.force = {0.3, 0.0, 0.0};
-    f.moment = {0.0, 0.7, -0.4};
-    const auto sums = test::resultants(shape, [&](double x2, double x3) { return stresses.at(f, {x2, x3}); });
+    const auto sums = resultants_of(shape, SectionStresses(shape), kBent);
     EXPECT_NEAR(sums[0], 0.3, 1e-12);
     EXPECT_NEAR(sums[4], 0.7, 1e-12);
     EXPECT_NEAR(sums[5], -0.4, 1e-12);
-    shape.mirrored = !shape.mirrored;  // the twin: the field of another section
-    const SectionStresses other(shape);
-    shape.mirrored = !shape.mirrored;
-    const auto wrong = test::resultants(shape, [&](double x2, double x3) { return other.at(f, {x2, x3}); });
-    EXPECT_EQ(std::abs(wrong[4] - 0.7) > 1e-3,
-              shape.kind == Kind::l_section);  // others have the same moments upside down
+    SectionShape other = shape;  // the twin: the field of another section
+    other.mirrored = !shape.mirrored;
+    const auto wrong = resultants_of(shape, SectionStresses(other), kBent);
+    // others have the same moments upside down
+    EXPECT_EQ(std::abs(wrong[4] - 0.7) > 1e-3, shape.kind == Kind::l_section);
   }
 }
 
@@ -116,18 +115,14 @@ TEST(OpenSections, ThinWallsCarryTheShearForces) {
   constexpr double kThin = 1e-3;  // thickness over width, and what corners may miss of the forces
   for (const Kind kind : {Kind::t_section, Kind::l_section, Kind::u_section}) {
     const SectionShape shape = stress_shape(kind, 0.3, {1.0, 1.5, kThin, 0.7 * kThin});
-    const SectionStresses stresses(shape);
-    SectionForces f;
-    f.force = {0.0, 0.6, -0.8};
-    const auto sums = test::resultants(shape, [&](double x2, double x3) { return stresses.at(f, {x2, x3}); });
+    const auto sums = resultants_of(shape, SectionStresses(shape), {{0.0, 0.6, -0.8}, {}});
     EXPECT_NEAR(sums[1], 0.6, 3.0 * kThin) << static_cast<int>(kind);
     EXPECT_NEAR(sums[2], -0.8, 3.0 * kThin) << static_cast<int>(kind);
   }
 }
 
 TEST(OpenSections, ShearStressesOfWebs) {
-  SectionForces f;
-  f.force = {0.0, 0.0, 1.7};
+  const SectionForces f = {{0.0, 0.0, 1.7}, {}};
   {  // T: largest at the centroid, V S / (I w) of what lies below
     const SectionGeometry g = section_geometry(tee());
     const double below = -section_rectangles(tee())[1].from[1];
@@ -147,8 +142,7 @@ TEST(OpenSections, ShearStressesOfWebs) {
     expect_close(flange.shear[0], 1.7 * 0.5 * kB * arm / g.second_moment[0]);
   }
   {  // torsion: T t / J on the faces of the thickest wall
-    SectionForces torque;
-    torque.moment = {0.9, 0.0, 0.0};
+    const SectionForces torque = {{}, {0.9, 0.0, 0.0}};
     for (const SectionShape& shape : {tee(), angle(), channel()})
       expect_close(SectionStresses(shape).largest(torque).shear.value,
                    0.9 * kT / section_geometry(shape).torsion_constant);
@@ -157,11 +151,12 @@ TEST(OpenSections, ShearStressesOfWebs) {
 
 TEST(OpenSections, RefusesWhatIsNoSection) {
   const auto refused = [](const SectionShape& shape) { EXPECT_THROW(make_section("s", shape), std::invalid_argument); };
-  refused(stress_shape(Kind::t_section, 0.3, {2.0, 3.0, 1.6, 0.2}));
-  refused(stress_shape(Kind::t_section, 0.3, {2.0, 3.0, 0.3, 1.1}));
-  refused(stress_shape(Kind::l_section, 0.3, {2.0, 3.0, 1.1}));
-  refused(stress_shape(Kind::u_section, 0.3, {2.0, 3.0, 1.1, 0.2}));
-  refused(stress_shape(Kind::u_section, 0.3, {2.0, 3.0, 0.3, 0.0}));
+  for (const auto& [kind, wall, web] : {std::tuple(Kind::t_section, 1.6, 0.2),
+                                        {Kind::t_section, 0.3, 1.1},
+                                        {Kind::l_section, 1.1, 0.0},
+                                        {Kind::u_section, 1.1, 0.2},
+                                        {Kind::u_section, 0.3, 0.0}})
+    refused(stress_shape(kind, 0.3, {2.0, 3.0, wall, web}));
 }
 
 TEST(OpenSections, TapersInterpolateDimensions) {

@@ -2,18 +2,14 @@
 #include "discretization/results/result_lock.hpp"
 
 #include "discretization/results/result_file.hpp"
+#include "tests/support/child.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/files.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <csignal>
 #include <fstream>
-#include <iterator>
-
-#include <sys/wait.h>
-#include <unistd.h>
 
 namespace mixbeam::result_lock_test {
 namespace {
@@ -33,9 +29,7 @@ TEST_F(ResultLocks, TheSecondOneIsToldWhoWrites) {
   {
     const ResultLock first(file);
     EXPECT_EQ(first.warning(), "");
-    const std::string problem = problem_of(file);
-    EXPECT_NE(problem.find(file.string()), std::string::npos) << problem;
-    EXPECT_NE(problem.find("process " + std::to_string(getpid()) + " on "), std::string::npos) << problem;
+    expect_in(problem_of(file), {file.string(), "process " + std::to_string(getpid()) + " on "});
     EXPECT_EQ(problem_of(folder_ / "other.h5"), "no error") << "other files of the folder are free";
   }
   EXPECT_TRUE(fs::is_empty(folder_));
@@ -46,18 +40,16 @@ TEST_F(ResultLocks, EndsWithTheProcess) {
   const fs::path file = folder_ / "run.h5";
   int ready[2];
   ASSERT_EQ(pipe(ready), 0);
-  const pid_t child = fork();
-  ASSERT_GE(child, 0);
-  if (child == 0) {
+  const pid_t child = started([&]() -> int {
     const ResultLock lock(file);
     if (write(ready[1], "x", 1) != 1) _exit(1);
     for (;;) pause();
-  }
+  });
   char byte = 0;
   ASSERT_EQ(read(ready[0], &byte, 1), 1);
-  EXPECT_NE(problem_of(file).find("process " + std::to_string(child) + " on "), std::string::npos);
+  expect_in(problem_of(file), {"process " + std::to_string(child) + " on "});
   kill(child, SIGKILL);
-  waitpid(child, nullptr, 0);
+  end_of(child);
   close(ready[0]);
   close(ready[1]);
   EXPECT_TRUE(fs::exists(folder_ / ".run.h5.lock")) << "left by the killed one";
@@ -83,29 +75,24 @@ TEST_F(ResultLocks, ASecondResultFileTouchesNothing) {
   EXPECT_NO_THROW(ResultFile(file, header));
 }
 
-std::string content_of(const fs::path& file) {
-  std::ifstream stream(file);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 /// Somebody has put links where hidden files are made.
 TEST_F(ResultLocks, NothingIsWrittenThroughLinks) {
   const fs::path file = folder_ / "run.h5", precious = folder_ / "precious", nowhere = folder_ / "nowhere";
   std::ofstream(precious) << "process of mine";  // begins as a lock does
   for (const fs::path& target : {precious, nowhere}) {
     fs::create_symlink(target, folder_ / ".run.h5.lock");
-    EXPECT_NE(problem_of(file).find("cannot create the file"), std::string::npos) << target;
+    expect_in(problem_of(file), {"cannot create the file"});
     fs::remove(folder_ / ".run.h5.lock");
   }
   fs::create_hard_link(precious, folder_ / ".run.h5.lock");
-  EXPECT_NE(problem_of(file).find("several names"), std::string::npos);
+  expect_in(problem_of(file), {"several names"});
   fs::remove(folder_ / ".run.h5.lock");
   for (const char* hidden : {".run.h5.a", ".run.h5.b", ".run.h5.new"}) fs::create_symlink(precious, folder_ / hidden);
   fs::create_symlink(nowhere, folder_ / ".run.xdmf.new");
   EXPECT_EQ(problem_of(file), "no error") << "the twin";
   EXPECT_NO_THROW(ResultFile(file, {"scene", "<xml/>", "1", {}}).close());
   EXPECT_TRUE(fs::is_regular_file(fs::symlink_status(file)));
-  EXPECT_EQ(content_of(precious), "process of mine");
+  EXPECT_EQ(text_of(precious), "process of mine");
   EXPECT_FALSE(fs::exists(nowhere));
 }
 

@@ -46,13 +46,8 @@ TEST(SceneMembers, ArcByRadius) {
   EXPECT_NEAR(arc.angle, 2.0 * std::asin(0.8), kRounding);
   expect_curve_refused(curve("arc", "Axis: [0, 0, 1], Radius: 0.9"), {"Curve / Radius", "the ends are 2 apart"});
   expect_curve_refused(curve("arc", "Axis: [1, 0, 1], Radius: 2"), {"not normal to the axis"});
-}
-
-TEST(SceneMembers, ArcByStartTangent) {
-  const Scene scene =
-      with_curve(curve("arc", "Start Tangent: [0, 3, 0], Axis: [0, 0, 1], Radius: 2, Angle: 1.5707963267948966"), "end",
-                 "", "A: [1, 0, 0]");
-  expect_at(scene, "end", {-1.0, 2.0, 0.0}, kRounding);
+  const std::string quarter = "Start Tangent: [0, 3, 0], Axis: [0, 0, 1], Radius: 2, Angle: 1.5707963267948966";
+  expect_at(with_curve(curve("arc", quarter), "end", "", "A: [1, 0, 0]"), "end", {-1, 2, 0}, kRounding);
 }
 
 TEST(SceneMembers, FormsOfCurvesDoNotMix) {
@@ -77,12 +72,12 @@ TEST(SceneMembers, Polyline) {
 }
 
 TEST(SceneMembers, PolylineSharesElementsByLength) {
-  const Scene scene = with_curve(curve("polyline", "Through: [1, 0.01, 0, -1, 0.01, 0]"), "B", "Elements: 10");
-  EXPECT_EQ(scene.members[0].elements, 1);
-  EXPECT_EQ(scene.members[1].elements, 8);
-  EXPECT_EQ(scene.members[2].elements, 1);
-  const Scene few = with_curve(curve("polyline", "Through: [1, 2, 0, -1, 2, 0]"));
-  EXPECT_EQ(few.members[0].elements + few.members[1].elements + few.members[2].elements, 3);
+  const auto elements = [](const std::string& y, const std::string& more) {
+    const Scene scene = with_curve(curve("polyline", "Through: [1, " + y + ", 0, -1, " + y + ", 0]"), "B", more);
+    return std::array{scene.members[0].elements, scene.members[1].elements, scene.members[2].elements};
+  };
+  EXPECT_EQ(elements("0.01", "Elements: 10"), (std::array{1, 8, 1}));
+  EXPECT_EQ(elements("2", ""), (std::array{1, 1, 1}));
 }
 
 TEST(SceneMembers, TheOnlySectionIsMeantWhereNoneIsNamed) {
@@ -146,11 +141,8 @@ TEST(SceneMembers, InnerPointsArePlacedAndMayCarryMembers) {
   ASSERT_EQ(m.inner_points.size(), 2U);
   EXPECT_EQ(m.inner_points[0].point, "middle");  // ascending, whatever the order in the file
   EXPECT_EQ(m.inner_points[1].position, 0.75);
-}
-
-TEST(SceneMembers, InnerPointOfAnArc) {
-  const Scene scene = with_curve(curve("arc", "Through: [0, 1, 0]"), "B", "Inner Points: {quarter: 0.5}");
-  expect_at(scene, "quarter", {0, 1, 0}, kRounding);
+  const Scene arc = with_curve(curve("arc", "Through: [0, 1, 0]"), "B", "Inner Points: {quarter: 0.5}");
+  expect_at(arc, "quarter", {0, 1, 0}, kRounding);
 }
 
 TEST(SceneMembers, RefusesWrongInnerPoints) {
@@ -170,10 +162,8 @@ TEST(SceneMembers, Stations) {
   EXPECT_EQ(scene.members[0].elements, 3);
   EXPECT_EQ(scene.members[0].stations[1], 0.1);
   expect_curve_refused("", {"m / Elements", "value 2", "4 entries"}, "Stations: [0, 0.1, 0.5, 1], Elements: 2");
-  expect_curve_refused("", {"m / Stations"}, "Stations: [0, 0.5, 0.1, 1]");
-  expect_curve_refused("", {"m / Stations"}, "Stations: [0.1, 1]");
-  expect_curve_refused("", {"m / Stations"}, "Stations: [1]");
-  expect_curve_refused("", {"m / Stations"}, "Stations: [0, 0.5, 1], Inner Points: {p: 0.4}");
+  for (const std::string wrong : {"[0, 0.5, 0.1, 1]", "[0.1, 1]", "[1]", "[0, 0.5, 1], Inner Points: {p: 0.4}"})
+    expect_curve_refused("", {"m / Stations"}, "Stations: " + wrong);
 }
 
 TEST(SceneMembers, TwistAndTaper) {

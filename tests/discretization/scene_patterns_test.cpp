@@ -34,12 +34,16 @@ std::string patterns(const std::vector<std::string>& all) {
 const std::string kCell = "A: [0, 0, 0], B: [1, 0, 0], C: [0, 1, 0], ";
 const std::string kCellMembers = member("along", "A", "B") + member("up", "A", "C");
 
+Scene cells(const std::vector<std::string>& all, const std::string& more = "") {
+  return scene_from(scene_text(kCell, kCellMembers, patterns(all) + more));
+}
+
 void expect_pattern_refused(const std::string& pattern, const std::vector<std::string>& parts) {
   expect_text_refused(scene_text(kCell, kCellMembers, patterns({pattern})), parts);
 }
 
 TEST(ScenePatterns, RepeatedCellsConnect) {
-  const Scene scene = scene_from(scene_text(kCell, kCellMembers, patterns({repeat("[1, 0, 0]", 3)})));
+  const Scene scene = cells({repeat("[1, 0, 0]", 3)});
   EXPECT_EQ(scene.members.size(), 6U);
   EXPECT_EQ(scene.points.size(), 7U);  // 4 below, 3 above
   EXPECT_EQ(member_in(scene, "along (1)")->start_point, "B");
@@ -62,22 +66,19 @@ TEST(ScenePatterns, PointsThatOnlyCopiesTouchAreUsed) {
 
 TEST(ScenePatterns, TwoRepeatsMakeAGrid) {
   const int nx = 4, ny = 3;
-  const Scene scene =
-      scene_from(scene_text(kCell, kCellMembers, patterns({repeat("[1, 0, 0]", nx), repeat("[0, 1, 0]", ny)})));
+  const Scene scene = cells({repeat("[1, 0, 0]", nx), repeat("[0, 1, 0]", ny)});
   EXPECT_EQ(scene.members.size(), static_cast<std::size_t>(2 * nx * ny));
   EXPECT_EQ(scene.points.size(), static_cast<std::size_t>((nx + 1) * (ny + 1) - 1));  // no far corner
-  EXPECT_NE(member_in(scene, "up (3, 2)"), nullptr);
-  EXPECT_NE(member_in(scene, "up (0, 2)"), nullptr);
-  EXPECT_NE(member_in(scene, "up (3)"), nullptr);
+  for (const std::string name : {"up (3, 2)", "up (0, 2)", "up (3)"})
+    EXPECT_NE(member_in(scene, name), nullptr) << name;
   std::set<std::string> names;
   for (const Member& m : scene.members) EXPECT_TRUE(names.insert(m.name).second) << m.name;
   EXPECT_EQ(build_mesh(scene).vertices(), static_cast<int>(scene.points.size()));
 }
 
 TEST(ScenePatterns, SecondPatternOfOneMemberOnly) {
-  const Scene scene = scene_from(scene_text(kCell, kCellMembers,
-                                            patterns({repeat("[0, 0, 1]", 2), repeat("[0, 0, 5]", 2, "Members: [up]"),
-                                                      repeat("[0, 0, 9]", 2, "Members: [along*]")})));
+  const Scene scene = cells(
+      {repeat("[0, 0, 1]", 2), repeat("[0, 0, 5]", 2, "Members: [up]"), repeat("[0, 0, 9]", 2, "Members: [along*]")});
   std::set<std::string> names;
   for (const Member& m : scene.members) names.insert(m.name);
   const std::set<std::string> expected = {"along",     "up",           "along (1)",   "up (1)",
@@ -118,35 +119,29 @@ TEST(ScenePatterns, WholeTurnClosesOnItself) {
 }
 
 TEST(ScenePatterns, RotationByAngle) {
-  const Scene scene = scene_from(scene_text(kCell, member("along", "A", "B") + member("up", "A", "C"),
-                                            patterns({rotate(2, "Angle: -1.5707963267948966, Members: [along]")})));
+  const Scene scene = cells({rotate(2, "Angle: -1.5707963267948966, Members: [along]")});
   expect_at(scene, "B (1)", {0, -1, 0}, 0.0);
   EXPECT_EQ(member_in(scene, "along (1)")->start_point, "A");  // on the axis: stays
 }
 
-Mat3<double> triad_of(const Scene& scene, const Member& m, double x) {
-  const ReferenceCurve curve =
-      make_reference_curve(m, *position_in(scene, m.start_point), *position_in(scene, m.end_point));
-  return rotation_matrix(curve.triad(x * curve.length));
-}
-Vector3 place_of(const Scene& scene, const Member& m, double x) {
-  const ReferenceCurve curve =
-      make_reference_curve(m, *position_in(scene, m.start_point), *position_in(scene, m.end_point));
-  const Vec3<double> r = curve.position(x * curve.length);
-  return {r[0], r[1], r[2]};
+ReferenceCurve curve_of(const Scene& scene, const Member& m) {
+  return make_reference_curve(m, *position_in(scene, m.start_point), *position_in(scene, m.end_point));
 }
 
 /// The copy "m (1)" has its centerline and the axes of its sections where the motion takes those of "m"; a reflection
 /// turns axis 3 round.
-void expect_image(const Scene& scene, const Isometry& motion, double tolerance) {
+void expect_image(const Scene& scene, const Isometry& motion, double tolerance, const std::string& member_text) {
   const Member &m = *member_in(scene, "m"), &copy = *member_in(scene, "m (1)");
+  const ReferenceCurve curve = curve_of(scene, m), image = curve_of(scene, copy);
   for (const double x : {0.0, 0.3, 0.5, 1.0}) {
-    SCOPED_TRACE(x);
-    const Vector3 expected = motion.position(place_of(scene, m, x)), place = place_of(scene, copy, x);
-    const Mat3<double> original = triad_of(scene, m, x), triad = triad_of(scene, copy, x);
+    SCOPED_TRACE(member_text + ", x = " + std::to_string(x));
+    const Vec3<double> from = curve.position(x * curve.length), place = image.position(x * image.length);
+    const Vector3 expected = motion.position({from[0], from[1], from[2]});
+    const Mat3<double> original = rotation_matrix(curve.triad(x * curve.length)),
+                       triad = rotation_matrix(image.triad(x * image.length));
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const int a = static_cast<int>(axis);
-      EXPECT_NEAR(place[axis], expected[axis], tolerance);
+      EXPECT_NEAR(place[a], expected[axis], tolerance);
       const Vector3 direction = motion.direction({original(0, a), original(1, a), original(2, a)});
       const double sign = motion.mirrors() && axis == 2 ? -1.0 : 1.0;
       for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(triad(static_cast<int>(i), a), sign * direction[i], tolerance);
@@ -161,46 +156,32 @@ const Vector3 kObliqueVector = {1, 2, -0.5}, kAsideVector = {7, 1, -4};
 void expect_images(const std::string& member_text, double tolerance) {
   const std::string points = "A: [1, 0, 0], B: [-1, 0.5, 2], ";
   const Scene mirrored = scene_from(scene_text(points, member_text, patterns({mirror(kOblique, kAside)})));
-  expect_image(mirrored, Isometry::reflection(kAsideVector, kObliqueVector), tolerance);
+  expect_image(mirrored, Isometry::reflection(kAsideVector, kObliqueVector), tolerance, member_text);
   const std::string turned = "Kind: rotate, Center: " + kAside + ", Axis: " + kOblique + ", Angle: 0.7, Count: 2, ";
   expect_image(scene_from(scene_text(points, member_text, patterns({turned}))),
-               Isometry::rotation(kAsideVector, kObliqueVector, 0.7), tolerance);
+               Isometry::rotation(kAsideVector, kObliqueVector, 0.7), tolerance, member_text);
 }
 
 constexpr double kImageTolerance = 1e-13;  // coordinates of size 10, some ten operations
+constexpr double kIntegrated = 1e-11;      // the same where the arc length is integrated
 
-TEST(ScenePatterns, ImagesOfLines) {
-  expect_images(member("m", "A", "B"), kImageTolerance);
-  expect_images(member("m", "A", "B", "Second Axis: [3, 1, 1], Twist: 0.4"), kImageTolerance);
-}
-
-TEST(ScenePatterns, ImagesOfArcs) {
-  const std::string arc = curve("arc", "Through: [0, 1, 3]");
-  expect_images(member("m", "A", "B", arc), kImageTolerance);
-  expect_images(member("m", "A", "B", arc + "Second Axis: [3, 1, 1]"), kImageTolerance);
-}
-
-TEST(ScenePatterns, ImagesOfHelices) {
+TEST(ScenePatterns, ImagesOfCurvesOfEveryKind) {
+  const std::string arc = curve("arc", "Through: [0, 1, 3]"), axis = "Second Axis: [3, 1, 1]";
   const std::string helix = curve("helix", "Center: [0, 0.2, 0], Axis: [0.1, 0, 1], Angle: 4, Rise: -1.5");
   const std::string chord = member("c", "A", "B");
-  expect_images(member("m", "A", "end", helix) + chord, kImageTolerance);
-  expect_images(member("m", "A", "end", helix + "Second Axis: [3, 1, 1]") + chord, kImageTolerance);
-}
-
-TEST(ScenePatterns, ImagesOfSplines) {
-  expect_images(
-      member("m", "A", "B", curve("spline", "Through: [0, 1, 3, -1, 2, 1], End Tangent: [1, 0, 1]") + "Twist: -0.3"),
-      1e-11);  // arc length by integration
-}
-
-TEST(ScenePatterns, ImagesOfFormulas) {
-  expect_images(
-      member("m", "A", "end", curve("parametric", "Formula: [cos(t), t^2/2, sin(t)+t]")) + member("c", "A", "B"),
-      1e-11);
+  for (const std::string& text :
+       {member("m", "A", "B"), member("m", "A", "B", axis + ", Twist: 0.4"), member("m", "A", "B", arc),
+        member("m", "A", "B", arc + axis), member("m", "A", "end", helix) + chord,
+        member("m", "A", "end", helix + axis) + chord})
+    expect_images(text, kImageTolerance);
+  const std::string spline = curve("spline", "Through: [0, 1, 3, -1, 2, 1], End Tangent: [1, 0, 1]");
+  expect_images(member("m", "A", "B", spline + "Twist: -0.3"), kIntegrated);
+  expect_images(member("m", "A", "end", curve("parametric", "Formula: [cos(t), t^2/2, sin(t)+t]")) + chord,
+                kIntegrated);
 }
 
 TEST(ScenePatterns, MembersInTheMirrorPlaneStayOne) {
-  const Scene scene = scene_from(scene_text(kCell, kCellMembers, patterns({mirror("[1, 0, 0]")})));
+  const Scene scene = cells({mirror("[1, 0, 0]")});
   EXPECT_EQ(scene.members.size(), 3U);
   EXPECT_EQ(scene.points.size(), 4U);
   EXPECT_EQ(member_in(scene, "up (1)"), nullptr);
@@ -223,12 +204,8 @@ TEST(ScenePatterns, MirroredCouplingChangesItsSign) {
   ASSERT_NE(section, nullptr);
   const Matrix6& c = *section->matrix;
   // couplings of one even strain (gamma_1, gamma_2, kappa_3) with an odd one change, the others stay
-  EXPECT_EQ(c[0][2], -0.1);
-  EXPECT_EQ(c[0][3], -0.2);
-  EXPECT_EQ(c[0][5], 0.3);
-  EXPECT_EQ(c[3][4], 0.4);
-  EXPECT_EQ(c[3][5], -0.5);
-  EXPECT_EQ(c[4][5], -0.6);
+  EXPECT_EQ((std::array{c[0][2], c[0][3], c[0][5], c[3][4], c[3][5], c[4][5]}),
+            (std::array{-0.1, -0.2, 0.3, 0.4, -0.5, -0.6}));
 }
 
 TEST(ScenePatterns, CopiesOfInnerPoints) {
@@ -242,9 +219,7 @@ TEST(ScenePatterns, CopiesOfInnerPoints) {
 /// An entry acts once at each place, whether its name reaches a copy or the pattern brings it there.
 TEST(ScenePatterns, WhatActsGoesWithTheCopies) {
   const std::string all = "Copy: all, ";
-  const auto acting = [&](const std::string& pattern, const std::string& loads) {
-    return scene_from(scene_text(kCell, kCellMembers, patterns({pattern}) + loads));
-  };
+  const auto acting = [&](const std::string& pattern, const std::string& loads) { return cells({pattern}, loads); };
   const auto load = [](const std::string& point) {
     return "Point Loads: {p: {Point: " + point + ", Force: [1, 0, 0]}}, ";
   };
@@ -265,27 +240,25 @@ TEST(ScenePatterns, WhatActsGoesWithTheCopies) {
 TEST(ScenePatterns, TurnsOfEndsGoWithTheCopies) {
   const std::string turns = "Eigenstrains: {kink: {Member: up, Start Turn: [0.1, 0.2, 0.3], End Turn: [0, 0, 1]}}, ";
   for (const std::string& pattern : {repeat("[1, 0, 0]", 2), rotate(3), mirror("[1, 0, 0]", "[1, 0, 0]")}) {
-    const Scene scene = scene_from(scene_text(kCell, kCellMembers, patterns({pattern + "Copy: all, "}) + turns));
+    const Scene scene = cells({pattern + "Copy: all, "}, turns);
     ASSERT_GE(scene.eigenstrains.size(), 2U) << pattern;
     const double sign = pattern.find("mirror") == std::string::npos ? 1.0 : -1.0;
     EXPECT_EQ(scene.eigenstrains[1].member, "up (1)");
     EXPECT_EQ(scene.eigenstrains[1].end_turns[0], (Vector3{sign * 0.1, sign * 0.2, 0.3})) << pattern;
     EXPECT_EQ(scene.eigenstrains[1].end_turns[1], (Vector3{sign * 0.0, sign * 0.0, 1.0})) << pattern;
   }
-  EXPECT_EQ(scene_from(scene_text(kCell, kCellMembers, patterns({repeat("[1, 0, 0]", 2)}) + turns)).eigenstrains.size(),
-            1U);
+  EXPECT_EQ(cells({repeat("[1, 0, 0]", 2)}, turns).eigenstrains.size(), 1U);
 }
 
 TEST(ScenePatterns, JointsGoWithTheirMembers) {
   const std::string joint = "Joints: {j: {Point: A, Members: [up], Kind: hinge, Axis: [1, 0, 0]}}, ";
-  const Scene scene = scene_from(scene_text(kCell, kCellMembers, patterns({rotate(3, "Copy: all")}) + joint));
+  const Scene scene = cells({rotate(3, "Copy: all")}, joint);
   ASSERT_EQ(scene.joints.size(), 3U);
   EXPECT_EQ(scene.joints[1].point, "A");
   EXPECT_EQ(scene.joints[1].members, std::vector<std::string>{"up (1)"});
   EXPECT_NEAR(scene.joints[1].axis[1], std::sqrt(0.75), kRounding);
   const auto copies = [&](const std::string& what) {
-    const std::string pattern = patterns({repeat("[1, 0, 0]", 3, "Members: [up], Copy: " + what)});
-    const Scene made = scene_from(scene_text(kCell, kCellMembers, pattern + joint));
+    const Scene made = cells({repeat("[1, 0, 0]", 3, "Members: [up], Copy: " + what)}, joint);
     return std::pair(made.joints.size(), made.supports.size());
   };
   EXPECT_EQ(copies("members"), std::pair(std::size_t{1}, std::size_t{1}));
@@ -341,6 +314,9 @@ TEST(ScenePatterns, RefusesWrongPatterns) {
   expect_pattern_refused(repeat("[1, 0, 0]", 2, "Members: [alog]"),
                          {"p1 / Members", "\"alog\" is not a member", "did you mean \"along\"?"});
   expect_pattern_refused(repeat("[1, 0, 0]", 2, "Members: [x*]"), {"p1 / Members", "\"x*\""});
+  expect_text_refused(
+      scene_text(kCell, kCellMembers + member("along (1)", "B", "C"), patterns({repeat("[0, 0, 1]", 2)})),
+      {"\"along (1)\", which exists already"});
   expect_pattern_refused("Kind: rotat, ", {"did you mean \"rotate\"?"});
   expect_pattern_refused(rotate(3, "", "[0, 0, 0]"), {"p1 / Axis", "no direction"});
   expect_pattern_refused(repeat("[1, 0, 0]", 2, "Point: [0, 0, 0]"), {"p1 / Point", "no meaning"});
@@ -351,12 +327,6 @@ TEST(ScenePatterns, RefusesMoreThanMemoryHolds) {
   expect_text_refused(scene_text(kCell, kCellMembers, patterns({repeat("[1, 0, 0]", 3000), repeat("[0, 1, 0]", 3000)})),
                       {"\"Scene / Patterns / p2\"", "elements"});
   expect_pattern_refused(repeat("[1e99, 0, 0]", 1000), {"coordinates"});
-}
-
-TEST(ScenePatterns, NamesOfCopiesMustBeFree) {
-  expect_text_refused(
-      scene_text(kCell, kCellMembers + member("along (1)", "B", "C"), patterns({repeat("[0, 0, 1]", 2)})),
-      {"\"along (1)\", which exists already"});
 }
 
 }  // namespace

@@ -22,12 +22,10 @@ Member line(const std::string& name, const std::string& start, const std::string
 
 /// An L of two rods of 5 m with a force of 1 kN at its end.
 Scene frame() {
-  Scene scene;
+  Scene scene = test::structure({{"foot", {0, 0, 0}}, {"corner", {0, 0, 5}}, {"end", {5, 0, 5}}},
+                                {line("post", "foot", "corner"), line("arm", "corner", "end")}, {test::clamp("foot")},
+                                {test::dead_load("end", {0, 0, -1000})});
   scene.sections = {steel()};
-  scene.points = {{"foot", {0, 0, 0}}, {"corner", {0, 0, 5}}, {"end", {5, 0, 5}}};
-  scene.members = {line("post", "foot", "corner"), line("arm", "corner", "end")};
-  scene.supports = {test::clamp("foot")};
-  scene.point_loads = {test::dead_load("end", {0, 0, -1000})};
   return scene;
 }
 
@@ -100,10 +98,9 @@ TEST(SceneWarnings, LoadsOfUnknownSize) {
 }
 
 TEST(SceneWarnings, OfRigidSectionsThereIsNothingToSay) {
-  const double infinity = std::numeric_limits<double>::infinity();
-  expect_none([&](Scene& s) {
-    s.sections[0].axial_stiffness = infinity;
-    s.sections[0].shear_stiffness = {infinity, infinity};
+  expect_none([](Scene& s) {
+    s.sections[0].axial_stiffness = test::kRigid;
+    s.sections[0].shear_stiffness = {test::kRigid, test::kRigid};
   });
 }
 
@@ -340,22 +337,12 @@ TEST(SceneWarnings, OfAKindAreCounted) {
 
 /// A lattice of 20 x 20 x 20 points: comparing each point with each member would be 2e8 comparisons.
 TEST(SceneWarnings, TakeTimeInProportionToTheScene) {
-  Scene scene = frame();
-  constexpr int kSide = 20;
-  const auto name = [](int i, int j, int k) {
-    return std::to_string(i) + " " + std::to_string(j) + " " + std::to_string(k);
-  };
-  scene.points.clear();
-  scene.members.clear();
-  for (int i = 0; i < kSide; ++i)
-    for (int j = 0; j < kSide; ++j)
-      for (int k = 0; k < kSide; ++k) {
-        scene.points.push_back({name(i, j, k), {1.0 * i, 1.0 * j, 1.0 * k}});
-        if (i > 0) scene.members.push_back(line("x" + name(i, j, k), name(i - 1, j, k), name(i, j, k)));
-        if (j > 0) scene.members.push_back(line("y" + name(i, j, k), name(i, j - 1, k), name(i, j, k)));
-        if (k > 0) scene.members.push_back(line("z" + name(i, j, k), name(i, j, k - 1), name(i, j, k)));
-      }
-  scene.supports[0].point = scene.point_loads[0].point = name(0, 0, 0);
+  Scene scene = frame(), lattice = test::lattice(20);
+  scene.points = lattice.points;
+  scene.members = lattice.members;
+  for (Member& member : scene.members) member.section = "steel", member.elements = 4;
+  scene.supports = lattice.supports;
+  scene.point_loads[0].point = lattice.points.back().name;
   EXPECT_LT(processor_seconds([&] { EXPECT_TRUE(warnings(scene).empty()); }), 20.0);  // takes half a second
 }
 

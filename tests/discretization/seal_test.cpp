@@ -1,35 +1,26 @@
 /// Damage of every kind is seen: flipped bits, zeroed and stale pages, cut files, and what is not damaged is read.
 #include "discretization/results/guarded_file.hpp"
-#include "discretization/results/hdf5_writer.hpp"
 #include "discretization/results/published_file.hpp"
 #include "discretization/results/result_file.hpp"
 #include "discretization/results/table_file.hpp"
 #include "discretization/text/errors.hpp"
+#include "tests/support/child.hpp"
 #include "tests/support/errors.hpp"
-#include "tests/support/files.hpp"
+#include "tests/support/hdf5.hpp"
 
 #include <gtest/gtest.h>
-#include <hdf5.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <csignal>
-#include <cstdlib>
-#include <fstream>
 #include <functional>
-#include <iterator>
 #include <random>
 #include <thread>
-
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 namespace mixbeam::seal_test {
 namespace {
 
-using Bytes = std::vector<char>;
+using Bytes = std::string;
 
 constexpr std::size_t kPage = 4096;  // what a disk loses at a time
 
@@ -41,13 +32,18 @@ class Seals : public ::testing::Test {
     const std::string error = error_of<InputError>([&] { found = verify_results(file_).damage; });
     return error == "no error" ? found : error;
   }
-  Bytes read() const {
-    std::ifstream stream(file_, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
+  Bytes read() const { return text_of(file_); }
+  void write(const Bytes& bytes) const { write_text(file_, bytes); }
+  /// Flips a bit in the byte behind the first place where these numbers stand one after the other.
+  void damage_at(const std::vector<double>& numbers, std::size_t byte = 0) const {
+    Bytes bytes = read();
+    const std::size_t place =
+        bytes.find(Bytes(reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(double)));
+    ASSERT_NE(place, Bytes::npos);
+    bytes[place + byte] ^= 1;
+    write(bytes);
   }
-  void write(const Bytes& bytes) const {
-    std::ofstream(file_, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  }
+  std::ptrdiff_t files() const { return std::distance(fs::directory_iterator(folder_), fs::directory_iterator()); }
 
   const TemporaryFolder temporary_;
   const fs::path folder_ = temporary_.path(), file_ = folder_ / "run.h5";
@@ -137,20 +133,6 @@ TEST_F(Seals, DamageOfEveryKindIsSeen) {
   EXPECT_GT(refused, 4 * kEach) << same << " pages were the same";
 }
 
-/// Where a number stands in a file, from `begin` on.
-std::size_t place_of(const Bytes& bytes, double number, std::size_t begin = 0) {
-  const auto* first = reinterpret_cast<const char*>(&number);
-  const auto from = bytes.begin() + static_cast<std::ptrdiff_t>(begin);
-  return static_cast<std::size_t>(std::search(from, bytes.end(), first, first + sizeof number) - bytes.begin());
-}
-
-/// Where numbers stand one after the other.
-std::size_t place_of_row(const Bytes& bytes, const std::vector<double>& numbers) {
-  const auto* first = reinterpret_cast<const char*>(numbers.data());
-  const auto found = std::search(bytes.begin(), bytes.end(), first, first + numbers.size() * sizeof(double));
-  return static_cast<std::size_t>(found - bytes.begin());
-}
-
 TEST_F(Seals, TheDamagedObjectIsNamedAndTheStepsBeforeItGoOn) {
   constexpr std::size_t kSamples = 4000;  // tables of many blocks
   constexpr double kMarker = 1.2345678901234567;
@@ -163,11 +145,7 @@ TEST_F(Seals, TheDamagedObjectIsNamedAndTheStepsBeforeItGoOn) {
     }
     results.close();
   }
-  Bytes bytes = read();
-  const std::size_t place = place_of(bytes, kMarker);
-  ASSERT_LT(place, bytes.size());
-  bytes[place] ^= 1;
-  write(bytes);
+  damage_at({kMarker});
   const FileReport report = verify_results(file_);
   EXPECT_NE(report.damage.find("/steps/000002/material_force"), std::string::npos) << report.damage;
   EXPECT_EQ(report.damage.find("/steps/000003"), std::string::npos) << report.damage;
@@ -189,11 +167,7 @@ TEST_F(Seals, TheDamagedObjectIsNamedAndTheStepsBeforeItGoOn) {
 
 TEST_F(Seals, DamagedTimeSeriesLoseNoStep) {
   write_run(file_, 3, 4000);
-  Bytes bytes = read();
-  const std::size_t place = place_of_row(bytes, {1.0, 2.0, 0.5, 1.0, 2.0, 1.0});  // of tip.displacement
-  ASSERT_LT(place, bytes.size());
-  bytes[place] ^= 1;
-  write(bytes);
+  damage_at({1.0, 2.0, 0.5, 1.0, 2.0, 1.0});  // of tip.displacement
   const FileReport report = verify_results(file_);
   EXPECT_NE(report.damage.find("/monitor"), std::string::npos) << report.damage;
   ASSERT_TRUE(report.last_whole_step);
@@ -219,15 +193,12 @@ TEST_F(Seals, DamagedTimeSeriesLoseNoStep) {
 TEST_F(Seals, DamagedStatesAreNotResumedFrom) {
   write_run(file_, 2);
   const Bytes whole = read();
-  Bytes bytes = whole;
-  const std::size_t place = place_of(bytes, 0.75);
-  ASSERT_LT(place, bytes.size());
-  bytes[place + 7] ^= 1;
-  write(bytes);
+  damage_at({0.75}, 7);
+  const Bytes bytes = read();
   EXPECT_THROW(read_run(file_), InputError);
   EXPECT_THROW(ResultFile{StoredRun(file_)}, std::exception);
   EXPECT_EQ(read(), bytes) << "the file is left as it is";
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 2);
+  EXPECT_EQ(files(), 2);
   write(whole);
   EXPECT_NO_THROW(read_run(file_));
 }
@@ -308,26 +279,22 @@ std::vector<Forgery> forgeries(const std::string& other_file) {
           {"it is in another place of the file too", false,
            [](hid_t file) { H5Lcreate_hard(file, "/polyline", file, "/polyline/itself", H5P_DEFAULT, H5P_DEFAULT); }},
           {"numbers that are not finite", true, [=](hid_t file) {
-             const hid_t id = H5Dopen2(file, interior, H5P_DEFAULT);
              const double values[3] = {0.25, std::nan(""), 0.75};
+             const hdf5::Handle id = h5::dataset(file, interior);
              EXPECT_GE(H5Dwrite(id, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), 0);
-             H5Dclose(id);
            }}};
 }
 
 /// The seal says nothing about who has made a file.
 void forge_and_seal(const fs::path& path, const std::function<void(hid_t file)>& forge) {
-  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
-  ASSERT_GE(file, 0);
-  forge(file);
-  H5Fclose(file);
+  forge(h5::opened(path, H5F_ACC_RDWR));
   DiskFile disk(path, DiskAccess::write);
   write_seal(disk, seal_of(disk, disk.size(), kSmallBlock));
 }
 
 TEST_F(Seals, ForgedFilesAreRefusedBeforeTheyAreRead) {
   const std::string other_file = folder_ / "other";
-  std::ofstream(other_file) << std::string(1000, 'x');
+  write_text(other_file, std::string(1000, 'x'));
   write_run(file_, 2);
   const Bytes whole = read();
   forge_and_seal(file_, [](hid_t file) {  // the twin: what is as declared is read, whoever has written it
@@ -371,44 +338,29 @@ TEST_F(Seals, AnotherFileOfTheNameIsLeftAsItIs) {
   ResultFile results(file_, {"scene", "<ParameterList/>", "1", {}});
   results.append_step(step_of(1, 4));
   fs::rename(file_, folder_ / "kept.h5");
-  std::ofstream(file_) << "of another program";
+  write("of another program");
   EXPECT_THROW(results.append_step(step_of(2, 4)), ResultFileError);
   EXPECT_THROW(results.append_step(step_of(3, 4)), ResultFileError) << "takes no more steps";
-  const Bytes bytes = read();
-  EXPECT_EQ(std::string(bytes.begin(), bytes.end()), "of another program");
+  EXPECT_EQ(read(), "of another program");
   EXPECT_EQ(verify_results(folder_ / "kept.h5").steps, std::vector<int>{1});
 }
 
-// A limit on the file size stands for a full disk.
 TEST_F(Seals, ATableThatDoesNotFitLeavesTheEarlierOne) {
   const std::vector<TableColumn> small = {{"a/b", {1, 2, 3}}}, large = {{"a", std::vector<double>(100000, 0.5)}};
   write_table_file(file_, small, {{"scene", "text"}});
   EXPECT_EQ(verify_results(file_).damage, "");
   const Bytes before = read();
-  const pid_t child = fork();
-  ASSERT_GE(child, 0);
-  if (child == 0) {
-    std::signal(SIGXFSZ, SIG_IGN);
-    const rlimit limit{300000, 300000};
-    setrlimit(RLIMIT_FSIZE, &limit);
-    int failures = 0;
-    const auto fails = [&](const std::function<void()>& action) {
-      try {
-        action();
-      } catch (const std::exception& error) {
-        failures += std::string(error.what()).find("File too large") != std::string::npos ? 1 : 0;
-      }
+  const pid_t child = started([&] {
+    limit_file_size(300000);
+    const auto fails = [](const std::function<void()>& action) {
+      return error_of<std::exception>(action).find("File too large") != std::string::npos ? 1 : 0;
     };
-    fails([&] { write_table_file(file_, large, {}); });
-    fails([&] { replace_file(folder_ / "text", std::string(400000, 'x'), false); });
-    std::exit(failures);  // exit handlers of the HDF5 library run
-  }
-  int status = 0;
-  waitpid(child, &status, 0);
-  EXPECT_TRUE(WIFEXITED(status)) << "signal " << WTERMSIG(status);
-  EXPECT_EQ(WEXITSTATUS(status), 2);
+    return fails([&] { write_table_file(file_, large, {}); }) +
+           fails([&] { replace_file(folder_ / "text", std::string(400000, 'x'), false); });
+  });
+  EXPECT_EQ(end_of(child), 2);
   EXPECT_EQ(read(), before);
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1);
+  EXPECT_EQ(files(), 1);
 }
 
 TEST(SyncBudget, GuessesByBytesUntilItKnows) {
@@ -425,7 +377,7 @@ TEST(SyncBudget, GuessesByBytesUntilItKnows) {
 
 TEST(RunningSum, OfPiecesIsThatOfTheWhole) {
   std::mt19937 random(20261122);
-  Bytes bytes(10 * kSmallBlock + 100);
+  Bytes bytes(10 * kSmallBlock + 100, '\0');
   for (char& byte : bytes) byte = static_cast<char>(random());
   std::uniform_int_distribution<std::size_t> length(1, 3 * kSmallBlock);
   for (int attempt = 0; attempt < 50; ++attempt) {

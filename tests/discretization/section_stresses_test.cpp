@@ -1,5 +1,6 @@
 // Stresses in sections without any formula of theirs: resultants, free boundaries, equilibrium and compatibility,
 // energies. Formulas: stress_formulas_test.cpp; largest values: largest_stresses_test.cpp.
+#include "discretization/scene/section_law.hpp"
 #include "tests/discretization/stress_sections.hpp"
 
 #include <gtest/gtest.h>
@@ -197,21 +198,14 @@ double energy_ratio(const SectionShape& shape, std::size_t component) {
   const Integrals sums = resultants_of(shape, one);
   const double g = 0.5 / (1.0 + shape.poisson_ratio);
   const double by_stresses = sums[6] / shape.youngs_modulus + sums[7] / g;
-  const Section section = make_section("", shape);
-  const std::array<double, 6> stiffness = {section.axial_stiffness,      section.shear_stiffness[0],
-                                           section.shear_stiffness[1],   section.torsional_stiffness,
-                                           section.bending_stiffness[0], section.bending_stiffness[1]};
-  return by_stresses * stiffness[component];
+  return by_stresses * diagonal(make_section("", shape))[component];
 }
 
 /// The largest and the smallest that make_section takes: 16 T / (pi d^3) of a torque.
 TEST(SectionStresses, TinyAndHugeCirclesHaveTheirStresses) {
   constexpr double kRounding = 1e-12, kOfForce = 1e-8;  // 16 / 3 of the force's 1e-9, at most
   for (const double diameter : {1e-30, 1.0, 1e30}) {
-    SectionShape shape;
-    shape.kind = SectionShapeKind::circle;
-    shape.size2 = diameter;
-    shape.youngs_modulus = 1.0;
+    const SectionShape shape = test::stress_shape(SectionShapeKind::circle, 0.0, {diameter});
     SectionForces forces{};
     forces.moment[0] = std::pow(diameter, 3);
     forces.force[1] = 1e-9 * diameter * diameter;  // the largest one is then looked for

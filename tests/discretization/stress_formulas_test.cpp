@@ -17,10 +17,7 @@ constexpr int kPoints = 200;
 Shear swapped(const Shear& s) { return {s[1], s[0]}; }
 
 SectionForces single(double torque, double force2, double force3) {
-  SectionForces f;
-  f.force = {0.0, force2, force3};
-  f.moment = {torque, 0.0, 0.0};
-  return f;
+  return {{0.0, force2, force3}, {torque, 0.0, 0.0}};
 }
 
 /// Formula of tau for unit T, Q2 or Q3 at a point.
@@ -51,6 +48,14 @@ void expect_formula(const SectionShape& shape, const SectionForces& forces, cons
   EXPECT_GT(worst_difference(shape, twin, formula), kSame);
 }
 
+/// Under a unit torque, and a unit force along axis 3 and along axis 2, `across`: the formula of the section that lies
+/// on its side.
+void expect_formulas(const SectionShape& shape, const Formula& torque, const Formula& force3, const Formula& across) {
+  expect_formula(shape, single(1, 0, 0), torque);
+  expect_formula(shape, single(0, 0, 1), force3);
+  expect_formula(shape, single(0, 1, 0), [&](double x2, double x3) { return swapped(across(x3, x2)); });
+}
+
 /// Timoshenko and Goodier, ch. 11.
 Shear circle_force3(double a, double x2, double x3) {
   const double i = kPi * std::pow(a, 4) / 4.0;
@@ -62,9 +67,13 @@ Shear circle_force3(double a, double x2, double x3) {
 TEST(StressFormulas, Circle) {
   const double a = 1.3, j = kPi * std::pow(a, 4) / 2.0;
   const SectionShape shape = test::stress_shape(SectionShapeKind::circle, kNu, {2.0 * a});
-  expect_formula(shape, single(1, 0, 0), [&](double x2, double x3) { return Shear{-x3 / j, x2 / j}; });
-  expect_formula(shape, single(0, 0, 1), [&](double x2, double x3) { return circle_force3(a, x2, x3); });
-  expect_formula(shape, single(0, 1, 0), [&](double x2, double x3) { return swapped(circle_force3(a, x3, x2)); });
+  const auto force = [&](double x2, double x3) { return circle_force3(a, x2, x3); };
+  expect_formulas(
+      shape,
+      [&](double x2, double x3) {
+        return Shear{-x3 / j, x2 / j};
+      },
+      force, force);
   const LargestStress largest = SectionStresses(shape).largest(single(0, 0, 1)).shear;
   EXPECT_NEAR(largest.value, (3.0 + 2.0 * kNu) / (8.0 * (1.0 + kNu)) * a * a / (0.5 * j), 1e-14);
   EXPECT_NEAR(std::hypot(largest.point[0], largest.point[1]), 0.0, 1e-12);
@@ -85,9 +94,13 @@ TEST(StressFormulas, Tube) {
     const double a = 1.0, b = a - wall;
     const SectionShape shape = test::stress_shape(SectionShapeKind::tube, kNu, {2.0 * a, 0.0, wall});
     const double j = kPi * (std::pow(a, 4) - std::pow(b, 4)) / 2.0;
-    expect_formula(shape, single(1, 0, 0), [&](double x2, double x3) { return Shear{-x3 / j, x2 / j}; });
-    expect_formula(shape, single(0, 0, 1), [&](double x2, double x3) { return tube_force3(a, b, x2, x3); });
-    expect_formula(shape, single(0, 1, 0), [&](double x2, double x3) { return swapped(tube_force3(a, b, x3, x2)); });
+    const auto force = [&](double x2, double x3) { return tube_force3(a, b, x2, x3); };
+    expect_formulas(
+        shape,
+        [&](double x2, double x3) {
+          return Shear{-x3 / j, x2 / j};
+        },
+        force, force);
     const LargestStress largest = SectionStresses(shape).largest(single(0, 0, 1)).shear;
     EXPECT_NEAR(std::abs(largest.point[0]), b, 1e-6);
     EXPECT_NEAR(largest.value * kPi * (a * a - b * b), 2.0, 1.5 * wall);  // thin wall: 2 Q / A
@@ -105,11 +118,12 @@ Shear ellipse_force3(double a, double b, double x2, double x3) {
 TEST(StressFormulas, Ellipse) {
   const double b = 0.7, a = 1.9;
   const SectionShape shape = test::stress_shape(SectionShapeKind::ellipse, kNu, {2.0 * b, 2.0 * a});
-  expect_formula(shape, single(1, 0, 0), [&](double x2, double x3) {
+  const auto torque = [&](double x2, double x3) {
     return Shear{-2.0 * x3 / (kPi * b * a * a * a), 2.0 * x2 / (kPi * a * b * b * b)};
-  });
-  expect_formula(shape, single(0, 0, 1), [&](double x2, double x3) { return ellipse_force3(a, b, x2, x3); });
-  expect_formula(shape, single(0, 1, 0), [&](double x2, double x3) { return swapped(ellipse_force3(b, a, x3, x2)); });
+  };
+  expect_formulas(
+      shape, torque, [&](double x2, double x3) { return ellipse_force3(a, b, x2, x3); },
+      [&](double x2, double x3) { return ellipse_force3(b, a, x2, x3); });
 }
 
 /// cosh(x) / cosh(y) and sinh(x) / cosh(y) for |x| <= y, without overflow.
@@ -147,10 +161,10 @@ TEST(StressFormulas, Rectangle) {
   for (const double b : {0.1, 0.6, 1.0, 1.9, 2.1, 12.0}) {
     const double a = 1.0;
     const SectionShape shape = test::stress_shape(SectionShapeKind::rectangle, kNu, {2.0 * b, 2.0 * a});
-    expect_formula(shape, single(0, 0, 1), [&](double x2, double x3) { return rectangle_force3(a, b, x2, x3); });
-    expect_formula(shape, single(0, 1, 0),
-                   [&](double x2, double x3) { return swapped(rectangle_force3(b, a, x3, x2)); });
-    expect_formula(shape, single(1, 0, 0), [&](double x2, double x3) { return rectangle_torque(b, a, x2, x3); });
+    expect_formulas(
+        shape, [&](double x2, double x3) { return rectangle_torque(b, a, x2, x3); },
+        [&](double x2, double x3) { return rectangle_force3(a, b, x2, x3); },
+        [&](double x2, double x3) { return rectangle_force3(b, a, x2, x3); });
   }
 }
 

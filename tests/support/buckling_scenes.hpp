@@ -5,15 +5,6 @@
 
 namespace mixbeam::test {
 
-inline Support support(const std::string& point, const std::array<bool, 3>& displacement,
-                       const std::array<bool, 3>& rotation) {
-  Support result;
-  result.point = point;
-  result.displacement_fixed = displacement;
-  result.rotation_fixed = rotation;
-  return result;
-}
-
 /// A column of unit length along e1 under a unit compressive force at its tip, EI3 = 1; it buckles towards e2, because
 /// EI2 = 6.
 inline Scene column(int order, int elements, const std::vector<Support>& supports = {clamp("clamp")}) {

@@ -16,11 +16,7 @@ inline Joint joint(JointKind kind, const std::string& point, const std::vector<s
 }
 
 /// A hinge about e3.
-inline Support hinged(const std::string& point) {
-  Support support = clamp(point);
-  support.rotation_fixed = {true, true, false};
-  return support;
-}
+inline Support hinged(const std::string& point) { return support(point, kHeld, {true, true, false}); }
 
 inline Vec to_vec(const Vector3& v) { return {{v[0], v[1], v[2]}}; }
 inline Vector3 to_array(const Vec& v) { return {v[0], v[1], v[2]}; }
@@ -79,36 +75,26 @@ inline constexpr double kTrussHalfSpan = 1.0, kTrussRise = 0.3, kTrussAxial = 10
 /// An arch of radius 1 under a force at its crown, which is guided or not; `half`: its half angle.
 inline Scene loaded_arch(const Support& ends, bool guided, double force, double half = 0.5) {
   const double x = std::sin(half), y = std::cos(half);
-  Scene scene;
+  Scene scene = structure({{"left", {-x, y, 0}}, {"crown", {0, 1, 0}}, {"right", {x, y, 0}}},
+                          {arc("left half", "left", "crown", {0, 0, 0}, {0, 0, -1}, half, 4, 6),
+                           arc("right half", "crown", "right", {0, 0, 0}, {0, 0, -1}, half, 4, 6)},
+                          {ends, ends, support("crown", {guided, false, true}, {true, true, guided})},
+                          {dead_load("crown", {0, -force, 0})}, section(1e4, 1e4, 1.0, 1.0));
   scene.name = "arch";
-  scene.sections = {section(1e4, 1e4, 1.0, 1.0)};
-  scene.points = {{"left", {-x, y, 0}}, {"crown", {0, 1, 0}}, {"right", {x, y, 0}}};
-  scene.members = {arc("left half", "left", "crown", {0, 0, 0}, {0, 0, -1}, half, 4, 6),
-                   arc("right half", "crown", "right", {0, 0, 0}, {0, 0, -1}, half, 4, 6)};
-  scene.supports = {ends, ends};
   scene.supports[0].point = "left";
   scene.supports[1].point = "right";
-  Support guide = clamp("crown");
-  guide.displacement_fixed = {guided, false, true};
-  guide.rotation_fixed = {true, true, guided};
-  scene.supports.push_back(guide);
-  scene.point_loads = {dead_load("crown", {0, -force, 0})};
   return scene;
 }
 
 /// `force` downwards at the apex, which is guided in the plane.
 inline Scene shallow_truss(double force) {
-  Scene scene;
+  Scene scene = structure(
+      {{"left", {-kTrussHalfSpan, 0, 0}}, {"apex", {0, kTrussRise, 0}}, {"right", {kTrussHalfSpan, 0, 0}}},
+      {line("left bar", "left", "apex", 2, 1), line("right bar", "apex", "right", 2, 1)},
+      {hinged("left"), hinged("right"), support("apex", {true, false, true}, {})}, {dead_load("apex", {0, -force, 0})},
+      section(kTrussAxial, kTrussAxial, 1e2, 1e2));  // too stiff to buckle between the hinges
   scene.name = "shallow truss";
-  scene.sections = {section(kTrussAxial, kTrussAxial, 1e2, 1e2)};  // too stiff to buckle between the hinges
-  scene.points = {{"left", {-kTrussHalfSpan, 0, 0}}, {"apex", {0, kTrussRise, 0}}, {"right", {kTrussHalfSpan, 0, 0}}};
-  scene.members = {line("left bar", "left", "apex", 2, 1), line("right bar", "apex", "right", 2, 1)};
   scene.joints = {joint(JointKind::hinge, "apex", {"right bar"})};
-  Support guide = clamp("apex");
-  guide.displacement_fixed = {true, false, true};
-  guide.rotation_fixed = {false, false, false};
-  scene.supports = {hinged("left"), hinged("right"), guide};
-  scene.point_loads = {dead_load("apex", {0, -force, 0})};
   return scene;
 }
 

@@ -1,7 +1,7 @@
 /// What an action throws.
 #pragma once
 
-#include <string>
+#include "tests/support/text.hpp"
 
 namespace mixbeam {
 
@@ -14,6 +14,12 @@ std::string error_of(const Action& action) {
     return error.what();
   }
   return "no error";
+}
+
+/// An error of this kind, with all `parts` in its message.
+template <class Error, class Action>
+void expect_error(const Action& action, const std::vector<std::string>& parts) {
+  expect_in(error_of<Error>(action), parts);
 }
 
 }  // namespace mixbeam

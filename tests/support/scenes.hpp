@@ -66,14 +66,33 @@ inline PointLoad follower_load(const std::string& point, const std::string& memb
   return load;
 }
 
+inline Support support(const std::string& point, const std::array<bool, 3>& displacement,
+                       const std::array<bool, 3>& rotation) {
+  Support support = clamp(point);
+  support.displacement_fixed = displacement;
+  support.rotation_fixed = rotation;
+  return support;
+}
+
+/// Of one section, which its members name "section".
+inline Scene structure(const std::vector<Point>& points, const std::vector<Member>& members,
+                       const std::vector<Support>& supports, const std::vector<PointLoad>& loads = {},
+                       const Section& section = {}) {
+  Scene scene;
+  scene.sections = {section};
+  scene.sections[0].name = "section";
+  scene.points = points;
+  scene.members = members;
+  scene.supports = supports;
+  scene.point_loads = loads;
+  return scene;
+}
+
 /// A straight beam "beam" along e1 from the clamped "clamp" at the origin to "tip", without loads.
 inline Scene cantilever(const Section& section, double length, int order, int elements) {
-  Scene scene;
+  Scene scene = structure({{"clamp", {0, 0, 0}}, {"tip", {length, 0, 0}}},
+                          {line("beam", "clamp", "tip", order, elements)}, {clamp("clamp")}, {}, section);
   scene.name = "cantilever";
-  scene.sections = {section};
-  scene.points = {{"clamp", {0, 0, 0}}, {"tip", {length, 0, 0}}};
-  scene.members = {line("beam", "clamp", "tip", order, elements)};
-  scene.supports = {clamp("clamp")};
   return scene;
 }
 
@@ -129,13 +148,10 @@ inline double arc_force(double slenderness) { return 600.0 * std::pow(100.0 / sl
 
 /// `side` +1: the arc curves towards +e2 (paper), -1: towards -e2 (reference values).
 inline Scene arc_segment(const Section& section, double force, double side, int order, int elements) {
-  Scene scene;
+  Scene scene = structure({{"clamp", {0, 0, 0}}},
+                          {arc("arc", "clamp", "tip", {0, side * 100.0, 0}, {0, 0, side}, kPi / 4.0, order, elements)},
+                          {clamp("clamp")}, {dead_load("tip", {0, 0, force})}, section);
   scene.name = "arc segment";
-  scene.sections = {section};
-  scene.points = {{"clamp", {0, 0, 0}}};
-  scene.members = {arc("arc", "clamp", "tip", {0, side * 100.0, 0}, {0, 0, side}, kPi / 4.0, order, elements)};
-  scene.supports = {clamp("clamp")};
-  scene.point_loads = {dead_load("tip", {0, 0, force})};
   return scene;
 }
 inline Scene arc_segment(double slenderness, int order, int elements) {
@@ -144,15 +160,13 @@ inline Scene arc_segment(double slenderness, int order, int elements) {
 
 /// Humer, Steinbrecher, Pechstein, structure with slope discontinuity: three legs of unit length along e1, e2, e3.
 inline Scene slope_discontinuity(int order, int elements_per_leg) {
-  Scene scene;
+  Scene scene =
+      structure({{"clamp", {0, 0, 0}}, {"first corner", {1, 0, 0}}, {"second corner", {1, 1, 0}}, {"tip", {1, 1, 1}}},
+                {line("leg 1", "clamp", "first corner", order, elements_per_leg),
+                 line("leg 2", "first corner", "second corner", order, elements_per_leg),
+                 line("leg 3", "second corner", "tip", order, elements_per_leg)},
+                {clamp("clamp")}, {dead_load("tip", {-10, 0, -10})}, section(1e4, 5e3, 100.0 / 12.0, 100.0 / 12.0));
   scene.name = "slope discontinuity";
-  scene.sections = {section(1e4, 5e3, 100.0 / 12.0, 100.0 / 12.0)};
-  scene.points = {{"clamp", {0, 0, 0}}, {"first corner", {1, 0, 0}}, {"second corner", {1, 1, 0}}, {"tip", {1, 1, 1}}};
-  scene.members = {line("leg 1", "clamp", "first corner", order, elements_per_leg),
-                   line("leg 2", "first corner", "second corner", order, elements_per_leg),
-                   line("leg 3", "second corner", "tip", order, elements_per_leg)};
-  scene.supports = {clamp("clamp")};
-  scene.point_loads = {dead_load("tip", {-10, 0, -10})};
   return scene;
 }
 
