@@ -45,10 +45,20 @@ class BeamFixture {
   Teuchos::ParameterList& no_parameters() { return none_; }
 
   void newton_step(double fraction = 1.0) {
-    group().computeF();
-    group().computeNewton(none_);
+    compute();
     const Teuchos::RCP<NOX::Abstract::Group> old = group().clone(NOX::DeepCopy);
     group().computeX(*old, old->getNewton(), fraction);
+  }
+  /// Residual and Newton increment where the group is.
+  void compute() {
+    group().computeF();
+    group().computeNewton(none_);
+  }
+  /// What the tangent of the group answers to these rows.
+  BeamVector answer_to(const NOX::Abstract::Vector& rows) {
+    BeamVector answer = create_vector();
+    EXPECT_EQ(group().applyJacobianInverse(none_, rows, answer), NOX::Abstract::Group::Ok);
+    return answer;
   }
   /// Newton's method without any limit: for small loads.
   void converge() {

@@ -4,9 +4,6 @@
 #include "tests/nonlinear/beam_fixture.hpp"
 #include "tests/support/worst_error.hpp"
 
-#include <limits>
-#include <vector>
-
 namespace mixbeam::test {
 namespace {
 

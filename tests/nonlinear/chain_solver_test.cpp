@@ -7,9 +7,6 @@
 #include "tests/support/scenes.hpp"
 #include "tests/support/solve.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 namespace mixbeam::test {
 namespace {
 

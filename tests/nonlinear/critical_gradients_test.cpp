@@ -4,8 +4,6 @@
 #include "tests/support/scene_numbers.hpp"
 #include "tests/support/solve.hpp"
 
-#include <cmath>
-
 namespace mixbeam::test::critical_gradients_test {
 namespace {
 

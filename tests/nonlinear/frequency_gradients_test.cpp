@@ -50,11 +50,6 @@ std::vector<RecordedGradient> gradients(const Simulation& simulation, const std:
 Parameter of_mass(double mass) {
   return {"mass", mass, kStep * mass, [](Scene& changed, double value) { changed.sections[0].mass = value; }};
 }
-Parameter of_force(const Scene& scene, std::size_t load, int component, double step) {
-  return {"force", scene.point_loads[load].force[component], step,
-          [=](Scene& changed, double value) { changed.point_loads[load].force[component] = value; }};
-}
-
 void expect_as_differences(const Scene& scene, const std::vector<Parameter>& parameters, bool in_plane = false) {
   constexpr double kFactors[4] = {4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0};
   const std::vector<RecordedGradient> found = gradients(vibrating(scene, in_plane), parameters);

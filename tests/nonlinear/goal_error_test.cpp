@@ -2,8 +2,6 @@
 #include "tests/support/constrained_scenes.hpp"
 #include "tests/support/solve.hpp"
 
-#include <cmath>
-
 namespace mixbeam::test {
 namespace {
 

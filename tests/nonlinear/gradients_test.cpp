@@ -6,9 +6,7 @@
 #include "tests/support/solve.hpp"
 
 #include <array>
-#include <cmath>
 #include <complex>
-#include <map>
 
 namespace mixbeam::test {
 namespace {
@@ -104,34 +102,47 @@ void expect_as_differences(const Scene& scene, const std::vector<Quantity>& quan
   }
 }
 
-Parameter of_force(const Scene& scene, size_t load, int component, double step) {
-  return {"force " + std::to_string(load), scene.point_loads[load].force[component], step,
-          [=](Scene& changed, double value) { changed.point_loads[load].force[component] = value; }};
-}
 Parameter of_moment(const Scene& scene, size_t load, int component, double step) {
-  return {"moment " + std::to_string(load), scene.point_loads[load].moment[component], step,
-          [=](Scene& changed, double value) { changed.point_loads[load].moment[component] = value; }};
+  return of_number("moment " + std::to_string(load), scene, step,
+                   [=](Scene& of) -> double& { return of.point_loads[load].moment[component]; });
 }
-std::vector<Quantity> usual(const std::string& point, const std::string& member) {
-  return {quantity("u", "displacement", {{"Point", point}}),
-          quantity("theta", "rotation", {{"Point", point}}),
-          quantity("place", "position", {{"Point", member + "@37%"}}),
-          quantity("turn", "rotation", {{"Point", member + "@37%"}}),
-          quantity("n", "material force", {{"Member", member}, {"Position", "0.6"}}),
-          quantity("m", "material moment", {{"Member", member}, {"Position", "0"}}),
-          quantity("f", "spatial force", {{"Member", member}, {"Position", "0.6"}}),
-          quantity("kappa", "material curvature", {{"Member", member}, {"Position", "0.3"}, {"Component", "norm"}}),
-          quantity("energy", "strain energy", {}),
-          quantity("length", "length", {{"Member", member}})};
+
+/// What is usual at a point and in a member, and the reactions of supports, of which the first is clamped.
+std::vector<Quantity> usual(const std::string& point, const std::string& member,
+                            const std::vector<std::string>& supports) {
+  std::vector<Quantity> all = {
+      quantity("u", "displacement", {{"Point", point}}),
+      quantity("theta", "rotation", {{"Point", point}}),
+      quantity("place", "position", {{"Point", member + "@37%"}}),
+      quantity("turn", "rotation", {{"Point", member + "@37%"}}),
+      quantity("n", "material force", {{"Member", member}, {"Position", "0.6"}}),
+      quantity("m", "material moment", {{"Member", member}, {"Position", "0"}}),
+      quantity("f", "spatial force", {{"Member", member}, {"Position", "0.6"}}),
+      quantity("kappa", "material curvature", {{"Member", member}, {"Position", "0.3"}, {"Component", "norm"}}),
+      quantity("energy", "strain energy", {}),
+      quantity("length", "length", {{"Member", member}})};
+  all.push_back(quantity("reaction moment", "reaction moment", {{"Point", supports[0]}}));
+  for (const std::string& support : supports)
+    all.push_back(quantity("reaction force at " + support, "reaction force", {{"Point", support}}));
+  return all;
+}
+
+std::vector<Parameter> with_stiffnesses(std::vector<Parameter> parameters, const Scene& scene) {
+  for (const Parameter& stiffness : of_stiffnesses(scene, kStep)) parameters.push_back(stiffness);
+  return parameters;
+}
+
+QuantitySet tip_of(const Scene& scene) {
+  return set_of({quantity("u", "displacement", {{"Point", "tip"}}),
+                 quantity("theta", "rotation", {{"Point", "tip"}, {"Component", "z"}})},
+                scene);
 }
 
 /// The first section alone bends; the tip of a rigid, straight strip.
 TEST(Gradients, OfTheElastica) {
   for (const auto& [alpha, deflection, shortening, angle] : kElasticaSlopes) {
     const Scene scene = elastica(alpha, 4, 16);
-    const QuantitySet set = set_of({quantity("u", "displacement", {{"Point", "tip"}}),
-                                    quantity("theta", "rotation", {{"Point", "tip"}, {"Component", "z"}})},
-                                   scene);
+    const QuantitySet set = tip_of(scene);
     const Simulation simulation = polished(scene);
     const std::vector<Parameter> parameters = {of_force(scene, 0, 1, kStep * alpha), of_stiffness(scene, 4, kStep),
                                                of_stiffness(scene, 5, kStep)};
@@ -156,11 +167,8 @@ TEST(Gradients, OfTheElasticaUnderAForceThatFollows) {
   for (const auto& [alpha, x, y, angle] : kFollowerSlopes) {
     Scene scene = cantilever(section(kRigid, kRigid, 1.0, 1.0), 1.0, 4, 16);
     scene.point_loads = {follower_load("tip", "beam", {0, alpha, 0})};
-    const QuantitySet set = set_of({quantity("u", "displacement", {{"Point", "tip"}}),
-                                    quantity("theta", "rotation", {{"Point", "tip"}, {"Component", "z"}})},
-                                   scene);
-    const std::vector<RecordedGradient> found =
-        gradients(polished(scene), set, {of_force(scene, 0, 1, kStep * alpha), of_stiffness(scene, 5, kStep)});
+    const std::vector<RecordedGradient> found = gradients(
+        polished(scene), tip_of(scene), {of_force(scene, 0, 1, kStep * alpha), of_stiffness(scene, 5, kStep)});
     const double wanted[] = {x, y, 0.0, angle};
     for (size_t i = 0; i < 4; ++i) {
       EXPECT_NEAR(found[i].derivative[0], wanted[i], kOfElastica) << alpha << " " << i;
@@ -207,16 +215,13 @@ TEST(Gradients, OfAFork) {
   Scene scene = fork(3, 3);
   scene.point_loads[0].force = {3, 20, 90};
   scene.point_loads[1].force = {-5, 30, -40};
-  std::vector<Parameter> parameters = {of_force(scene, 0, 2, 1.0), of_force(scene, 1, 1, 1.0),
-                                       of_place(scene, 0, 1, 0.01)};
-  for (int i = 0; i < 6; ++i) parameters.push_back(of_stiffness(scene, i, kStep));
-  std::vector<Quantity> quantities = usual("tine 1", "shaft");
-  quantities.push_back(quantity("rf", "reaction force", {{"Point", "clamp"}}));
-  quantities.push_back(quantity("rm", "reaction moment", {{"Point", "clamp"}}));
+  std::vector<Quantity> quantities = usual("tine 1", "shaft", {"clamp"});
   quantities.push_back(quantity("between", "distance", {{"Point", "tine 1"}, {"Other Point", "tine 2"}}));
   quantities.push_back(
       quantity("angle", "angle", {{"Point", "tine 1"}, {"Other Point", "tine 2"}, {"Corner", "branch"}}));
-  expect_as_differences(scene, quantities, parameters);
+  expect_as_differences(
+      scene, quantities,
+      with_stiffnesses({of_force(scene, 0, 2, 1.0), of_force(scene, 1, 1, 1.0), of_place(scene, 0, 1, 0.01)}, scene));
 }
 
 /// Followers along a member and at its end, a dead couple in space: all that has no potential.
@@ -228,30 +233,18 @@ Scene cantilever_of_followers() {
   scene.members[0].second_axis = {0, 1, 0};
   scene.point_loads = {follower_load("tip", "beam", {10, 60, -30}, {10, 20, 30}),
                        dead_load("tip", {5, 0, 0}, {15, -20, 25})};
-  DistributedLoad along;
-  along.member = "beam";
-  along.force = {0, 40, 50};
-  along.couple = {10, -20, 5};
-  along.frame = LoadFrame::follower;
-  scene.distributed_loads = {along};
+  scene.distributed_loads = {{"beam", {0, 40, 50}, {10, -20, 5}, 1, LoadFrame::follower}};
   return scene;
-}
-
-std::vector<Parameter> of_followers(const Scene& scene) {
-  std::vector<Parameter> parameters = {of_force(scene, 0, 1, 0.6), of_moment(scene, 1, 2, 0.3),
-                                       of_place(scene, 1, 0, 0.01), of_place(scene, 1, 2, 0.01)};
-  parameters.push_back(
-      {"line load", 40.0, 0.4, [](Scene& changed, double value) { changed.distributed_loads[0].force[1] = value; }});
-  for (int i = 0; i < 6; ++i) parameters.push_back(of_stiffness(scene, i, kStep));
-  return parameters;
 }
 
 TEST(Gradients, UnderFollowers) {
   const Scene scene = cantilever_of_followers();
-  std::vector<Quantity> quantities = usual("tip", "beam");
-  quantities.push_back(quantity("rf", "reaction force", {{"Point", "clamp"}}));
-  quantities.push_back(quantity("rm", "reaction moment", {{"Point", "clamp"}}));
-  expect_as_differences(scene, quantities, of_followers(scene));
+  const auto line_load = [](Scene& of) -> double& { return of.distributed_loads[0].force[1]; };
+  expect_as_differences(
+      scene, usual("tip", "beam", {"clamp"}),
+      with_stiffnesses({of_force(scene, 0, 1, 0.6), of_moment(scene, 1, 2, 0.3), of_place(scene, 1, 0, 0.01),
+                        of_place(scene, 1, 2, 0.01), of_number("line load", scene, 0.4, line_load)},
+                       scene));
 }
 
 /// Of the deflection of the tip by EI3, with the equations of another scene, or its tangent itself.
@@ -295,8 +288,8 @@ Scene in_rotating_frame(Scene scene) {
 }
 
 std::vector<Parameter> of_frame(const Scene& scene) {
-  const auto of_section = [](const std::string& name, double value, auto number) {
-    return Parameter{name, value, kStep * value, [=](Scene& changed, double to) { number(changed) = to; }};
+  const auto of_section = [&](const std::string& name, double value, const auto& place) {
+    return of_number(name, scene, kStep * value, place);
   };
   return {of_force(scene, 0, 1, 0.5 * kStep * scene.point_loads[0].force[1]),
           of_place(scene, 1, 0, 0.01),
@@ -308,7 +301,7 @@ std::vector<Parameter> of_frame(const Scene& scene) {
           of_section("body", 0.5, [](Scene& of) -> double& { return of.point_masses[0].mass; }),
           of_section("inertia of the body", 0.03, [](Scene& of) -> double& { return of.point_masses[0].inertia[0]; }),
           of_section("velocity", 4.0, [](Scene& of) -> double& { return of.rotating_frames[0].velocity[2]; }),
-          {"place of the axis", 0.1, 0.01, [](Scene& of, double to) { of.rotating_frames[0].point[1] = to; }}};
+          of_section("place of the axis", 0.5, [](Scene& of) -> double& { return of.rotating_frames[0].point[1]; })};
 }
 
 /// Under followers, and of rigid sections under dead loads.
@@ -318,10 +311,7 @@ TEST(Gradients, InARotatingFrame) {
   rigid.sections[0].torsional_stiffness = 40.0;
   for (const Scene& still : {cantilever_of_followers(), rigid}) {
     const Scene scene = in_rotating_frame(still);
-    std::vector<Quantity> quantities = usual("tip", scene.members[0].name);
-    quantities.push_back(quantity("rf", "reaction force", {{"Point", scene.supports[0].point}}));
-    quantities.push_back(quantity("rm", "reaction moment", {{"Point", scene.supports[0].point}}));
-    expect_as_differences(scene, quantities, of_frame(scene));
+    expect_as_differences(scene, usual("tip", scene.members[0].name, {scene.supports[0].point}), of_frame(scene));
   }
 }
 
@@ -339,23 +329,18 @@ TEST(Gradients, TangentWithoutTheFrameFails) {
 /// Joints of every kind, supports and springs along general axes, a follower: numbers of all of them.
 TEST(Gradients, OfAPortalOfJoints) {
   const Scene scene = portal_of_joints(2, 2);
-  std::vector<Parameter> parameters = {of_force(scene, 1, 1, 0.05), of_moment(scene, 2, 2, 0.05),
-                                       of_force(scene, 3, 1, 0.05), of_place(scene, 2, 1, 0.02),
-                                       of_place(scene, 5, 2, 0.02)};
+  std::vector<Parameter> parameters = {
+      of_force(scene, 1, 1, 0.05),
+      of_moment(scene, 2, 2, 0.05),
+      of_force(scene, 3, 1, 0.05),
+      of_place(scene, 2, 1, 0.02),
+      of_place(scene, 5, 2, 0.02),
+      of_number("hinge", scene, 0.3, [](Scene& of) -> double& { return of.joints[0].stiffness; }),
+      of_number("slider", scene, 1.2, [](Scene& of) -> double& { return of.joints[3].stiffness; }),
+      of_number("support", scene, 4.0, [](Scene& of) -> double& { return of.supports[1].displacement_stiffness[1]; }),
+      of_number("turning", scene, 1.4, [](Scene& of) -> double& { return of.supports[1].rotation_stiffness[2]; })};
   for (const int i : {0, 3, 5}) parameters.push_back(of_stiffness(scene, i, kStep));
-  parameters.push_back(
-      {"spring of a hinge", 15.0, 0.3, [](Scene& changed, double value) { changed.joints[0].stiffness = value; }});
-  parameters.push_back(
-      {"spring of a slider", 60.0, 1.2, [](Scene& changed, double value) { changed.joints[3].stiffness = value; }});
-  parameters.push_back({"spring of a support", 200.0, 4.0,
-                        [](Scene& changed, double value) { changed.supports[1].displacement_stiffness[1] = value; }});
-  parameters.push_back({"turning spring", 70.0, 1.4,
-                        [](Scene& changed, double value) { changed.supports[1].rotation_stiffness[2] = value; }});
-  std::vector<Quantity> quantities = usual("C", "arm");
-  quantities.push_back(quantity("ra", "reaction force", {{"Point", "A"}}));
-  quantities.push_back(quantity("re", "reaction force", {{"Point", "E"}}));
-  quantities.push_back(quantity("rm", "reaction moment", {{"Point", "A"}}));
-  expect_as_differences(scene, quantities, parameters);
+  expect_as_differences(scene, usual("C", "arm", {"A", "E"}), parameters);
 }
 
 /// A frame in a plane of rigid members whose ends are moved: forces are shared by stiffness.
@@ -370,29 +355,17 @@ TEST(Gradients, OfAFrameWithRigidMembers) {
   scene.supports.push_back(clamp("far"));
   scene.supports[2].prescribed_displacement = {0.05, -0.1, 0};
   scene.supports[2].prescribed_rotation = {0, 0, 0.2};
-  Eigenstrain warm;
-  warm.member = "leg";
-  warm.strain = {0.01, 0, 0};
-  warm.curvature = {0, 0, 0.1};
-  scene.eigenstrains = {warm};
-  std::vector<Parameter> parameters = {of_force(scene, 0, 1, 0.02), of_place(scene, 1, 0, 0.005),
-                                       of_place(scene, 2, 1, 0.005)};
-  for (const int i : {4, 5}) parameters.push_back(of_stiffness(scene, i, kStep));
-  parameters.push_back(
-      {"soft EA", 50.0, 1.0, [](Scene& changed, double value) { changed.sections[1].axial_stiffness = value; }});
-  parameters.push_back({"motion", -0.1, 0.002,
-                        [](Scene& changed, double value) { changed.supports[2].prescribed_displacement[1] = value; }});
-  parameters.push_back(
-      {"turn", 0.2, 0.004, [](Scene& changed, double value) { changed.supports[2].prescribed_rotation[2] = value; }});
-  parameters.push_back(
-      {"heat", 0.01, 0.001, [](Scene& changed, double value) { changed.eigenstrains[0].strain[0] = value; }});
-  parameters.push_back(
-      {"bow", 0.1, 0.002, [](Scene& changed, double value) { changed.eigenstrains[0].curvature[2] = value; }});
-  std::vector<Quantity> quantities = usual("tip", "leg");
-  quantities.push_back(quantity("rf", "reaction force", {{"Point", "far"}}));
-  quantities.push_back(quantity("rm", "reaction moment", {{"Point", "far"}}));
-  quantities.push_back(quantity("rfoot", "reaction force", {{"Point", "foot"}}));
-  expect_as_differences(scene, quantities, parameters);
+  scene.eigenstrains = {{"leg", {0.01, 0, 0}, {0, 0, 0.1}}};
+  expect_as_differences(
+      scene, usual("tip", "leg", {"far", "foot"}),
+      {of_force(scene, 0, 1, 0.02), of_place(scene, 1, 0, 0.005), of_place(scene, 2, 1, 0.005),
+       of_stiffness(scene, 4, kStep), of_stiffness(scene, 5, kStep),
+       of_number("soft EA", scene, 1.0, [](Scene& of) -> double& { return of.sections[1].axial_stiffness; }),
+       of_number("motion", scene, 0.002,
+                 [](Scene& of) -> double& { return of.supports[2].prescribed_displacement[1]; }),
+       of_number("turn", scene, 0.004, [](Scene& of) -> double& { return of.supports[2].prescribed_rotation[2]; }),
+       of_number("heat", scene, 0.001, [](Scene& of) -> double& { return of.eigenstrains[0].strain[0]; }),
+       of_number("bow", scene, 0.002, [](Scene& of) -> double& { return of.eigenstrains[0].curvature[2]; })});
 }
 
 /// A state in a plane: its own tangent where a quantity stays in it, that in space for all others.
@@ -402,14 +375,11 @@ TEST(Gradients, OutOfThePlane) {
   scene.sections[0].bending_stiffness = {70.0, 100.0};
   scene.members[0].second_axis = {0, 1, 0};
   scene.point_loads = {dead_load("tip", {-20, 60, 0}, {0, 0, 30})};
-  std::vector<Parameter> parameters = {of_force(scene, 0, 1, 0.6), of_force(scene, 0, 2, 0.6),
-                                       of_moment(scene, 0, 0, 0.6), of_place(scene, 1, 0, 0.01),
-                                       of_place(scene, 1, 2, 0.01)};
-  for (int i = 0; i < 6; ++i) parameters.push_back(of_stiffness(scene, i, kStep));
-  std::vector<Quantity> quantities = usual("tip", "beam");
-  quantities.push_back(quantity("rf", "reaction force", {{"Point", "clamp"}}));
-  quantities.push_back(quantity("rm", "reaction moment", {{"Point", "clamp"}}));
-  expect_as_differences(scene, quantities, parameters);
+  expect_as_differences(
+      scene, usual("tip", "beam", {"clamp"}),
+      with_stiffnesses({of_force(scene, 0, 1, 0.6), of_force(scene, 0, 2, 0.6), of_moment(scene, 0, 0, 0.6),
+                        of_place(scene, 1, 0, 0.01), of_place(scene, 1, 2, 0.01)},
+                       scene));
 }
 
 /// A taper and a coupled section in space, with a clamp that turns.
@@ -430,19 +400,16 @@ TEST(Gradients, OfCoupledAndTaperedMembers) {
   scene.members[0].end_section = "thin";
   scene.members[1].section = "coupled";
   scene.supports[0].prescribed_rotation = {0.1, 0.3, -0.2};
-  std::vector<Parameter> parameters = {of_force(scene, 0, 2, 0.3), of_place(scene, 0, 2, 0.01)};
-  for (int i = 0; i < 6; ++i) parameters.push_back(of_stiffness(scene, i, kStep));
-  parameters.push_back(
-      {"thin EI2", 50.0, 1.0, [](Scene& changed, double value) { changed.sections[1].bending_stiffness[0] = value; }});
-  parameters.push_back({"coupling", 200.0, 4.0, [](Scene& changed, double value) {
-                          (*changed.sections[2].matrix)[0][4] = (*changed.sections[2].matrix)[4][0] = value;
-                        }});
-  parameters.push_back(
-      {"turn", 0.3, 0.006, [](Scene& changed, double value) { changed.supports[0].prescribed_rotation[1] = value; }});
-  std::vector<Quantity> quantities = usual("tine 1", "shaft");
-  quantities.push_back(quantity("rf", "reaction force", {{"Point", "clamp"}}));
-  quantities.push_back(quantity("rm", "reaction moment", {{"Point", "clamp"}}));
-  expect_as_differences(scene, quantities, parameters);
+  const Parameter coupling = {"coupling", 200.0, 4.0, [](Scene& changed, double value) {
+                                (*changed.sections[2].matrix)[0][4] = (*changed.sections[2].matrix)[4][0] = value;
+                              }};
+  expect_as_differences(
+      scene, usual("tine 1", "shaft", {"clamp"}),
+      with_stiffnesses(
+          {of_force(scene, 0, 2, 0.3), of_place(scene, 0, 2, 0.01), coupling,
+           of_number("thin EI2", scene, 1.0, [](Scene& of) -> double& { return of.sections[1].bending_stiffness[0]; }),
+           of_number("turn", scene, 0.006, [](Scene& of) -> double& { return of.supports[0].prescribed_rotation[1]; })},
+          scene));
 }
 
 }  // namespace

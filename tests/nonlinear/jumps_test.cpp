@@ -8,9 +8,7 @@
 #include "tests/support/buckling_scenes.hpp"
 #include "tests/support/solve.hpp"
 
-#include <cmath>
 #include <functional>
-#include <vector>
 
 namespace mixbeam::test::jumps_test {
 namespace {

@@ -11,8 +11,6 @@
 #include <Teuchos_LAPACK.hpp>
 
 #include <atomic>
-#include <cstdlib>
-#include <limits>
 #include <thread>
 
 namespace mixbeam::test {

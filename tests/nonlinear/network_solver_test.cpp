@@ -9,14 +9,10 @@
 #include "tests/support/scenes.hpp"
 #include "tests/support/solve.hpp"
 
-#include <gtest/gtest.h>
-
 #include <dlfcn.h>
 
-#include <cmath>
 #include <map>
 #include <numeric>
-#include <random>
 
 namespace mixbeam::test {
 namespace network_solver_test {
@@ -152,11 +148,10 @@ TEST(NetworkSolver, IterationsDoNotGrowWithSlenderness) {
     EXPECT_LE(iterations(body_centred(8, slenderness)), kMostIterations) << "body-centred " << slenderness;
     EXPECT_LE(iterations(octet(7, slenderness)), kMostIterations) << "octet " << slenderness;
     EXPECT_LE(iterations(sheet(40, slenderness)), kMostIterations) << "sheet " << slenderness;
-    Block irregular = cubic(11, slenderness);
+    Block irregular = cubic(11, slenderness);  // 30 % removed
     irregular.displaced = 0.2;
-    EXPECT_LE(iterations(irregular), kMostIterations) << "displaced " << slenderness;
     irregular.removed = 0.45;
-    EXPECT_LE(iterations(irregular), kMostIterations) << "30 % removed " << slenderness;
+    EXPECT_LE(iterations(irregular), kMostIterations) << "irregular " << slenderness;
   }
 }
 
@@ -310,16 +305,15 @@ TEST(NetworkSolver, NewtonsMethodTakesAsManyIterationsAsWithFactors) {
   EXPECT_FALSE(agrees(scene.points.back().position, runs[0].position(corner), 0.1)) << "it has moved";
 }
 
-TEST(NetworkSolver, SameBitsForAnyNumberOfThreads) {
+/// Solutions by 1, 2 and 4 threads; `most_fallback_entries`: GMRES where that is zero and the tangent unsymmetric.
+void expect_same_bits_for_any_number_of_threads(const Scene& scene, double most_fallback_entries) {
   const int before = number_of_threads();
-  Block block = cubic(11, 20.0);
-  block.displaced = 0.1;
-  const Tangents tangents(scene_of(block));
+  const Tangents tangents(scene);
   std::vector<DofVector> x;
   for (int threads : {1, 2, 4}) {
     set_number_of_threads(threads);
     if (void* blas = dlsym(RTLD_DEFAULT, "openblas_set_num_threads")) reinterpret_cast<void (*)(int)>(blas)(threads);
-    Iterative solver(tangents.model);
+    Iterative solver(tangents.model, NetworkSolver::kReduction, most_fallback_entries);
     x.push_back(tangents.solution(solver.chains));
     EXPECT_TRUE(same_bits(MixedVector::view_of(x.front()), MixedVector::view_of(x.back()))) << threads;
   }
@@ -372,13 +366,11 @@ Scene pushed_block(LoadFrame frame) {
 Scene block_on_planes() {
   Scene scene = scene_of(cubic(10, 20.0));
   for (size_t k = 0; k < scene.point_loads.size(); ++k) {
-    Support support;
-    support.point = scene.point_loads[k].point;
-    support.displacement_fixed = {true, false, false};
-    if (k % 3 == 0) support.rotation_fixed = {true, true, false};
+    const bool turns = k % 3 != 0;
+    Support held = support(scene.point_loads[k].point, {true, false, false}, {!turns, !turns, false});
     const double a = std::sqrt(1.0 / 3.0), b = std::sqrt(1.0 / 2.0), c = std::sqrt(1.0 / 6.0);
-    support.axes = {{{a, a, a}, {b, -b, 0.0}, {c, c, -2.0 * c}}};
-    scene.supports.push_back(support);
+    held.axes = {{{a, a, a}, {b, -b, 0.0}, {c, c, -2.0 * c}}};
+    scene.supports.push_back(held);
   }
   return scene;
 }
@@ -502,9 +494,6 @@ class Compressed {
   std::optional<MixedVector> answer_;
 };
 
-/// Load at which the columns of a lattice of 16^3 junctions sway first, by counts of the direct solver in lattices of
-/// 10^3 to 14^3: 4.879, 4.862, 4.856.
-constexpr double kFirstCritical16 = 4.85;
 /// What prestress may add to the iterations: a third.
 constexpr double kMoreUnderLoad = 4.0 / 3.0;
 
@@ -538,20 +527,12 @@ double first_critical_load(Compressed& lattice) {
 }
 
 TEST(NetworkSolver, PrestressAddsFewIterations) {
-  Compressed lattice(16);
-  const int without = iterations_under(lattice, 0.0);
-  EXPECT_LE(iterations_under(lattice, 0.5 * kFirstCritical16), kMoreUnderLoad * without);
-  EXPECT_LE(iterations_under(lattice, 0.9 * kFirstCritical16), kMoreUnderLoad * without);
-  EXPECT_GT(iterations_under(lattice, 0.99 * kFirstCritical16), kMoreUnderLoad * without)
-      << "next to the critical load it is more";
-}
-
-TEST(NetworkSolver, PrestressOfOtherLatticesAddsFewIterations) {
-  Block displaced = cubic(10, 20.0);
+  const Block even = cubic(10, 20.0);
+  Block displaced = even;
   displaced.displaced = 0.2;
   Block removed = displaced;
   removed.removed = 0.45;
-  for (const Block& block : {body_centred(7, 20.0), displaced, removed}) {
+  for (const Block& block : {even, body_centred(7, 20.0), displaced, removed}) {
     Compressed lattice(block);
     const double critical = first_critical_load(lattice);
     const int without = iterations_under(lattice, 0.0);
@@ -595,17 +576,11 @@ TEST(MpiNetworkSolver, BothSidesOfACriticalLoadWithoutFactors) {
   EXPECT_EQ(unstable, 4) << "the critical load lies between";
 }
 
-TEST(NetworkSolver, SameBitsOfGmresForAnyNumberOfThreads) {
-  const int before = number_of_threads();
-  const Tangents follower(pushed_block(LoadFrame::follower));
-  std::vector<DofVector> found;
-  for (int threads : {1, 2, 4}) {
-    set_number_of_threads(threads);
-    Iterative solver(follower.model, NetworkSolver::kReduction, 0.0);
-    found.push_back(follower.solution(solver.chains));
-    EXPECT_TRUE(same_bits(MixedVector::view_of(found.front()), MixedVector::view_of(found.back()))) << threads;
-  }
-  set_number_of_threads(before);
+TEST(NetworkSolver, SameBitsForAnyNumberOfThreads) {
+  Block block = cubic(11, 20.0);
+  block.displaced = 0.1;
+  expect_same_bits_for_any_number_of_threads(scene_of(block), NetworkSolver::kMostFallbackEntries);
+  expect_same_bits_for_any_number_of_threads(pushed_block(LoadFrame::follower), 0.0);
 }
 
 TEST(NetworkSolver, LargeNetworksAreKnownBySeparators) {

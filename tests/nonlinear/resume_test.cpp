@@ -4,10 +4,6 @@
 #include "tests/nonlinear/beam_fixture.hpp"
 #include "tests/support/buckling_scenes.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <vector>
-
 namespace mixbeam::test {
 namespace {
 

@@ -4,9 +4,6 @@
 #include "tests/support/constrained_scenes.hpp"
 #include "tests/support/solve.hpp"
 
-#include <cmath>
-#include <limits>
-
 namespace mixbeam::test {
 namespace shared_factors_test {
 

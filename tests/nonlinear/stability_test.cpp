@@ -5,7 +5,6 @@
 
 #include <Teuchos_LAPACK.hpp>
 
-#include <random>
 #include <tuple>
 
 namespace mixbeam::test {

@@ -1,8 +1,6 @@
 // The comparison of the other tests must be able to fail: twins of their checks with wrong answers.
 #include "tests/support/solve.hpp"
 
-#include <limits>
-
 namespace mixbeam::test {
 namespace {
 

@@ -5,7 +5,6 @@
 #include "discretization/geometry/reference_curve.hpp"
 
 #include <functional>
-#include <limits>
 
 namespace mixbeam::test::curved_members_test {
 namespace {
@@ -192,12 +191,9 @@ Scene parabola(int order, int elements) {
                  kParabolaForce);
 }
 
-TEST(CurvedMembers, VaryingCurvatureAgainstShooting) {
-  EXPECT_TRUE(agrees_relatively(solved(parabola(4, 16)).position("tip"), tip_of_parabola_by_shooting(), 1e-10));
-}
-
 TEST(CurvedMembers, VaryingCurvatureConvergesWithOrderPlusOne) {
   const Vector3 exact = tip_of_parabola_by_shooting();
+  EXPECT_TRUE(agrees_relatively(solved(parabola(4, 16)).position("tip"), exact, 1e-10));
   for (int order = 1; order <= 4; ++order) {
     const int elements = order < 3 ? 8 : 2;
     const double coarse = distance(solved(parabola(order, elements)).position("tip"), exact);

@@ -2,8 +2,6 @@
 #include "kernels/math/gauss.hpp"
 #include "tests/support/solve.hpp"
 
-#include <vector>
-
 namespace mixbeam::test::eigenstrains_test {
 namespace {
 

@@ -3,7 +3,6 @@
 #include "tests/support/solve.hpp"
 
 #include <array>
-#include <vector>
 
 namespace mixbeam::test {
 namespace {
@@ -154,10 +153,8 @@ TEST(ErrorEstimate, TipOfTheArc) {
 TEST(ErrorEstimate, MomentUnderALineCouple) {
   for (const auto& [order, elements] : Cells{{1, 8}, {2, 4}, {3, 4}, {5, 2}}) {
     Scene scene = cantilever(section(1e3, 1e3, 1.0, 1.0), 1.0, order, elements);
-    DistributedLoad couple;
-    couple.member = "beam";
-    couple.couple_formula = {"0", "0", "exp(2*x)"};
-    scene.distributed_loads = {couple};
+    scene.distributed_loads = {{"beam"}};
+    scene.distributed_loads[0].couple_formula = {"0", "0", "exp(2*x)"};
     const Simulation beam = solved(scene);
     const double error = beam.l2_norm(9, [](const PointSample& sample, int) {
       return sample.moment - Vec{{0.0, 0.0, 0.5 * (std::exp(2.0) - std::exp(2.0 * sample.arc_length))}};

@@ -1,8 +1,6 @@
 // Loads per length that turn with the section.
 #include "tests/support/solve.hpp"
 
-#include <vector>
-
 namespace mixbeam::test::follower_line_loads_test {
 namespace {
 
@@ -11,30 +9,16 @@ constexpr double kSolved = 1e-10;
 constexpr double kRadius = 3.0;
 
 DistributedLoad follower(const std::string& member, const Vector3& force, const Vector3& couple = {}) {
-  DistributedLoad load;
-  load.member = member;
-  load.force = force;
-  load.couple = couple;
-  load.frame = LoadFrame::follower;
-  return load;
+  return {member, force, couple, 1, LoadFrame::follower};
 }
 
 /// A closed circle of two half circles in the plane of e1 and e2 about the origin; g2 points to the centre.
 Scene ring(const Section& section, int order, int elements_per_half) {
-  Scene scene;
-  scene.name = "ring";
-  scene.sections = {section};
-  scene.points = {{"east", {kRadius, 0, 0}}, {"west", {-kRadius, 0, 0}}};
-  scene.members = {arc("north", "east", "west", {}, {0, 0, 1}, kPi, order, elements_per_half),
-                   arc("south", "west", "east", {}, {0, 0, 1}, kPi, order, elements_per_half)};
-  Support east;
-  east.point = "east";
-  east.displacement_fixed = {false, true, true};
-  east.rotation_fixed = kHeld;
-  Support west = east;
-  east.displacement_fixed = kHeld;
-  scene.supports = {east, west};
-  return scene;
+  Support also_east = support("east", {false, true, true}, kHeld);
+  return structure({{"east", {kRadius, 0, 0}}, {"west", {-kRadius, 0, 0}}},
+                   {arc("north", "east", "west", {}, {0, 0, 1}, kPi, order, elements_per_half),
+                    arc("south", "west", "east", {}, {0, 0, 1}, kPi, order, elements_per_half)},
+                   {clamp("east"), also_east}, {}, section);
 }
 
 /// N and M at the middle of every element.

@@ -1,15 +1,11 @@
 // Coupled (full 6 x 6) and tapered sections in whole problems: closed forms, a reference value, and identities.
 #include "discretization/reading/blade_file.hpp"
+#include "discretization/scene/section_law.hpp"
 #include "discretization/scene/section_shape.hpp"
-#include "kernels/execution/execution_space.hpp"
 #include "kernels/math/vector_algebra.hpp"
 #include "tests/support/blade_texts.hpp"
 #include "tests/support/scene_file.hpp"
-#include "tests/support/scene_units.hpp"
 #include "tests/support/solve.hpp"
-#include "tests/support/states.hpp"
-
-#include <vector>
 
 namespace mixbeam::test::general_sections_test {
 namespace {
@@ -21,9 +17,7 @@ Section coupled(const Matrix6& matrix) {
 
 Matrix6 diagonal_matrix(const Section& s) {
   Matrix6 m{};
-  const double values[6] = {s.axial_stiffness,     s.shear_stiffness[0],   s.shear_stiffness[1],
-                            s.torsional_stiffness, s.bending_stiffness[0], s.bending_stiffness[1]};
-  for (int i = 0; i < 6; ++i) m[i][i] = values[i];
+  for (int i = 0; i < 6; ++i) m[i][i] = diagonal(s)[i];
   return m;
 }
 
@@ -229,35 +223,6 @@ TEST(RigidSection, BendingAndTorsion) {
   EXPECT_TRUE(agrees_relatively(tip(kRigid, kRigid, true), rigid, 1e-10));
   EXPECT_FALSE(agrees_relatively(rigid, tip(1e3, 1e3, false), 1e-4));
 }
-
-TEST(CoupledSection, AnyUnits) {
-  const Scene scene = composite_cantilever(2, 8);
-  const Simulation own = solved(scene);
-  for (const double length : {1e-6, 1e6})
-    for (const double force : {1e-6, 1e6}) {
-      const Simulation other = solved(in_other_units(scene, length, force));
-      Vector3 expected = own.displacement("tip");
-      for (double& x : expected) x *= length;
-      EXPECT_TRUE(agrees_relatively(other.displacement("tip"), expected, 1e-10)) << length << ", " << force;
-      EXPECT_EQ(other.result().newton_iterations, own.result().newton_iterations) << length << ", " << force;
-    }
-}
-
-TEST(CoupledSection, SameBitsWithAnyNumberOfThreads) {
-  Scene scene = cantilever(coupled(fully_coupled()), 3.0, 3, 23);
-  scene.point_loads = {dead_load("tip", {10, 20, 30})};
-  SolverParameters parameters;
-  const int threads_before = number_of_threads();
-  std::vector<State> states;
-  for (int threads : {1, 2, 4}) {
-    parameters.threads = threads;
-    states.push_back(solved(scene, parameters).state());
-  }
-  set_number_of_threads(threads_before);
-  for (const State& state : states) EXPECT_TRUE(same_bits(states[0], state));
-}
-
-// ---- tapers
 
 Scene tapered_cantilever(const Section& start, const Section& end, double length, int order, int elements,
                          const std::string& taper = "") {

@@ -5,7 +5,6 @@
 #include "tests/support/scene_file.hpp"
 #include "tests/support/solve.hpp"
 
-#include <cmath>
 #include <cstdlib>
 #include <optional>
 

@@ -1,7 +1,6 @@
 // Joints and supports against statics and kinematics in closed form.
 #include "tests/support/constrained_scenes.hpp"
 #include "tests/support/solve.hpp"
-#include "tests/support/states.hpp"
 
 namespace mixbeam::test::joints_test {
 namespace {
@@ -23,15 +22,11 @@ Vec joint_moment(const Simulation& simulation, int joint) {
 }
 
 Scene three_hinged_frame(double force) {
-  Scene scene;
-  scene.name = "three-hinged frame";
-  scene.sections = {section(1e4, 5e3, 80, 100)};
-  scene.points = {{"A", {0, 0, 0}}, {"B", {0, 3, 0}}, {"C", {2, 3, 0}}, {"D", {4, 3, 0}}, {"E", {4, 0, 0}}};
-  scene.members = {line("left", "A", "B", 2, 2), line("beam 1", "B", "C", 2, 2), line("beam 2", "C", "D", 2, 2),
-                   line("right", "D", "E", 2, 2)};
+  Scene scene = structure({{"A", {0, 0, 0}}, {"B", {0, 3, 0}}, {"C", {2, 3, 0}}, {"D", {4, 3, 0}}, {"E", {4, 0, 0}}},
+                          {line("left", "A", "B", 2, 2), line("beam 1", "B", "C", 2, 2), line("beam 2", "C", "D", 2, 2),
+                           line("right", "D", "E", 2, 2)},
+                          {hinged("A"), hinged("E")}, {dead_load("B", {force, 0, 0})}, section(1e4, 5e3, 80, 100));
   scene.joints = {joint(JointKind::hinge, "C", {"beam 2"})};
-  scene.supports = {hinged("A"), hinged("E")};
-  scene.point_loads = {dead_load("B", {force, 0, 0})};
   return scene;
 }
 
@@ -157,13 +152,11 @@ TEST(Joints, StiffSpringIsARigidConnection) {
 /// D meet.
 TEST(Joints, FourBarLinkage) {
   const Vector3 d = {4, 0, 0}, c0 = {3, 3, 0};
-  Scene scene;
-  scene.name = "four-bar linkage";
-  scene.sections = {section(1e4, 5e3, 80, 100)};
-  scene.points = {{"A", {0, 0, 0}}, {"B", {0, 1, 0}}, {"C", c0}, {"D", d}};
-  scene.members = {line("crank", "A", "B", 2, 1), line("coupler", "B", "C", 2, 2), line("rocker", "C", "D", 3, 1)};
+  Scene scene =
+      structure({{"A", {0, 0, 0}}, {"B", {0, 1, 0}}, {"C", c0}, {"D", d}},
+                {line("crank", "A", "B", 2, 1), line("coupler", "B", "C", 2, 2), line("rocker", "C", "D", 3, 1)},
+                {clamp("A"), hinged("D")}, {}, section(1e4, 5e3, 80, 100));
   scene.joints = {joint(JointKind::hinge, "B", {"coupler"}), joint(JointKind::hinge, "C", {"rocker"})};
-  scene.supports = {clamp("A"), hinged("D")};
   scene.supports[0].prescribed_rotation = {0, 0, -2.0};
   const double coupler = std::hypot(3, 2), rocker = std::hypot(1, 3);
   for (const Mat& rotation : {identity_matrix<double>(), some_rotation()}) {
@@ -205,35 +198,16 @@ TEST(Joints, FreeMomentsVanish) {
   expect_balanced(simulation);
 }
 
-TEST(Joints, TurnWithTheScene) {
-  const Scene scene = portal_of_joints(2, 3, 2.0);
-  const Simulation straight = solved(scene), other = solved(turned(some_rotation(), scene));
-  EXPECT_EQ(straight.result().newton_iterations, other.result().newton_iterations);
-  EXPECT_LE(straight.result().newton_iterations, 20);
-  for (const Point& point : scene.points)
-    EXPECT_TRUE(agrees(other.position(point.name), turned(some_rotation(), straight.position(point.name)), 4 * 1e-10));
-  const std::vector<Reaction> a = straight.reactions(), b = other.reactions();
-  for (size_t i = 0; i < a.size(); ++i) {
-    EXPECT_TRUE(agrees(b[i].force, turned(some_rotation(), a[i].force), 1e-9));
-    EXPECT_TRUE(agrees(b[i].moment, turned(some_rotation(), a[i].moment), 1e-9));
-  }
-  expect_balanced(straight);
-  expect_balanced(other);
-}
-
 /// Two bars that cross at a pin in their middle P, both on hinges: bar A-P-C leans to the right, bar B-P-D to the left,
 /// half as wide as `a` and half as high as `h`.
 Scene scissor(double a, double h, bool together) {
-  Scene scene;
-  scene.name = "scissor";
-  scene.sections = {section(1e4, 5e3, 80, 100)};
-  scene.points = {
-      {"A", {0, 0, 0}}, {"B", {2 * a, 0, 0}}, {"C", {2 * a, 2 * h, 0}}, {"D", {0, 2 * h, 0}}, {"P", {a, h, 0}}};
-  scene.members = {line("A-P", "A", "P", 3, 2), line("P-C", "P", "C", 3, 2), line("B-P", "B", "P", 3, 2),
-                   line("P-D", "P", "D", 3, 2)};
+  Scene scene = structure(
+      {{"A", {0, 0, 0}}, {"B", {2 * a, 0, 0}}, {"C", {2 * a, 2 * h, 0}}, {"D", {0, 2 * h, 0}}, {"P", {a, h, 0}}},
+      {line("A-P", "A", "P", 3, 2), line("P-C", "P", "C", 3, 2), line("B-P", "B", "P", 3, 2),
+       line("P-D", "P", "D", 3, 2)},
+      {hinged("A"), hinged("B")}, {}, section(1e4, 5e3, 80, 100));
   scene.joints = {joint(JointKind::hinge, "P", {"B-P", "P-D"})};
   scene.joints[0].together = together;
-  scene.supports = {hinged("A"), hinged("B")};
   return scene;
 }
 
@@ -310,12 +284,10 @@ TEST(Joints, EndsTogetherShareAVertex) {
 
 TEST(Joints, ThatJoinNothingAreRefused) {
   Scene scene = portal_of_joints(1, 1);
-  scene.joints[0].members = {"left", "beam 1"};
-  EXPECT_THROW(build_mesh(scene), std::invalid_argument);
-  scene.joints[0].members = {"arm"};
-  EXPECT_THROW(build_mesh(scene), std::invalid_argument);
-  scene.joints[0].members = {"no such member"};
-  EXPECT_THROW(build_mesh(scene), std::invalid_argument);
+  for (const std::vector<std::string>& members : {std::vector<std::string>{"left", "beam 1"}, {"arm"}, {"nobody"}}) {
+    scene.joints[0].members = members;
+    EXPECT_THROW(build_mesh(scene), std::invalid_argument) << members[0];
+  }
   scene.joints[0].members = {"beam 1"};
   EXPECT_NO_THROW(build_mesh(scene));
 }
@@ -345,8 +317,7 @@ TEST(Supports, RotationSprings) {
 TEST(Supports, DisplacementSpringInInclinedAxes) {
   constexpr double kForce = 1e-7, kStiffness = 30.0;
   Scene scene = cantilever(section(1e4, kRigid, 80, 100), 2.0, 3, 2);
-  Support spring;
-  spring.point = "tip";
+  Support spring = support("tip", {}, {});
   spring.axes = {{{0, 0.6, 0.8}, {1, 0, 0}, {0, 0.8, -0.6}}};
   spring.displacement_stiffness = {kStiffness, 0, 0};
   scene.supports.push_back(spring);
@@ -395,33 +366,6 @@ TEST(Supports, LoadsOnInnerPoints) {
   const Simulation a = solved(one), b = solved(two);
   EXPECT_TRUE(agrees(a.position("tip"), b.position("tip"), 1e-12));
   expect_balanced(a);
-}
-
-TEST(Joints, SameBitsWithAnyNumberOfThreads) {
-  SolverParameters parameters;
-  parameters.threads = 1;
-  const Scene scene = portal_of_joints(2, 7);
-  const Simulation alone = solved(scene, parameters);
-  for (int threads : {2, 4}) {
-    parameters.threads = threads;
-    const Simulation together = solved(scene, parameters);
-    EXPECT_TRUE(same_bits(alone.state(), together.state()));
-  }
-}
-
-TEST(MpiJoints, SameAnswerOnAllRanks) {
-  for (int elements : {1, 3}) {
-    const Scene scene = portal_of_joints(2, elements);
-    const Simulation together = solved(scene, {}, all_ranks()), alone = solved(scene);
-    EXPECT_EQ(together.result().newton_iterations, alone.result().newton_iterations);
-    for (const Point& point : scene.points) {
-      EXPECT_TRUE(agrees(together.position(point.name), alone.position(point.name), 1e-11)) << point.name;
-      EXPECT_TRUE(agrees(together.rotation(point.name), alone.rotation(point.name), 1e-11)) << point.name;
-    }
-    const std::vector<Reaction> a = together.reactions(), b = alone.reactions();
-    for (size_t i = 0; i < a.size(); ++i) EXPECT_TRUE(agrees(a[i].force, b[i].force, 1e-9));
-    expect_balanced(together);
-  }
 }
 
 }  // namespace

@@ -239,12 +239,15 @@ Scene without_section(Scene scene, const Section& section) {
   return scene;
 }
 
-void hold_in_plane(Scene& scene, const std::string& point) {
-  Support plane;
-  plane.point = point;
-  plane.displacement_fixed = {false, false, true};
-  plane.rotation_fixed = {true, true, false};
-  scene.supports.push_back(plane);
+Support in_plane(const std::string& point) { return support(point, {false, false, true}, {true, true, false}); }
+
+Support ball(const std::string& point) { return support(point, {true, true, true}, {}); }
+
+Member member(const std::string& name, const std::string& start, const std::string& end, int order, int elements,
+              const Vector3& second_axis) {
+  Member member = line(name, start, end, order, elements);
+  member.second_axis = second_axis;
+  return member;
 }
 
 const Section kInextensible = section(kRigid, kRigid, 1.0, 1.0);
@@ -254,19 +257,16 @@ Section rod(double axial) { return section(axial, kRigid, 1.0, 1.0); }
 Scene thrust_column(double thrust, double across, bool planar, int order = 5, int elements = 16) {
   Scene scene = cantilever(kInextensible, 1.0, order, elements);
   scene.point_loads = {dead_load("tip", {-thrust, across, 0})};
-  if (planar) hold_in_plane(scene, "tip");
+  if (planar) scene.supports.push_back(in_plane("tip"));
   return scene;
 }
 
 /// Between "left" and "right", clamped, with a point "middle" that stays in the plane.
 Scene clamped_rod(const Section& section, double length, int order = 5, int elements = 16) {
-  Scene scene;
-  scene.points = {{"left", {0, 0, 0}}, {"right", {length, 0, 0}}};
-  scene.members = {line("rod", "left", "right", order, elements)};
-  scene.members[0].second_axis = {0, 1, 0};
+  Scene scene = structure({{"left", {0, 0, 0}}, {"right", {length, 0, 0}}},
+                          {member("rod", "left", "right", order, elements, {0, 1, 0})},
+                          {clamp("left"), clamp("right"), in_plane("middle")});
   scene.members[0].inner_points = {{"middle", 0.5}};
-  scene.supports = {clamp("left"), clamp("right")};
-  hold_in_plane(scene, "middle");
   return without_section(scene, section);
 }
 
@@ -293,26 +293,20 @@ Scene heated_beam(double kelvin, double rise = 0.0) {
     scene.members[0].curve.axis = {0, 0, -1};
     scene.members[0].curve.angle = 2.0 * std::asin(0.5 * kLength / radius);
   }
-  scene.eigenstrains.resize(1);
-  scene.eigenstrains[0].member = "rod";
-  scene.eigenstrains[0].strain = {kelvin * kExpansion, 0, 0};
+  scene.eigenstrains = {{"rod", {kelvin * kExpansion, 0, 0}}};
   return scene;
 }
 
 /// Head guided along the axis and sideways, not turning.
 Scene guided_column(double load, bool planar) {
   Scene scene = thrust_column(load, 0.0, false);
-  Support head = clamp("tip");
-  head.displacement_fixed = {false, false, planar};
-  scene.supports.push_back(head);
+  scene.supports.push_back(support("tip", {false, false, planar}, {true, true, true}));
   return scene;
 }
 
 Scene sliding_clamps(double load, int order, int elements) {
   Scene scene = thrust_column(load, 0.0, false, order, elements);
-  Support head = clamp("tip");
-  head.displacement_fixed = {false, true, true};
-  scene.supports.push_back(head);
+  scene.supports.push_back(support("tip", {false, true, true}, {true, true, true}));
   return scene;
 }
 
@@ -327,47 +321,37 @@ Scene bowed_column() {
 }
 
 Scene argyris_frame(double load) {
+  return structure(
+      {{"clamp", {0, 0, 0}}, {"corner", {240, 0, 0}}, {"tip", {240, -240, 0}}},
+      {member("leg 1", "clamp", "corner", 5, 12, {0, 1, 0}), member("leg 2", "corner", "tip", 5, 12, {1, 0, 0})},
+      {clamp("clamp")}, {dead_load("tip", {load, 0, 2e-4})},
+      {"", 1282320.0, {489435.0, 489435.0}, 58732.21374, {38469.6, 96174000.0}});
+}
+
+Scene dome(int legs, double rise, double first, int elements) {
   Scene scene;
-  scene.points = {{"clamp", {0, 0, 0}}, {"corner", {240, 0, 0}}, {"tip", {240, -240, 0}}};
-  scene.members = {line("leg 1", "clamp", "corner", 5, 12), line("leg 2", "corner", "tip", 5, 12)};
-  scene.members[0].second_axis = {0, 1, 0};
-  scene.members[1].second_axis = {1, 0, 0};
-  scene.supports = {clamp("clamp")};
-  scene.point_loads = {dead_load("tip", {load, 0, 2e-4})};
-  return without_section(scene, {"", 1282320.0, {489435.0, 489435.0}, 58732.21374, {38469.6, 96174000.0}});
+  scene.points = {{"apex", {0, 0, rise}}};
+  for (int i = 0; i < legs; ++i) {
+    const double angle = first + 2.0 * kPi * i / legs;
+    const std::string foot = "foot " + std::to_string(i);
+    scene.points.push_back({foot, {std::cos(angle), std::sin(angle), 0}});
+    scene.members.push_back(
+        member("leg " + std::to_string(i), foot, "apex", 5, elements, {-std::sin(angle), std::cos(angle), 0}));
+    scene.supports.push_back(clamp(foot));
+  }
+  return scene;
 }
 
 Scene star_dome(double load) {
-  Scene scene;
-  scene.points = {{"apex", {0, 0, 0.5}}};
-  for (int i = 0; i < 3; ++i) {
-    const double angle = 2.0 * kPi * i / 3.0;
-    const std::string foot = "foot " + std::to_string(i);
-    scene.points.push_back({foot, {std::cos(angle), std::sin(angle), 0}});
-    scene.members.push_back(line("leg " + std::to_string(i), foot, "apex", 5, 16));
-    scene.members.back().second_axis = {-std::sin(angle), std::cos(angle), 0};
-    scene.supports.push_back(clamp(foot));
-  }
-  Support apex = clamp("apex");
-  apex.displacement_fixed[2] = false;
-  scene.supports.push_back(apex);
+  Scene scene = dome(3, 0.5, 0.0, 16);
+  scene.supports.push_back(support("apex", {true, true, false}, {true, true, true}));
   scene.point_loads = {dead_load("apex", {0, 0, -load})};
   return without_section(scene, {"", 1e4, {kRigid, kRigid}, 1.0, {1.0, 100.0}});
 }
 
 /// A shallow star of six legs that nothing holds at its apex, with a lateral force of a hundredth of its load.
 Scene free_star_dome() {
-  Scene scene;
-  scene.points = {{"apex", {0, 0, 0.15}}};
-  const double first = std::atan2(0.7732386091692593, 0.6341151735213323);
-  for (int i = 0; i < 6; ++i) {
-    const double angle = first + kPi * i / 3.0;
-    const std::string foot = "foot " + std::to_string(i);
-    scene.points.push_back({foot, {std::cos(angle), std::sin(angle), 0}});
-    scene.members.push_back(line("leg " + std::to_string(i), foot, "apex", 5, 6));
-    scene.members.back().second_axis = {-std::sin(angle), std::cos(angle), 0};
-    scene.supports.push_back(clamp(foot));
-  }
+  Scene scene = dome(6, 0.15, std::atan2(0.7732386091692593, 0.6341151735213323), 6);
   scene.point_loads = {dead_load("apex", {-0.0018930637415044583, -0.17232142998206598, -18.1})};
   return without_section(scene, {"", 3000.0, {1500.0, 1500.0}, 0.4, {0.5, 0.5}});
 }
@@ -384,7 +368,7 @@ Scene pressed_ring(const Vector3& force) {
     scene.members.back().second_axis = {-start[0], -start[1], 0};
     scene.distributed_loads.push_back({quarter, {0, 5, 0}});
     scene.distributed_loads.back().frame = LoadFrame::follower;
-    hold_in_plane(scene, name(i));
+    scene.supports.push_back(in_plane(name(i)));
   }
   scene.supports[0].displacement_fixed = {true, true, true};
   scene.supports[2].displacement_fixed = {false, true, true};
@@ -394,26 +378,20 @@ Scene pressed_ring(const Vector3& force) {
 
 /// Williams' toggle.
 Scene toggle(double load) {
-  Scene scene;
-  scene.points = {{"left", {-12.943, 0, 0}}, {"apex", {0, 0.386, 0}}, {"right", {12.943, 0, 0}}};
-  scene.members = {line("left bar", "left", "apex", 5, 12), line("right bar", "apex", "right", 5, 12)};
-  scene.supports = {clamp("left"), clamp("right"), clamp("apex")};
-  scene.supports[2].displacement_fixed = {true, false, true};
-  scene.point_loads = {dead_load("apex", {0, -load, 0})};
-  return without_section(scene, section(1.885e6, kRigid, 9.27e3, 9.27e3));
+  return structure({{"left", {-12.943, 0, 0}}, {"apex", {0, 0.386, 0}}, {"right", {12.943, 0, 0}}},
+                   {line("left bar", "left", "apex", 5, 12), line("right bar", "apex", "right", 5, 12)},
+                   {clamp("left"), clamp("right"), support("apex", {true, false, true}, {true, true, true})},
+                   {dead_load("apex", {0, -load, 0})}, section(1.885e6, kRigid, 9.27e3, 9.27e3));
 }
 
 /// Da Deppo and Schmidt: 215 degrees, one foot clamped, the other one hinged.
 Scene clamped_hinged_arch(double load) {
   const double half = 1.8762289458939043, x = 100.0 * std::sin(half), y = 100.0 * std::cos(half);
-  Scene scene;
-  scene.points = {{"left", {-x, y, 0}}, {"crown", {0, 100, 0}}, {"right", {x, y, 0}}};
-  scene.members = {arc("left half", "left", "crown", {0, 0, 0}, {0, 0, -1}, half, 5, 16),
-                   arc("right half", "crown", "right", {0, 0, 0}, {0, 0, -1}, half, 5, 16)};
-  scene.supports = {clamp("left"), hinged("right")};
-  hold_in_plane(scene, "crown");
-  scene.point_loads = {dead_load("crown", {0, -load, 0})};
-  return without_section(scene, section(1e8, 1e8, 1e6, 1e6));
+  return structure({{"left", {-x, y, 0}}, {"crown", {0, 100, 0}}, {"right", {x, y, 0}}},
+                   {arc("left half", "left", "crown", {0, 0, 0}, {0, 0, -1}, half, 5, 16),
+                    arc("right half", "crown", "right", {0, 0, 0}, {0, 0, -1}, half, 5, 16)},
+                   {clamp("left"), hinged("right"), in_plane("crown")}, {dead_load("crown", {0, -load, 0})},
+                   section(1e8, 1e8, 1e6, 1e6));
 }
 
 /// Upright on a rotational spring of stiffness 1.
@@ -451,8 +429,8 @@ Scene three_hinged_frame() {
   scene.members = {line("column 1", "foot 1", "eave 1", 2, 4), line("rafter 1", "eave 1", "ridge", 2, 4),
                    line("rafter 2", "ridge", "eave 2", 2, 4), line("column 2", "eave 2", "foot 2", 2, 4)};
   for (Member& member : scene.members) member.second_axis = {0, 1, 0};
-  scene.supports = {clamp("foot 1"), clamp("foot 2")};
-  for (Support& support : scene.supports) support.rotation_fixed = {true, false, true};
+  for (const char* foot : {"foot 1", "foot 2"})
+    scene.supports.push_back(support(foot, {true, true, true}, {true, false, true}));
   scene.joints = {joint(JointKind::hinge, "ridge", {"rafter 2"}, {0, 1, 0})};
   scene.distributed_loads = {{"rafter 1", {0, 0, -4000}, {}, 1}, {"rafter 2", {0, 0, -4000}, {}, 1}};
   return without_section(scene, make_section("section", shape));
@@ -473,12 +451,10 @@ Scene gridshell() {
       if (border(i) && border(j)) continue;
       const double z = 16.0 * i * (kCells - i) * j * (kCells - j) / std::pow(kCells, 4);
       scene.points.push_back({name(i, j), {static_cast<double>(i), static_cast<double>(j), z}});
-      if (border(i) || border(j)) {
-        scene.supports.push_back(clamp(name(i, j)));
-        scene.supports.back().rotation_fixed = {false, false, false};
-      } else {
+      if (border(i) || border(j))
+        scene.supports.push_back(ball(name(i, j)));
+      else
         scene.point_loads.push_back(dead_load(name(i, j), {0, 0, -5e3}));
-      }
       for (const auto& [k, l] : {std::pair{i + 1, j}, {i, j + 1}})
         if (k <= kCells && l <= kCells && !((border(i) || border(j)) && (border(k) || border(l))))
           scene.members.push_back(line(name(i, j) + name(k, l), name(i, j), name(k, l), 2, 4));
@@ -530,13 +506,9 @@ Scene lateral_cantilever() {
 }
 
 Scene lateral_frame() {
-  Scene scene;
-  scene.points = {{"a", {0, 0, 0}}, {"b", {0, 0, 1}}, {"tip", {1, 0, 1}}};
-  scene.members = {line("column", "a", "b", 3, 8), line("beam", "b", "tip", 3, 8)};
-  for (Member& member : scene.members) member.second_axis = {0, 1, 0};
-  scene.supports = {clamp("a")};
-  scene.point_loads = {dead_load("tip", {0, 0, -10})};
-  return without_section(scene, {"", kRigid, {kRigid, kRigid}, 1.0, {1000.0, 10.0}});
+  return structure({{"a", {0, 0, 0}}, {"b", {0, 0, 1}}, {"tip", {1, 0, 1}}},
+                   {member("column", "a", "b", 3, 8, {0, 1, 0}), member("beam", "b", "tip", 3, 8, {0, 1, 0})},
+                   {clamp("a")}, {dead_load("tip", {0, 0, -10})}, {"", kRigid, {kRigid, kRigid}, 1.0, {1000.0, 10.0}});
 }
 
 // ---- the table
@@ -593,6 +565,11 @@ Answer limits(std::vector<double> load_factors) {
   return answer;
 }
 
+void add(std::vector<KnownPath>& table, const std::string& name, const Scene& scene, const Answer& answer,
+         const SolverParameters& parameters = {}) {
+  table.push_back({name, scene, parameters, answer});
+}
+
 /// P / P_cr, e, x, y of the tip by shooting. Each in the plane with e and in space with -e, where y changes its sign.
 void add_imperfect_columns(std::vector<KnownPath>& table) {
   struct Row {
@@ -605,37 +582,29 @@ void add_imperfect_columns(std::vector<KnownPath>& table) {
     const double load = row.load * kEuler;
     std::ostringstream name;
     name << "ImperfectColumnOf" << row.load << "Euler" << row.e;
-    table.push_back({name.str(),
-                     thrust_column(load, row.e * load, true),
-                     {},
-                     at_end({{"tip", kX, row.x - 1.0}, {"tip", kY, row.y}})});
-    table.push_back({name.str() + "InSpace",
-                     thrust_column(load, -row.e * load, false),
-                     {},
-                     at_end({{"tip", kX, row.x - 1.0}, {"tip", kY, -row.y}})});
+    add(table, name.str(), thrust_column(load, row.e * load, true),
+        at_end({{"tip", kX, row.x - 1.0}, {"tip", kY, row.y}}));
+    add(table, name.str() + "InSpace", thrust_column(load, -row.e * load, false),
+        at_end({{"tip", kX, row.x - 1.0}, {"tip", kY, -row.y}}));
   }
-  table.push_back({"ImperfectColumnWithoutStability", thrust_column(1.2 * kEuler, 0.012 * kEuler, true),
-                   without_stability(), at_end({{"tip", kX, -0.33736608406}, {"tip", kY, 0.65716809204}})});
+  add(table, "ImperfectColumnWithoutStability", thrust_column(1.2 * kEuler, 0.012 * kEuler, true),
+      at_end({{"tip", kX, -0.33736608406}, {"tip", kY, 0.65716809204}}), without_stability());
   // twice the load on the way, and back
   SolverParameters small_steps;
   small_steps.load_path.initial_step = small_steps.load_path.maximum_step = 0.02;
   Scene there_and_back = thrust_column(1.5 * kEuler, 1.5e-4 * kEuler, true);
   there_and_back.point_loads[0].amplitude = "sqrt(2)*sin(0.75*pi*t)";
-  table.push_back({"ImperfectColumnThereAndBack", there_and_back, small_steps,
-                   at_end({{"tip", kX, 0.36356255916 - 1.0}, {"tip", kY, 0.78858405530}})});
+  add(table, "ImperfectColumnThereAndBack", there_and_back,
+      at_end({{"tip", kX, 0.36356255916 - 1.0}, {"tip", kY, 0.78858405530}}), small_steps);
   // Shooting with Runge-Kutta 8(5, 3): the real eigenvalues that pass zero are two, which no determinant tells.
-  table.push_back({"RingUnderPressure",
-                   pressed_ring({2e-5, -1e-4, 0}),
-                   {},
-                   at_end({{"p1", kX, -0.2479916520321, 1e-5},
-                           {"p1", kY, -0.9419831507033, 1e-5},
-                           {"p2", kX, -0.7068451300314, 1e-5}})});
-  table.push_back({"ImperfectColumnControlled", thrust_column(1.2 * kEuler, 0.012 * kEuler, true),
-                   controlled("tip", kY, 0.65716809204), at_load_factor(1.0, {{"tip", kX, -0.33736608406, 1e-7}})});
-  table.push_back({"BowedColumn",
-                   bowed_column(),
-                   {},
-                   at_end({{"middle", kY, 0.394240682192777, 1e-7}, {"right", kX, -0.6562971067206078, 1e-7}})});
+  add(table, "RingUnderPressure", pressed_ring({2e-5, -1e-4, 0}),
+      at_end({{"p1", kX, -0.2479916520321, 1e-5},
+              {"p1", kY, -0.9419831507033, 1e-5},
+              {"p2", kX, -0.7068451300314, 1e-5}}));
+  add(table, "ImperfectColumnControlled", thrust_column(1.2 * kEuler, 0.012 * kEuler, true),
+      at_load_factor(1.0, {{"tip", kX, -0.33736608406, 1e-7}}), controlled("tip", kY, 0.65716809204));
+  add(table, "BowedColumn", bowed_column(),
+      at_end({{"middle", kY, 0.394240682192777, 1e-7}, {"right", kX, -0.6562971067206078, 1e-7}}));
   table.push_back(
       {"ArgyrisFrame1.1",
        argyris_frame(1.1),
@@ -650,20 +619,10 @@ void add_imperfect_columns(std::vector<KnownPath>& table) {
 
 /// Pinned at the origin and at `far`, which moves in the stage in which the weight grows; EI carries next to nothing.
 Scene limp_cable(const Section& section, const Vector3& far, const Vector3& moved, double weight) {
-  Scene scene;
-  scene.points = {{"near", {0, 0, 0}}, {"far", far}};
-  scene.members = {line("cable", "near", "far", 4, 40)};
-  Support near, end;
-  near.point = "near";
-  near.displacement_fixed = {true, true, true};
-  near.rotation_fixed = {true, false, false};
-  end.point = "far";
-  end.displacement_fixed = {true, true, true};
-  end.prescribed_displacement = moved;
-  scene.supports = {near, end};
-  scene.distributed_loads.resize(1);
-  scene.distributed_loads[0].member = "cable";
-  scene.distributed_loads[0].force = {0, 0, -weight};
+  Scene scene = structure({{"near", {0, 0, 0}}, {"far", far}}, {line("cable", "near", "far", 4, 40)},
+                          {support("near", {true, true, true}, {true, false, false}), ball("far")});
+  scene.supports[1].prescribed_displacement = moved;
+  scene.distributed_loads = {{"cable", {0, 0, -weight}}};
   return without_section(scene, section);
 }
 
@@ -680,17 +639,11 @@ Scene limp_net() {
   for (const auto& [from, to] : ends) {
     const std::string name = "m" + std::to_string(scene.members.size());
     scene.members.push_back(line(name, std::to_string(from), std::to_string(to), 4, 6));
-    DistributedLoad weight;
-    weight.member = name;
-    weight.force = {0, 0, -0.3};
-    scene.distributed_loads.push_back(weight);
+    scene.distributed_loads.push_back({name, {0, 0, -0.3}});
   }
   for (const auto& [point, motion] : moved) {
-    Support support;
-    support.point = std::to_string(point);
-    support.displacement_fixed = {true, true, true};
-    support.prescribed_displacement = motion;
-    scene.supports.push_back(support);
+    scene.supports.push_back(ball(std::to_string(point)));
+    scene.supports.back().prescribed_displacement = motion;
   }
   return without_section(scene, section(kRigid, kRigid, 0.055, 0.055));
 }
@@ -721,64 +674,67 @@ void add_cables(std::vector<KnownPath>& table) {
                   {-0.0020011047118728698, 0, -0.0006710952151429694}, 0.0118851),
        {},
        hangs(12.587611157887025, 3.9765978569347524, 4.9e-05)});
-  table.push_back({"NetOfInextensibleCables", limp_net(), {}, []() {
-                     Answer answer = at_end({});
-                     answer.forces = {{"2", kX, 17.331701, 2e-3},
-                                      {"2", kZ, 55.265522, 2e-3},
-                                      {"8", kY, 47.917013, 2e-3},
-                                      {"0", kZ, 65.515054, 2e-3}};
-                     answer.counts_follow = false;
-                     return answer;
-                   }()});
+  add(table, "NetOfInextensibleCables", limp_net(), []() {
+    Answer answer = at_end({});
+    answer.forces = {
+        {"2", kX, 17.331701, 2e-3}, {"2", kZ, 55.265522, 2e-3}, {"8", kY, 47.917013, 2e-3}, {"0", kZ, 65.515054, 2e-3}};
+    answer.counts_follow = false;
+    return answer;
+  }());
   // As limp as a cable under its thrust, but nothing tells it a side: it buckles, and does not turn over unseen.
   Answer buckled = on_branch_at(1.0 / 12000.0, {});
   buckled.negative = -1;
-  table.push_back({"LimpColumnBuckles", thrust_column(12000.0 * kEuler, 0.0, true), {}, buckled});
+  add(table, "LimpColumnBuckles", thrust_column(12000.0 * kEuler, 0.0, true), buckled);
 }
 
 void add_held_rods(std::vector<KnownPath>& table) {
-  table.push_back({"Shortened", shortened_column(1e5, 0.1), on_branch(),
-                   on_branch_at(0.003949401537686192, {{"middle", kNorm, 0.2008676085929182, 1e-7}},
-                                {{"right", kX, -41.577476268473255, 1e-7}})});
-  table.push_back({"ShortenedByLittle", shortened_column(1e6, 1e-4), on_branch(),
-                   on_branch_at(0.3947997627284927, {{"middle", kY, 0.004952416568474079, 1e-7}},
-                                {{"right", kX, -39.481170954514695, 1e-7}}, 1e-7)});
-  table.push_back({"ShortenedOnTheFirstMode", shortened_column(1e5, 0.05), on_branch(),
-                   on_branch_at(0.007898803075372385, {{"middle", kY, 0.1395600431444605, 1e-7}},
-                                {{"right", kX, -40.50150664874485, 1e-7}}, 1e-7)});
-  table.push_back({"ShortenedStiff", shortened_column(1e6, 0.05), on_branch(),
-                   on_branch_at(0.0007895995254569854, {{"middle", kY, 0.14005566841015288, 3e-6}},
-                                {{"right", kX, -40.4947233951129, 3e-6}}, 3e-6)});
+  add(table, "Shortened", shortened_column(1e5, 0.1),
+      on_branch_at(0.003949401537686192, {{"middle", kNorm, 0.2008676085929182, 1e-7}},
+                   {{"right", kX, -41.577476268473255, 1e-7}}),
+      on_branch());
+  add(table, "ShortenedByLittle", shortened_column(1e6, 1e-4),
+      on_branch_at(0.3947997627284927, {{"middle", kY, 0.004952416568474079, 1e-7}},
+                   {{"right", kX, -39.481170954514695, 1e-7}}, 1e-7),
+      on_branch());
+  add(table, "ShortenedOnTheFirstMode", shortened_column(1e5, 0.05),
+      on_branch_at(0.007898803075372385, {{"middle", kY, 0.1395600431444605, 1e-7}},
+                   {{"right", kX, -40.50150664874485, 1e-7}}, 1e-7),
+      on_branch());
+  add(table, "ShortenedStiff", shortened_column(1e6, 0.05),
+      on_branch_at(0.0007895995254569854, {{"middle", kY, 0.14005566841015288, 3e-6}},
+                   {{"right", kX, -40.4947233951129, 3e-6}}, 3e-6),
+      on_branch());
   // d / L = 2 (1 - E(k) / K(k)), P = (4 K)^2 EI / L^2, rise 4 k / sqrt(P): four quarters of the elastica
   Answer stiffest = at_end({{"middle", kX, -0.15, 1e-7}, {"middle", kY, 0.3143126129561071, 1e-7}});
   stiffest.forces = {{"right", kX, -46.61212087983138, 1e-7}};
   stiffest.counts_follow = false;
-  table.push_back({"ShortenedInextensible", shortened_column(kRigid, 0.3), on_branch(), stiffest});
-  table.push_back({"ShortenedFortyElements", shortened_column(1e5, 0.2, 2, 40), on_branch(),
-                   on_branch_at(0.001974700768843096, {{"middle", kY, 0.26606599340507237, 1e-3}},
-                                {{"right", kX, -43.93556761494532, 1e-3}}, 1e-3)});
+  add(table, "ShortenedInextensible", shortened_column(kRigid, 0.3), stiffest, on_branch());
+  add(table, "ShortenedFortyElements", shortened_column(1e5, 0.2, 2, 40),
+      on_branch_at(0.001974700768843096, {{"middle", kY, 0.26606599340507237, 1e-3}},
+                   {{"right", kX, -43.93556761494532, 1e-3}}, 1e-3),
+      on_branch());
   Scene rail = clamped_rod(rod(1e5), 1.0);
-  rail.eigenstrains.resize(1);
-  rail.eigenstrains[0].member = "rod";
-  rail.eigenstrains[0].strain = {1.184352528130723e-3, 0, 0};
-  table.push_back({"HeatedRail", rail, on_branch(),
-                   on_branch_at(1.0 / 3.0, {{"middle", kNorm, 0.017896489281772322, 1e-7}},
-                                {{"right", kX, -39.46282370657218, 1e-7}})});
-  table.push_back({"HeatedBeam", heated_beam(60), on_branch(),
-                   on_branch_at(0.3373711649271528, {{"middle", kY, 3.236481657255322, 1e-7}},
-                                {{"right", kX, -67.36279424079446, 1e-7}})});
+  rail.eigenstrains = {{"rod", {1.184352528130723e-3, 0, 0}}};
+  add(table, "HeatedRail", rail,
+      on_branch_at(1.0 / 3.0, {{"middle", kNorm, 0.017896489281772322, 1e-7}},
+                   {{"right", kX, -39.46282370657218, 1e-7}}),
+      on_branch());
+  add(table, "HeatedBeam", heated_beam(60),
+      on_branch_at(0.3373711649271528, {{"middle", kY, 3.236481657255322, 1e-7}},
+                   {{"right", kX, -67.36279424079446, 1e-7}}),
+      on_branch());
   Answer thousand = on_branch_at(0.02024226989562917, {{"middle", kY, 16.07387567361276, 1e-7}});
   thousand.largest_step = 0.01;
-  table.push_back({"HeatedBeamInSteps", heated_beam(1000), on_branch(0.01), thousand});
+  add(table, "HeatedBeamInSteps", heated_beam(1000), thousand, on_branch(0.01));
   Answer arch = at_end({{"middle", kY, 3.224683882753302, 1e-7}});
   arch.forces = {{"right", kX, -67.02577371328903, 1e-7}};
-  table.push_back({"HeatedArch", heated_beam(60, 0.02), {}, arch});
+  add(table, "HeatedArch", heated_beam(60, 0.02), arch);
   Answer higher = at_end({{"middle", kY, 3.1204569246337304, 1e-7}});
   higher.forces = {{"right", kX, -64.0330661697116, 1e-7}};
-  table.push_back({"HeatedArchTenth", heated_beam(60, 0.2), {}, higher});
+  add(table, "HeatedArchTenth", heated_beam(60, 0.2), higher);
   Scene pushed = heated_beam(60);
   pushed.point_loads = {dead_load("middle", {0, 1e-4, 0})};
-  table.push_back({"HeatedBeamTinyForce", pushed, {}, at_end({{"middle", kY, 3.236522407056696, 1e-7}})});
+  add(table, "HeatedBeamTinyForce", pushed, at_end({{"middle", kY, 3.236522407056696, 1e-7}}));
 }
 
 void add_branches(std::vector<KnownPath>& table) {
@@ -799,7 +755,7 @@ void add_branches(std::vector<KnownPath>& table) {
   above.sections[0].name = "section";
   // P (1 - P / EA) = pi^2 / 4
   const double critical = 0.5e5 * (1.0 - std::sqrt(1.0 - 4e-5 * kEuler));
-  table.push_back({"JustAboveCritical", above, on_branch(), on_branch_at(critical / (1.001 * kEuler), {})});
+  add(table, "JustAboveCritical", above, on_branch_at(critical / (1.001 * kEuler), {}), on_branch());
   Scene column = clamped_rod(kInextensible, 1.0);
   column.supports[1].displacement_fixed[0] = false;
   column.point_loads = {dead_load("right", {-1, 0, 0})};
@@ -812,23 +768,23 @@ void add_branches(std::vector<KnownPath>& table) {
   column.point_loads = {dead_load("right", {-46.6121208798, 0, 0})};
   const Answer to_positive_y =
       on_branch_at(0.8469560461786656, {{"right", kX, -0.3, 1e-7}, {"middle", kY, 0.314312612956, 1e-7}});
-  table.push_back({"SignOfTheBranch", column, on_branch(), to_positive_y});
+  add(table, "SignOfTheBranch", column, to_positive_y, on_branch());
   column.accuracy.reset();
   for (const auto& [order, elements] : {std::pair{4, 24}, {5, 17}, {8, 6}}) {  // components of the mode tie
     column.members[0].order = order;
     column.members[0].elements = elements;
-    table.push_back({"SignOfTheBranchOn" + std::to_string(elements), column, on_branch(), to_positive_y});
+    add(table, "SignOfTheBranchOn" + std::to_string(elements), column, to_positive_y, on_branch());
   }
   for (const double bending : {1e4, 1e6, 1e8, 1e9, 1e10}) {
     std::ostringstream name;
     name << "StiffColumnOnASpring" << bending;
     const double digits = 1e-7 + 10.0 / bending;  // of the rigid bar, theta = 1.2 sin(theta)
     Answer stiff = on_branch_at(spring_load(bending) / 1.2, {{"tip", kZ, -0.4823876389877719, digits}});
-    table.push_back({name.str(), spring_column(bending), on_branch(), stiff});
+    add(table, name.str(), spring_column(bending), stiff, on_branch());
   }
   Answer neutral = on_branch_at(4.0 * kPi * kPi / 50.0, {}, {}, 1e-6);
   neutral.verdict = Verdict::neutral;
-  table.push_back({"RoundColumnIsNeutral", sliding_clamps(50.0, 5, 8), on_branch(), neutral});
+  add(table, "RoundColumnIsNeutral", sliding_clamps(50.0, 5, 8), neutral, on_branch());
 }
 
 void add_snaps(std::vector<KnownPath>& table) {
@@ -836,22 +792,22 @@ void add_snaps(std::vector<KnownPath>& table) {
        {std::pair{0.10, 53.08729238}, {0.25, 22.31637839}, {0.50, -11.32642851}, {0.75, -4.006548209}})
     table.push_back(
         {"StarDomeDownBy" + std::to_string(w), star_dome(1.0), controlled("apex", kZ, -w), at_load_factor(load)});
-  table.push_back({"StarDomeTraced", star_dome(100.0), traced(), limits({0.7452625445, -0.1583784735})});
+  add(table, "StarDomeTraced", star_dome(100.0), limits({0.7452625445, -0.1583784735}), traced());
   table.back().answer.only_limits = true;
   // two-node elements by arc length, the end by multiple shooting; steps once led to another path, and round and round
   Answer beyond;
   beyond.ends = {{"apex", kZ, -0.275933219767}};
   beyond.all_critical = false;
   beyond.verdict = Verdict::stable;
-  table.push_back({"FreeStarDomeBeyondItsLimit", free_star_dome(), {}, beyond});
+  add(table, "FreeStarDomeBeyondItsLimit", free_star_dome(), beyond);
   for (const double load : {40.0, 80.0, 100.0})
-    table.push_back({"ToggleTraced" + std::to_string(static_cast<int>(load)), toggle(load), traced(),
-                     limits({33.86123302 / load, 31.26258313 / load})});
-  table.push_back({"Toggle", toggle(100.0), {}, limits({0.3386123302, 0.3126258313})});
+    add(table, "ToggleTraced" + std::to_string(static_cast<int>(load)), toggle(load),
+        limits({33.86123302 / load, 31.26258313 / load}), traced());
+  add(table, "Toggle", toggle(100.0), limits({0.3386123302, 0.3126258313}));
   // Da Deppo and Schmidt 1975: 8.97 EI / R^2; its digits and the second one by 394 steps of release 0.1.0
   Answer arch = limits({0.4486445669, -0.03652438011});
   arch.negative = 0;
-  table.push_back({"ClampedHingedArch", clamped_hinged_arch(2000.0), {}, arch});
+  add(table, "ClampedHingedArch", clamped_hinged_arch(2000.0), arch);
 }
 
 void add_counts(std::vector<KnownPath>& table) {
@@ -867,21 +823,19 @@ void add_counts(std::vector<KnownPath>& table) {
   // q (1 - q / EA) = 3, for both directions of the ellipse
   Answer ellipse = primary({{0.2 * 0.5e4 * (1.0 - std::sqrt(1.0 - 12e-4)), bifurcation, 2}}, 1e-5);
   ellipse.verdict = Verdict::unstable;
-  table.push_back({"PerfectRingUnderPressure", pressed_ring({}), {}, ellipse});
+  add(table, "PerfectRingUnderPressure", pressed_ring({}), ellipse);
   for (const double apart : {1e-2, 1e-4}) {  // two points, not a double one
     Scene nearly_round = thrust_column(1.2 * kEuler, 0.0, false);
     nearly_round.sections[0].bending_stiffness = {1.0, 1.0 + apart};
-    table.push_back({"NearlyRoundColumn" + std::to_string(static_cast<int>(-std::log10(apart))),
-                     nearly_round,
-                     {},
-                     primary({{1.0 / 1.2, bifurcation, 1}, {(1.0 + apart) / 1.2, bifurcation, 1}}, kDigits)});
+    add(table, "NearlyRoundColumn" + std::to_string(static_cast<int>(-std::log10(apart))), nearly_round,
+        primary({{1.0 / 1.2, bifurcation, 1}, {(1.0 + apart) / 1.2, bifurcation, 1}}, kDigits));
   }
   SolverParameters halves;  // the first ends where an eigenvalue is zero
   halves.load_path.method = LoadPathMethod::fixed;
   halves.load_path.steps = 2;
   for (const bool planar : {false, true})
-    table.push_back({planar ? "StepToEulersLoad" : "StepToEulersLoadInSpace", thrust_column(2.0 * kEuler, 0.0, planar),
-                     halves, primary({{0.5, bifurcation, planar ? 1 : 2}}, kDigits)});
+    add(table, planar ? "StepToEulersLoad" : "StepToEulersLoadInSpace", thrust_column(2.0 * kEuler, 0.0, planar),
+        primary({{0.5, bifurcation, planar ? 1 : 2}}, kDigits), halves);
   // On an axis of no direction of the coordinates: next to the critical load rounding is motion.
   for (const double share : {1.0 - 1e-5, 1.0 - 1e-6, 1.0 + 1e-6}) {
     Scene turned = thrust_column(0.0, 0.0, false, 4, 8);
@@ -891,12 +845,10 @@ void add_counts(std::vector<KnownPath>& table) {
     turned.point_loads[0].force = {thrust * axis[0], thrust * axis[1], thrust * axis[2]};
     Answer beside = primary({}, 1e-7);
     if (share > 1.0) beside.critical = {{1.0 / share, bifurcation, 2}}, beside.negative = 2;
-    table.push_back({"EndsAt" + std::to_string(share) + "OfEulersLoad", turned, {}, beside});
+    add(table, "EndsAt" + std::to_string(share) + "OfEulersLoad", turned, beside);
   }
-  table.push_back({"BucklesInsideItsElement",
-                   sliding_clamps(60.0, 8, 1),
-                   {},
-                   primary({{4.0 * kPi * kPi / 60.0, bifurcation, 2}}, 1e-6)});
+  add(table, "BucklesInsideItsElement", sliding_clamps(60.0, 8, 1),
+      primary({{4.0 * kPi * kPi / 60.0, bifurcation, 2}}, 1e-6));
   table.push_back(
       {"CantileverOfOneElement",
        thrust_column(70.0, 0.0, false, 8, 1),
@@ -906,45 +858,43 @@ void add_counts(std::vector<KnownPath>& table) {
   Answer split = primary({{4.0 * kPi * kPi / 100.0, bifurcation, 2}}, 0.25);
   split.all_critical = false;
   split.negative = -1;
-  table.push_back({"DoublePointIsNotSplit", sliding_clamps(100.0, 2, 2), {}, split});
+  add(table, "DoublePointIsNotSplit", sliding_clamps(100.0, 2, 2), split);
   for (const double axial : {1e5, 1e8}) {
     Scene column = cantilever(rod(axial), 1.0, 2, 1);
-    hold_in_plane(column, "tip");
+    column.supports.push_back(in_plane("tip"));
     column.accuracy = 1e-6;
     column.point_loads = {dead_load("tip", {-1.5 * kEuler, 0, 0})};
     // P (1 - P / EA) = pi^2 / 4
     const double critical = 0.5 * axial * (1.0 - std::sqrt(1.0 - 4.0 * kEuler / axial));
-    table.push_back({"PerfectColumnToAccuracy" + std::to_string(static_cast<int>(std::log10(axial))),
-                     column,
-                     {},
-                     primary({{critical / (1.5 * kEuler), bifurcation, 1}}, 1e-6)});
+    add(table, "PerfectColumnToAccuracy" + std::to_string(static_cast<int>(std::log10(axial))), column,
+        primary({{critical / (1.5 * kEuler), bifurcation, 1}}, 1e-6));
   }
-  table.push_back({"HeavyColumnToAccuracy", heavy_column(), {}, primary({{0.5, bifurcation, 2}}, 1e-6)});
+  add(table, "HeavyColumnToAccuracy", heavy_column(), primary({{0.5, bifurcation, 2}}, 1e-6));
   Answer frame = primary({{0.2819452262389, bifurcation, 1}}, 3e-5);
   frame.all_critical = false;
   frame.negative = -1;
-  table.push_back({"FrameOfThePages", three_hinged_frame(), {}, frame});
+  add(table, "FrameOfThePages", three_hinged_frame(), frame);
   Answer shell;
   shell.negative = -1;
   shell.may_be_refused = true;
   shell.all_critical = false;
-  table.push_back({"Gridshell", gridshell(), {}, shell});
+  add(table, "Gridshell", gridshell(), shell);
 }
 
 void add_others(std::vector<KnownPath>& table) {
   Scene bent = thrust_column(0.0, 1.0, false, 5, 8);
   bent.sections[0] = rod(1e3);
   bent.sections[0].name = "section";
-  table.push_back({"ControlOfSecondOrder", bent, controlled("tip", kX, -0.1),
-                   at_load_factor(1.4290197764670223, {{"tip", kY, 0.397695562}})});
+  add(table, "ControlOfSecondOrder", bent, at_load_factor(1.4290197764670223, {{"tip", kY, 0.397695562}}),
+      controlled("tip", kX, -0.1));
   Answer ring = at_end({{"C", kX, 0.0}}, -1);
   ring.all_critical = false;
-  table.push_back({"RingTurnedTwice", deployed_ring(), {}, ring});
+  add(table, "RingTurnedTwice", deployed_ring(), ring);
   Answer rolled = at_end({}, -1);
   rolled.all_critical = false;
   rolled.moment_energy = 2.0420352248333655;
   rolled.verdict = Verdict::neutral;
-  table.push_back({"RodRolledToARing", rolled_ring(), {}, rolled});
+  add(table, "RodRolledToARing", rolled_ring(), rolled);
   // A closed ring turns about the tangent of its clamp at no cost; at orders 3 and 5 two ways of counting disagreed.
   for (const auto& [order, elements] : {std::pair{3, 100}, {5, 38}}) {
     Scene closed = rolled_ring();
@@ -952,7 +902,7 @@ void add_others(std::vector<KnownPath>& table) {
     closed.sections[0].axial_stiffness = 1e4;
     closed.members[0].order = order;
     closed.members[0].elements = elements;
-    table.push_back({"RodRolledToARingOf" + std::to_string(elements), closed, {}, rolled});
+    add(table, "RodRolledToARingOf" + std::to_string(elements), closed, rolled);
   }
   // 2 j_{-1/4,1} and the next, sqrt(EI GIt) / L^2; the load reversed buckles it too
   for (auto& [scene, factors] : {std::pair<Scene, std::vector<double>>{lateral_cantilever(), {4.0125993, -4.0125993}},
@@ -961,7 +911,7 @@ void add_others(std::vector<KnownPath>& table) {
     linear.negative = -1;
     linear.all_critical = false;
     linear.buckling = factors;
-    table.push_back({scene.points.size() == 2 ? "LateralBuckling" : "LateralBucklingOfAFrame", scene, {}, linear});
+    add(table, scene.points.size() == 2 ? "LateralBuckling" : "LateralBucklingOfAFrame", scene, linear);
   }
 }
 

@@ -4,8 +4,6 @@
 #include "tests/support/scenes.hpp"
 #include "tests/support/solve.hpp"
 
-#include <gtest/gtest.h>
-
 namespace mixbeam::test {
 namespace lattice_moduli_test {
 

@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kCoarseQuadrature = 1e-6, kQuadrature = 1e-9;  // of a curved load by 4 and 16 elements of order 4
 constexpr double kOfPart = 1e-6;  // share of a moment that belongs to the deflection of a load this small
-constexpr double kSum = 1e-10;        // of the largest force: loads and reactions balance to that
+constexpr double kSum = 1e-10;    // of the largest force: loads and reactions balance to that
 
 Vector3 sum_of_reactions(const Simulation& simulation) {
   Vector3 sum{};

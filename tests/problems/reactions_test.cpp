@@ -37,10 +37,7 @@ TEST(Reactions, OfASimplySupportedBeamUnderALineLoad) {
   constexpr double kTiny = 1e-6;
   Scene scene = cantilever(section(1e4, 5e3, 80, 100), 2.0, 2, 4);
   scene.supports[0].rotation_fixed = {true, false, true};
-  Support roller;
-  roller.point = "tip";
-  roller.displacement_fixed = {false, true, true};
-  scene.supports.push_back(roller);
+  scene.supports.push_back(support("tip", {false, true, true}, {}));
   scene.distributed_loads = {{"beam", {0, 0, -kTiny}, {}, 1}};
   const Simulation simulation = solved(scene);
   const std::vector<Reaction> reactions = simulation.reactions();
@@ -95,9 +92,7 @@ TEST(Balance, OfCurvedMembers) {
       expect_balanced(simulation);
       const double curve = simulation.balance().curve_moment;
       EXPECT_GT(curve, 0.0);
-      if (before > 0.0 && rule == ForceIntegration::both_reduced) {
-        EXPECT_LT(curve, before / 8);
-      }
+      EXPECT_TRUE(before == 0.0 || rule != ForceIntegration::both_reduced || curve < before / 8) << curve;
       before = curve;
     }
   }
@@ -139,20 +134,6 @@ TEST(Balance, DisturbsNothing) {
   Simulation watched(scene, parameters, this_rank());
   watched.run([&](const StepReport&, const State&) { expect_balanced(watched); });
   EXPECT_EQ(quiet.displacement("tip"), watched.displacement("tip"));
-}
-
-TEST(MpiReactions, AreTheSameOnEveryRank) {
-  Scene scene = fork(3, 3);
-  scene.distributed_loads = {{"left", {1, 2, 3}, {-4, 1, 2}, 1}};
-  const Simulation together = solved(scene, {}, all_ranks()), alone = solved(scene);
-  expect_balanced(together);
-  const std::vector<Reaction> a = together.reactions(), e = alone.reactions();
-  ASSERT_EQ(a.size(), e.size());
-  EXPECT_TRUE(agrees_relatively(a[0].force, e[0].force, 1e-11));
-  EXPECT_TRUE(agrees_relatively(a[0].moment, e[0].moment, 1e-11));
-  const Balance b = together.balance(), f = alone.balance();
-  EXPECT_TRUE(agrees_relatively(b.applied_moment, f.applied_moment, 1e-11));
-  EXPECT_NEAR(b.curve_moment, f.curve_moment, 1e-11);
 }
 
 }  // namespace

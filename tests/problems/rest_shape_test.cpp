@@ -2,6 +2,7 @@
 #include "nonlinear/run/rest_shape.hpp"
 #include "discretization/checks/mechanism.hpp"
 #include "tests/problems/random_scenes.hpp"
+#include "tests/support/constrained_scenes.hpp"
 #include "tests/support/ranks.hpp"
 #include "tests/support/scene_file.hpp"
 #include "tests/support/solve.hpp"
@@ -20,13 +21,6 @@ constexpr double kResidual = 1e-12;
 constexpr double kSolved = 1e-10;
 
 const RestShapeParameters kTurned{}, kNatural{LoopForces::refused, false};
-
-DistributedLoad weight(const std::string& member, const Vector3& force) {
-  DistributedLoad load;
-  load.member = member;
-  load.force = force;
-  return load;
-}
 
 InputPlace place_of_list() {
   static const ParameterSource source("scene.xml");
@@ -64,7 +58,7 @@ void expect_found(const Scene& scene, const RestShapeParameters& wanted = kTurne
 /// Stiff in shear, EI = L = 1, along e1, under its weight.
 Scene straight_rod(double weight_per_length, int order, int elements, double shear = kRigid) {
   Scene scene = cantilever(section(kRigid, shear, 1.0, 1.0), 1.0, order, elements);
-  scene.distributed_loads = {weight("beam", {0, -weight_per_length, 0})};
+  scene.distributed_loads = {{"beam", {0, -weight_per_length, 0}}};
   return scene;
 }
 
@@ -128,7 +122,7 @@ Scene tree(bool follows) {
   scene.point_loads = {dead_load("tine 1", {3, 5, 20}, {1, -2, 3}), dead_load("tine 2", {0, 10, -20})};
   if (follows) {
     scene.point_loads[1] = follower_load("tine 2", "right", {0, 10, -20}, {2, 0, 1});
-    scene.distributed_loads = {weight("left", {0, 4, -10})};
+    scene.distributed_loads = {{"left", {0, 4, -10}}};
     scene.distributed_loads[0].frame = LoadFrame::follower;
   }
   return scene;
@@ -156,21 +150,13 @@ TEST(RestShape, OfPortalNeedsItsHinges) {
   scene.points = {{"a", {0, 0, 0}}, {"b", {0, 1, 0}}, {"m", {0.6, 1.2, 0}}, {"c", {1.5, 1, 0}}, {"d", {1.5, 0, 0}}};
   scene.members = {line("left", "a", "b", 3, 3), line("first", "b", "m", 3, 3), line("second", "m", "c", 3, 3),
                    line("right", "c", "d", 3, 3)};
-  for (const char* foot : {"a", "d"}) {
-    Support hinge = clamp(foot);
-    hinge.rotation_fixed = {true, true, false};
-    scene.supports.push_back(hinge);
-  }
-  scene.distributed_loads = {weight("first", {0, -6, 0}), weight("second", {0, -9, 0}), weight("left", {2, 0, 0})};
-  Joint hinge;
-  hinge.name = "crown";
-  hinge.point = "m";
-  hinge.members = {"second"};
+  scene.supports = {hinged("a"), hinged("d")};
+  scene.distributed_loads = {{"first", {0, -6, 0}}, {"second", {0, -9, 0}}, {"left", {2, 0, 0}}};
   EXPECT_THROW(rest_shape(scene), InputError);
   const RestShapeParameters least{LoopForces::least_energy, true};
   EXPECT_EQ(rest_shape(scene, least).redundancy, 1);
   expect_found(scene, least);
-  scene.joints = {hinge};
+  scene.joints = {joint(JointKind::hinge, "m", {"second"}, {0, 0, 1})};
   EXPECT_EQ(rest_shape(scene).redundancy, 0);
   expect_found(scene);
 }
@@ -216,24 +202,18 @@ TEST(RestShape, OfSpatialRodHasTheMomentsOfStatics) {
 
 /// Two feet in space, clamped, with legs that lean and a beam that sags under loads from all sides.
 Scene frame_in_space(double load) {
-  Scene scene;
-  scene.name = "frame in space";
-  scene.sections = {section(2e3, 8e2, 6.0, 10.0)};
-  scene.points = {{"a", {0, 0, 0}}, {"b", {0.1, 0.3, 1}}, {"c", {1.2, 0.1, 1.1}}, {"d", {1.3, 0, 0}}};
-  scene.members = {line("left", "a", "b", 3, 3), line("beam", "b", "c", 3, 4), line("right", "c", "d", 3, 3)};
-  scene.supports = {clamp("a"), clamp("d")};
-  scene.distributed_loads = {weight("beam", {0, load, -3.0 * load}), weight("left", {load, 0, 0})};
+  Scene scene = structure({{"a", {0, 0, 0}}, {"b", {0.1, 0.3, 1}}, {"c", {1.2, 0.1, 1.1}}, {"d", {1.3, 0, 0}}},
+                          {line("left", "a", "b", 3, 3), line("beam", "b", "c", 3, 4), line("right", "c", "d", 3, 3)},
+                          {clamp("a"), clamp("d")}, {}, section(2e3, 8e2, 6.0, 10.0));
+  scene.distributed_loads = {{"beam", {0, load, -3.0 * load}}, {"left", {load, 0, 0}}};
   return scene;
 }
 
 Scene clamped_arch(double load) {
-  Scene scene;
-  scene.name = "clamped arch";
-  scene.sections = {section(1e3, kRigid, 1.0, 1.0)};
-  scene.points = {{"a", {-0.6, 0.8, 0}}, {"b", {0.6, 0.8, 0}}};
-  scene.members = {arc("arch", "a", "b", {0, 0, 0}, {0, 0, -1}, 2.0 * std::asin(0.6), 3, 8)};
-  scene.supports = {clamp("a"), clamp("b")};
-  scene.distributed_loads = {weight("arch", {0.4 * load, -load, 0})};
+  Scene scene = structure({{"a", {-0.6, 0.8, 0}}, {"b", {0.6, 0.8, 0}}},
+                          {arc("arch", "a", "b", {0, 0, 0}, {0, 0, -1}, 2.0 * std::asin(0.6), 3, 8)},
+                          {clamp("a"), clamp("b")}, {}, section(1e3, kRigid, 1.0, 1.0));
+  scene.distributed_loads = {{"arch", {0.4 * load, -load, 0}}};
   return scene;
 }
 
@@ -281,10 +261,8 @@ Scene straight_frame(const std::string& name, std::vector<Point> points,
   scene.sections = {section(kRigid, kRigid, 0.8, 1.0)};
   for (const auto& [start, end] : members) scene.members.push_back(line(start + " to " + end, start, end, 8, 16));
   for (const Point& point : points) {
-    const bool is_hinge = point.name.rfind("hinge", 0) == 0;
-    if (!is_hinge && point.name.rfind("foot", 0) != 0) continue;
-    scene.supports.push_back(clamp(point.name));
-    if (is_hinge) scene.supports.back().rotation_fixed = {true, true, false};
+    if (point.name.rfind("foot", 0) == 0) scene.supports.push_back(clamp(point.name));
+    if (point.name.rfind("hinge", 0) == 0) scene.supports.push_back(hinged(point.name));
   }
   scene.points = std::move(points);
   scene.point_loads = std::move(loads);
@@ -292,28 +270,24 @@ Scene straight_frame(const std::string& name, std::vector<Point> points,
 }
 
 std::vector<Scene> straight_frames() {
-  const std::vector<Point> portal{{"foot a", {0, 0, 0}}, {"b", {0, 1, 0}}, {"c", {1, 1, 0}}, {"foot d", {1, 0, 0}}};
-  const std::vector<std::pair<std::string, std::string>> bents{{"foot a", "b"}, {"b", "c"}, {"c", "foot d"}};
   std::vector<Scene> all;
-  all.push_back(straight_frame("portal", portal, bents, {dead_load("b", {2, -2, 0}), dead_load("c", {0, -2, 0})}));
-  all.push_back(straight_frame("portal out of its plane", portal, bents, {dead_load("b", {1, 0, 2}, {0, 1, 0})}));
-  all.push_back(straight_frame("leaning portal",
-                               {{"foot a", {0, 0, 0}}, {"b", {0.4, 1, 0}}, {"c", {1, 0.8, 0}}, {"foot d", {1.3, 0, 0}}},
-                               bents, {dead_load("c", {4, 0, 0}, {0, 0, 1})}));
-  all.push_back(straight_frame("portal on hinges",
-                               {{"hinge a", {0, 0, 0}}, {"b", {0, 1, 0}}, {"c", {1, 1, 0}}, {"hinge d", {1, 0, 0}}},
-                               {{"hinge a", "b"}, {"b", "c"}, {"c", "hinge d"}}, {dead_load("b", {1, -1, 0})}));
-  all.push_back(straight_frame("follower on a portal", portal, bents, {follower_load("b", "b to c", {3, 0, 0})}));
-  all.push_back(
-      straight_frame("kinked beam between walls",
-                     {{"foot a", {0, 0, 0}}, {"b", {0.6, 0.5, 0}}, {"c", {1.1, 0.4, 0}}, {"foot d", {1.6, 0, 0}}},
-                     bents, {dead_load("b", {0, -8, 0}), dead_load("c", {0, 5, 0}, {0, 0, 2})}));
-  all.push_back(straight_frame(
-      "frame in space", {{"foot a", {0, 0, 0}}, {"b", {0.1, 0.3, 1}}, {"c", {1.2, 0.1, 1.1}}, {"foot d", {1.3, 0, 0}}},
-      bents, {dead_load("b", {1, 2, -1}), dead_load("c", {0, 2, 0}, {1, 0, 0})}));
-  all.push_back(straight_frame("hook in space",
-                               {{"foot a", {0, 0, 0}}, {"b", {0, 0, 1}}, {"c", {0.8, 0, 1}}, {"foot d", {0.8, 0.9, 1}}},
-                               bents, {dead_load("b", {3, 0, 0}), dead_load("c", {0, 0, -4})}));
+  const auto bents = [&](const std::string& name, const std::vector<Vector3>& at, const std::vector<PointLoad>& loads,
+                         const std::string& end = "foot") {
+    all.push_back(straight_frame(name, {{end + " a", {0, 0, 0}}, {"b", at[0]}, {"c", at[1]}, {end + " d", at[2]}},
+                                 {{end + " a", "b"}, {"b", "c"}, {"c", end + " d"}}, loads));
+  };
+  const std::vector<Vector3> portal{{0, 1, 0}, {1, 1, 0}, {1, 0, 0}};
+  bents("portal", portal, {dead_load("b", {2, -2, 0}), dead_load("c", {0, -2, 0})});
+  bents("portal out of its plane", portal, {dead_load("b", {1, 0, 2}, {0, 1, 0})});
+  bents("leaning portal", {{0.4, 1, 0}, {1, 0.8, 0}, {1.3, 0, 0}}, {dead_load("c", {4, 0, 0}, {0, 0, 1})});
+  bents("portal on hinges", portal, {dead_load("b", {1, -1, 0})}, "hinge");
+  bents("follower on a portal", portal, {follower_load("b", "b to c", {3, 0, 0})});
+  bents("kinked beam between walls", {{0.6, 0.5, 0}, {1.1, 0.4, 0}, {1.6, 0, 0}},
+        {dead_load("b", {0, -8, 0}), dead_load("c", {0, 5, 0}, {0, 0, 2})});
+  bents("frame in space", {{0.1, 0.3, 1}, {1.2, 0.1, 1.1}, {1.3, 0, 0}},
+        {dead_load("b", {1, 2, -1}), dead_load("c", {0, 2, 0}, {1, 0, 0})});
+  bents("hook in space", {{0, 0, 1}, {0.8, 0, 1}, {0.8, 0.9, 1}},
+        {dead_load("b", {3, 0, 0}), dead_load("c", {0, 0, -4})});
   all.push_back(straight_frame("two bays",
                                {{"foot a", {0, 0, 0}},
                                 {"b", {0, 1, 0}},
@@ -436,8 +410,7 @@ TEST(RestShape, RefusesWhatItDoesNotOffer) {
   refuses([](Scene& s) { s.distributed_loads[0].amplitude = "t^2"; });
   refuses([](Scene& s) { s.supports.push_back(clamp("tip")); });
   refuses([](Scene& s) {
-    s.supports.emplace_back();
-    s.supports.back().point = "tip";
+    s.supports.push_back(support("tip", {}, {}));
     s.supports.back().displacement_stiffness = {0, 1, 0};
   });
   refuses([](Scene& s) {

@@ -5,9 +5,7 @@
 #include "discretization/scene/load_cases.hpp"
 #include "tests/support/solve.hpp"
 
-#include <algorithm>
 #include <filesystem>
-#include <vector>
 
 namespace mixbeam::test::rigid_limits_test {
 namespace {

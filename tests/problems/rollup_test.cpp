@@ -3,8 +3,6 @@
 #include "kernels/math/gauss.hpp"
 #include "tests/support/solve.hpp"
 
-#include <vector>
-
 namespace mixbeam::test::rollup_test {
 namespace {
 

@@ -1,4 +1,5 @@
 // The number of threads does not change a single bit of the answer.
+#include "discretization/scene/section_law.hpp"
 #include "kernels/execution/execution_space.hpp"
 #include "tests/support/constrained_scenes.hpp"
 #include "tests/support/solve.hpp"
@@ -21,13 +22,18 @@ void expect_same_with_any_number_of_threads(const Scene& scene, SolverParameters
   set_number_of_threads(threads_before);
 }
 
-TEST(Threads, Arc) { expect_same_with_any_number_of_threads(arc_segment(1e3, 3, 37)); }
+TEST(Threads, MembersFramesAndJoints) {
+  EXPECT_TRUE(solved(angle_frame(11)).state().in_plane);
+  for (const Scene& scene : {arc_segment(1e3, 3, 37), fork(2, 11), angle_frame(11), portal_of_joints(2, 7)})
+    expect_same_with_any_number_of_threads(scene);
+}
 
-TEST(Threads, Fork) { expect_same_with_any_number_of_threads(fork(2, 11)); }
-
-TEST(Threads, FrameInItsPlane) {
-  const Scene scene = angle_frame(11);
-  EXPECT_TRUE(solved(scene).state().in_plane);
+TEST(Threads, CoupledSections) {
+  Scene scene = arc_segment(1e3, 3, 23);
+  Matrix6 matrix{};
+  for (int i = 0; i < 6; ++i) matrix[i][i] = diagonal(scene.sections[0])[i];
+  matrix[3][4] = matrix[4][3] = 0.3 * matrix[4][4];
+  scene.sections[0].matrix = matrix;
   expect_same_with_any_number_of_threads(scene);
 }
 

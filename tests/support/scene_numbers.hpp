@@ -47,6 +47,17 @@ inline SceneNumber number_of(const Scene& scene, const Parameter& parameter) {
           [=](double more) { return std::make_shared<const Scene>(with(scene, parameter, more)); }};
 }
 
+/// That which `place` refers to.
+template <class Place>
+Parameter of_number(const std::string& name, Scene scene, double step, const Place& place) {
+  return {name, place(scene), step, [=](Scene& changed, double value) { place(changed) = value; }};
+}
+
+inline Parameter of_force(const Scene& scene, std::size_t load, int component, double step) {
+  return of_number("force " + std::to_string(load), scene, step,
+                   [=](Scene& of) -> double& { return of.point_loads[load].force[component]; });
+}
+
 /// `share`: of the stiffness, as a step.
 inline Parameter of_stiffness(const Scene& scene, int component, double share, std::size_t section = 0) {
   const std::array<double, 6> stiffness = diagonal(scene.sections[section]);
@@ -58,9 +69,16 @@ inline Parameter of_stiffness(const Scene& scene, int component, double share, s
           }};
 }
 
+/// Of all six stiffnesses.
+inline std::vector<Parameter> of_stiffnesses(const Scene& scene, double share) {
+  std::vector<Parameter> all;
+  for (int i = 0; i < 6; ++i) all.push_back(of_stiffness(scene, i, share));
+  return all;
+}
+
 inline Parameter of_place(const Scene& scene, std::size_t point, int component, double step) {
-  return {"place of " + scene.points[point].name, scene.points[point].position[component], step,
-          [=](Scene& changed, double value) { changed.points[point].position[component] = value; }};
+  return of_number("place of " + scene.points[point].name, scene, step,
+                   [=](Scene& of) -> double& { return of.points[point].position[component]; });
 }
 
 }  // namespace mixbeam::test

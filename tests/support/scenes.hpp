@@ -74,13 +74,13 @@ inline Support support(const std::string& point, const std::array<bool, 3>& disp
   return support;
 }
 
-/// Of one section, which its members name "section".
+/// Of one section; members name it "section".
 inline Scene structure(const std::vector<Point>& points, const std::vector<Member>& members,
                        const std::vector<Support>& supports, const std::vector<PointLoad>& loads = {},
                        const Section& section = {}) {
   Scene scene;
   scene.sections = {section};
-  scene.sections[0].name = "section";
+  if (section.name.empty()) scene.sections[0].name = "section";
   scene.points = points;
   scene.members = members;
   scene.supports = supports;
