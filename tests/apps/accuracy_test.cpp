@@ -3,91 +3,68 @@
 
 #include <nlohmann/json.hpp>
 
-#include <cmath>
 #include <regex>
 #include <utility>
 
 namespace mixbeam {
 namespace {
 
-class AccuracyOfAScene : public ::testing::Test {
+class AccuracyOfAScene : public MixbeamTest {
  protected:
-  enum { kFine = 0, kMissed = 1, kRefused = 2 };
-
-  static std::string elastica() { return text_of(fs::path(MIXBEAM_SOURCE_DIR) / "apps/gallery/elastica.xml"); }
   /// The elastica with an accuracy, its member with what `division` says in place of order and elements.
   static std::string elastica_with(const std::string& accuracy, const std::string& division = "") {
-    const std::string free =
-        std::regex_replace(elastica(), std::regex("<Parameter name=\"(Elements|Order)\"[^>]*>"), "");
+    const std::string free = std::regex_replace(text_in_repository("apps/gallery/elastica.xml"),
+                                                std::regex("<Parameter name=\"(Elements|Order)\"[^>]*>"), "");
     return with(free, "Scene: {Accuracy: " + accuracy + ", Members: {strip: {" + division + "}}}");
   }
 
-  Ended run(const std::string& command, const std::string& scene, std::vector<std::string> more = {}) {
-    write_text(folder_ / "scene.xml", scene);
-    std::vector<std::string> arguments = {command, (folder_ / "scene.xml").string()};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return run_process(program("mixbeam"), arguments, folder_);
-  }
-  Ended run_and_sum_up(const std::string& scene) {
-    return run("run", scene, {"--output", (folder_ / "results").string(), "--summary", summary_file()});
-  }
-  std::string summary_file() const { return (folder_ / "summary.json").string(); }
-  nlohmann::json chosen_mesh() const { return nlohmann::json::parse(text_of(summary_file()))["chosen_meshes"][0]; }
-
-  TemporaryFolder folder_;
+  nlohmann::json summary() const { return nlohmann::json::parse(text("summary.json")); }
+  nlohmann::json chosen_mesh() const { return summary()["chosen_meshes"][0]; }
 };
 
 TEST_F(AccuracyOfAScene, IsReachedAndReported) {
-  const Ended ended = run_and_sum_up(elastica_with("1e-9"));
-  EXPECT_EQ(ended.exit_code, kFine) << ended.err << ended.out;
-  expect_in(ended.out, {"wanted accuracy of displacements 1.0e-09", ": reached", "load path", "order "});
+  expect_in(expect_code(kOk, run_scene(elastica_with("1e-9"))).out,
+            {"wanted accuracy of displacements 1.0e-09", ": reached", "load path", "order "});
   const nlohmann::json mesh = chosen_mesh();
   EXPECT_EQ(mesh["outcome"], "reached");
   EXPECT_LT(mesh["estimated"].get<double>(), 1e-9);
   EXPECT_GE(mesh["members"][0]["order"].get<int>(), 5);
   EXPECT_FALSE(mesh["meshes"].empty());
-  const auto contents = contents_of(folder_ / "results" / "scene.h5");
-  ASSERT_TRUE(contents);
-  EXPECT_EQ(contents->count("members/order"), 1u);
+  const auto contents = contents_of(folder_ / "results/scene.h5");
+  EXPECT_EQ(contents.count("members/order"), 1u);
 }
 
 // Three elements of order 2 are what they are; the expected values of the scene notice it, too.
 TEST_F(AccuracyOfAScene, IsMissedWhereAMemberKeepsItsMesh) {
-  const Ended ended = run_and_sum_up(elastica_with("1e-9", "Order: 2, Elements: 3"));
-  EXPECT_EQ(ended.exit_code, kMissed) << ended.err << ended.out;
-  expect_in(ended.out, {"orders or elements that members keep prevent it", "estimated error of displacements"});
+  expect_in(expect_code(kCheckFailed, run_scene(elastica_with("1e-9", "Order: 2, Elements: 3"))).out,
+            {"orders or elements that members keep prevent it", "estimated error of displacements"});
   EXPECT_EQ(chosen_mesh()["members"][0]["order"], 2);
   EXPECT_EQ(chosen_mesh()["members"][0]["elements"], 3);
 }
 
 TEST_F(AccuracyOfAScene, RefusesBadValues) {
   for (const std::string value : {"0", "-1e-6", "1e-12", "1", "nan", "small"}) {
-    const Ended ended = run("run", elastica_with(value));
-    EXPECT_EQ(ended.exit_code, kRefused) << value << ended.out;
-    expect_in(ended.err, {"scene.xml:", "\"Scene / Accuracy\"", value == "-1e-6" ? "-1e-06" : value});
+    expect_in(expect_code(kBadInput, run_scene(elastica_with(value))).err,
+              {"scene.xml:", "\"Scene / Accuracy\"", value == "-1e-6" ? "-1e-06" : value});
   }
 }
 
 TEST_F(AccuracyOfAScene, CheckTellsTheStartMesh) {
-  const Ended ended = run("check", elastica_with("1e-6"));
-  EXPECT_EQ(ended.exit_code, kFine) << ended.err;
-  expect_in(ended.out, {"start mesh for an accuracy of 1.0e-06", "order ", "elements "});
+  expect_in(expect_code(kOk, check_scene(elastica_with("1e-6"))).out,
+            {"start mesh for an accuracy of 1.0e-06", "order ", "elements "});
 }
 
 TEST_F(AccuracyOfAScene, CannotBeResumed) {
-  ASSERT_EQ(run_and_sum_up(elastica_with("1e-9")).exit_code, kFine);
-  const Ended resumed =
-      run_process(program("mixbeam"), {"resume", (folder_ / "results" / "scene.h5").string()}, folder_);
-  EXPECT_EQ(resumed.exit_code, kRefused);
-  expect_in(resumed.err, {"scene.h5", "cannot be resumed", "accuracy"});
+  ASSERT_EQ(run_scene(elastica_with("1e-9")).exit_code, kOk);
+  expect_in(expect_code(kBadInput, mixbeam({"resume", file("results/scene.h5")})).err,
+            {"scene.h5", "cannot be resumed", "accuracy"});
 }
 
 // Programs with studies set the meshes themselves.
 TEST_F(AccuracyOfAScene, IsForMixbeamOnly) {
   write_text(folder_ / "fork.xml", with(scene_of("fork"), "Scene: {Accuracy: 1e-6}"));
-  const Ended ended = run_process(program("fork"), {(folder_ / "fork.xml").string(), "--single"}, folder_);
-  EXPECT_EQ(ended.exit_code, kRefused);
-  expect_in(ended.err, {"fork.xml:", "\"Scene / Accuracy\"", "mixbeam run"});
+  expect_in(expect_code(kBadInput, run_process(program("fork"), {file("fork.xml"), "--single"}, folder_)).err,
+            {"fork.xml:", "\"Scene / Accuracy\"", "mixbeam run"});
 }
 
 /// A wire of 20 mm that a force bends at its clamp within 0.2 m.
@@ -127,10 +104,8 @@ class StressWithAnError : public AccuracyOfAScene {
  protected:
   /// Value and error.
   std::pair<double, double> stress(const std::string& scene) {
-    write_text(folder_ / "scene.yaml", scene);
-    ended_ = run_process(program("mixbeam"), {"run", (folder_ / "scene.yaml").string(), "--summary", summary_file()},
-                         folder_);
-    const nlohmann::json quantity = nlohmann::json::parse(text_of(summary_file()))["quantities"][0];
+    ended_ = run_scene(scene);
+    const nlohmann::json quantity = summary()["quantities"][0];
     return {quantity["value"], quantity.value("error", std::nan(""))};
   }
   Ended ended_{};
@@ -156,7 +131,7 @@ TEST_F(StressWithAnError, CountsInALimit) {
   const auto [coarse, error] = stress(wire_with(", Order: 3, Elements: 1"));
   for (const double share : {0.5, 1.01}) {
     stress(wire_with(", Order: 3, Elements: 1", ", Limit: " + std::to_string(coarse + share * error)));
-    EXPECT_EQ(ended_.exit_code, share < 1.0 ? kMissed : kFine) << ended_.out;
+    EXPECT_EQ(ended_.exit_code, share < 1.0 ? kCheckFailed : kOk) << ended_.out;
   }
 }
 
@@ -164,22 +139,22 @@ TEST_F(StressWithAnError, CountsInALimit) {
 TEST_F(StressWithAnError, CountsInALimitOfABatch) {
   const auto [coarse, error] = stress(wire_with(", Order: 3, Elements: 1"));
   const auto batch_with = [&](const std::string& limit) {
-    write_text(folder_ / "scene.yaml", wire_with(", Order: 3, Elements: 1", limit) + R"(Batch:
+    return mixbeam({"batch", write_scene(wire_with(", Order: 3, Elements: 1", limit) + R"(Batch:
   Output: quantities
   Vary:
     pull: {Parameter: "Point Loads/p/Force[2]", First: -2400, Last: -2399, Count: 2}
-)");
-    return run_process(program("mixbeam"), {"batch", (folder_ / "scene.yaml").string()}, folder_);
+)")});
   };
   for (const double share : {0.5, 1.01}) {
     const Ended ended = batch_with(", Limit: " + std::to_string(coarse + share * error));
-    EXPECT_EQ(ended.exit_code, share < 1.0 ? kMissed : kFine) << ended.out;
+    EXPECT_EQ(ended.exit_code, share < 1.0 ? kCheckFailed : kOk) << ended.out;
   }
-  const Ended inside = batch_with(
-      "}\n  inside: {Quantity: material moment, Member: rod, Component: \"2\", Position: 0.1, "
-      "Limit: 1e9");
-  EXPECT_EQ(inside.exit_code, kMissed) << inside.out;
-  expect_in(inside.out, {"0 of 2 checks passed", "an error that is not known"});
+  expect_in(
+      expect_code(kCheckFailed,
+                  batch_with("}\n  inside: {Quantity: material moment, Member: rod, Component: \"2\", Position: 0.1, "
+                             "Limit: 1e9"))
+          .out,
+      {"0 of 2 checks passed", "an error that is not known"});
 }
 
 /// Of a wire held at both ends, stretched by a thousandth, one element on either side of a weight in its middle.
@@ -277,11 +252,8 @@ TEST_F(AccuracyOfAScene, IsReachedNextToACriticalLoad) {
         << push << ", 0, " << -load << "]}\n"
         << (push > 0.0 ? "" : "Analysis: {Branch: positive}\n")
         << "Quantities:\n  tip: {Quantity: displacement, Point: b, Component: x}\n";
-    write_text(folder_ / "scene.yaml", scene.str());
-    const Ended ended = run_process(program("mixbeam"),
-                                    {"run", (folder_ / "scene.yaml").string(), "--summary", summary_file()}, folder_);
-    EXPECT_EQ(ended.exit_code, kFine) << ended.err << ended.out;
-    const double tip = nlohmann::json::parse(text_of(summary_file()))["quantities"][0]["value"];
+    expect_code(kOk, run_scene(scene.str()));
+    const double tip = summary()["quantities"][0]["value"];
     const double exact = tip_of_column(std::hypot(load, push), std::atan2(push, load));
     EXPECT_NEAR(std::abs(tip), exact, 1e-8 * exact) << over << " " << push;
   }
@@ -290,13 +262,12 @@ TEST_F(AccuracyOfAScene, IsReachedNextToACriticalLoad) {
 TEST_F(StressWithAnError, IsMadeSmallWhereTheAccuracyIsOfIt) {
   const double exact = stress_of_wire(), wanted = 1e-4;
   const auto [value, error] = stress(wire_with("", "", "  Accuracy: 1e-4\n  Accuracy Of: stress\n"));
-  EXPECT_EQ(ended_.exit_code, kFine) << ended_.err << ended_.out;
+  EXPECT_EQ(ended_.exit_code, kOk) << ended_.err << ended_.out;
   EXPECT_NEAR(value, exact, wanted * exact);
   EXPECT_LE(error, wanted * exact);
   expect_in(ended_.out, {"wanted accuracy of \"stress\" 1.0e-04"});
-  EXPECT_EQ(
-      run("run", elastica_with("1e-4\"/><Parameter name=\"Accuracy Of\" type=\"string\" value=\"strss")).exit_code,
-      kRefused);
+  EXPECT_EQ(run_scene(elastica_with("1e-4\"/><Parameter name=\"Accuracy Of\" type=\"string\" value=\"strss")).exit_code,
+            kBadInput);
 }
 
 // alpha = 10, elliptic integrals. Everything as accurate takes order 8; the tip converges with the power 2 k.
@@ -305,13 +276,12 @@ TEST_F(AccuracyOfAScene, OfTheTipAloneTakesACoarserMesh) {
   int work[2];
   for (const bool of_tip : {false, true}) {
     const std::string scene = with(elastica_with("1e-8"), quantities);
-    const Ended ended = run_and_sum_up(of_tip ? with(scene, "Scene: {Accuracy Of: tip}") : scene);
-    EXPECT_EQ(ended.exit_code, kFine) << ended.err << ended.out;
+    const Ended ended = expect_code(kOk, run_scene(of_tip ? with(scene, "Scene: {Accuracy Of: tip}") : scene));
     const nlohmann::json member = chosen_mesh()["members"][0];
     work[of_tip ? 1 : 0] = member["order"].get<int>() * member["elements"].get<int>();
     if (!of_tip) continue;
     expect_in(ended.out, {"wanted accuracy of \"tip\" 1.0e-08"});
-    const double tip = nlohmann::json::parse(text_of(summary_file()))["quantities"][0]["value"];
+    const double tip = summary()["quantities"][0]["value"];
     EXPECT_NEAR(tip, -0.810609024880296, 1e-8);
   }
   EXPECT_LT(3 * work[1], 2 * work[0]);
@@ -333,9 +303,7 @@ TEST_F(AccuracyOfAScene, ReachesFactorsOfLinearBuckling) {
     load: {Point: head, Force: [-1, 0, 0]}
 Analysis: {Buckling Modes: 3}
 )";
-  write_text(folder_ / "scene.yaml", scene);
-  const Ended ended = run_process(program("mixbeam"), {"run", (folder_ / "scene.yaml").string()}, folder_);
-  EXPECT_EQ(ended.exit_code, kFine) << ended.err << ended.out;
+  const Ended ended = expect_code(kOk, run_scene(scene));
   std::smatch found;
   ASSERT_TRUE(
       std::regex_search(ended.out, found, std::regex(R"(load factors \S+ \([^)]*\) \S+ \([^)]*\) (\S+) \(error)")))

@@ -48,8 +48,7 @@ class Programs : public ::testing::Test {
 TEST_F(Programs, Help) {
   for (const std::string& application : kApplications) {
     SCOPED_TRACE(application);
-    const Ended ended = run_process(program(application), {"--help"}, folder_);
-    EXPECT_EQ(ended.exit_code, 0);
+    const Ended ended = expect_code(kOk, run_process(program(application), {"--help"}, folder_));
     EXPECT_EQ(ended.err, "");
     expect_in(ended.out, {application + ": ", "usage: ", "--single", "--output", "--summary", "--threads", "--quiet",
                           "--print-parameters", "exit code: 0 ", "mpirun"});
@@ -59,29 +58,28 @@ TEST_F(Programs, Help) {
 TEST_F(Programs, PrintTheirParameters) {
   for (const std::string& application : kApplications) {
     SCOPED_TRACE(application);
-    const Ended ended = run_process(program(application), {"--print-parameters"}, folder_);
-    EXPECT_EQ(ended.exit_code, 0);
-    expect_in(ended.out, {"[Scene] required",
-                          "[Sections]",
-                          "[Points]",
-                          "[Members]",
-                          "[Curve]",
-                          "[Supports]",
-                          "[Point Loads]",
-                          "[Distributed Loads]",
-                          "[Solver]",
-                          "[Load Path]",
-                          "[Newton]",
-                          "[Linear Solver]",
-                          "[NOX] optional",
-                          "[Status Tests] optional",
-                          "[LOCA] optional",
-                          "[Study]",
-                          "[Expected]",
-                          "Maximum Iterations: int",
-                          "Load Factor: double",
-                          "Source: string",
-                          "Stage: int"});
+    expect_in(expect_code(kOk, run_process(program(application), {"--print-parameters"}, folder_)).out,
+              {"[Scene] required",
+               "[Sections]",
+               "[Points]",
+               "[Members]",
+               "[Curve]",
+               "[Supports]",
+               "[Point Loads]",
+               "[Distributed Loads]",
+               "[Solver]",
+               "[Load Path]",
+               "[Newton]",
+               "[Linear Solver]",
+               "[NOX] optional",
+               "[Status Tests] optional",
+               "[LOCA] optional",
+               "[Study]",
+               "[Expected]",
+               "Maximum Iterations: int",
+               "Load Factor: double",
+               "Source: string",
+               "Stage: int"});
   }
 }
 
@@ -95,8 +93,7 @@ nlohmann::json summary_of(const std::vector<std::string>& options, const Tempora
   std::vector<std::string> arguments = {"--single", "--output", (folder / "results").string(), "--summary",
                                         (folder / "new folder" / "summary.json").string()};
   arguments.insert(arguments.end(), options.begin(), options.end());
-  const Ended ended = run_process(program("fork"), arguments, folder);
-  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  expect_code(kOk, run_process(program("fork"), arguments, folder));
   return nlohmann::json::parse(text_of(folder / "new folder" / "summary.json"));
 }
 
@@ -135,11 +132,12 @@ TEST_F(Programs, QuietMeansNoProgress) {
 TEST_F(Programs, WhatIsNotANumberIsNoSolution) {
   const std::string scene = changed(scene_of("slope_discontinuity"), "{-10, 0, -10}", "{-1e308, 0, -1e308}");
   write_text(folder_ / "scene.xml", scene);
-  const Ended ended =
-      run_process(program("slope_discontinuity"),
-                  {(folder_ / "scene.xml").string(), "--single", "--output", (folder_ / "results").string()}, folder_);
-  EXPECT_EQ(ended.exit_code, 3) << ended.out;
-  expect_in(ended.err, {"no convergence", "does not solve the equations", "allowed 1e-08"});
+  expect_in(expect_code(kNoConvergence, run_process(program("slope_discontinuity"),
+                                                    {(folder_ / "scene.xml").string(), "--single", "--output",
+                                                     (folder_ / "results").string()},
+                                                    folder_))
+                .err,
+            {"no convergence", "does not solve the equations", "allowed 1e-08"});
 }
 
 }  // namespace

@@ -1,24 +1,16 @@
 /// Scenes in XML and YAML: `mixbeam convert` there and back, and runs of either.
-#include "discretization/parameters/parameter_file.hpp"
+#include "apps/mixbeam/commands.hpp"
 #include "discretization/parameters/value.hpp"
 #include "mixbeam_files.hpp"
-
-#include <algorithm>
-#include <cmath>
 
 namespace mixbeam::convert_test {
 namespace {
 
-class Convert : public ::testing::Test {
+class Convert : public MixbeamTest {
  protected:
-  Ended run(const std::vector<std::string>& arguments) { return run_process(program("mixbeam"), arguments, folder_); }
-  std::string file(const std::string& name) const { return (folder_ / name).string(); }
   void convert(const std::string& from, const std::string& to) {
-    const Ended ended = run({"convert", from, file(to)});
-    EXPECT_EQ(ended.exit_code, 0) << from << "\n" << ended.err;
+    expect_code(kOk, mixbeam({"convert", from, file(to)}));
   }
-
-  TemporaryFolder folder_;
 };
 
 std::vector<fs::path> scenes_of_the_repository() {
@@ -42,22 +34,22 @@ std::string contents(const Teuchos::ParameterList& list) {
   return text;
 }
 
-std::string contents_of_file(const fs::path& file) {
-  const XmlParameters xml = read_parameters(file.string(), {});
+std::string contents_of_xml(const std::string& text) {
+  const XmlParameters xml = parse_xml(text, "scene.xml");
   return xml.list->name() + "\n" + contents(*xml.list);
 }
 
-TEST_F(Convert, EverySceneSurvivesTheWayToYamlAndBack) {
+TEST(SceneFormats, EverySceneSurvivesTheWayToYamlAndBack) {
+  const ListSpec root = mixbeam_root_spec();
   const std::vector<fs::path> scenes = scenes_of_the_repository();
   EXPECT_GT(scenes.size(), 50u);
-  for (std::size_t i = 0; i < scenes.size(); ++i) {
-    const std::string name = std::to_string(i);
-    convert(scenes[i].string(), name + ".yaml");
-    convert(file(name + ".yaml"), name + ".xml");
-    EXPECT_EQ(contents_of_file(scenes[i]), contents_of_file(file(name + ".xml"))) << scenes[i];
+  for (const fs::path& scene : scenes) {
+    const std::string text = text_of(scene), yaml = yaml_text(parse_xml(text, "scene.xml"), root, "scene.yaml");
+    EXPECT_EQ(contents_of_xml(xml_text(*parse_yaml(yaml, "scene.yaml", root).list)), contents_of_xml(text)) << scene;
   }
-  write_text(file("changed.xml"), changed(text_of(scenes[0]), "type=\"double\" value=\"", "type=\"double\" value=\"1"));
-  EXPECT_NE(contents_of_file(file("changed.xml")), contents_of_file(scenes[0]));
+  const std::string text = text_of(scenes[0]);
+  EXPECT_NE(contents_of_xml(changed(text, "type=\"double\" value=\"", "type=\"double\" value=\"1")),
+            contents_of_xml(text));
 }
 
 const std::string kCommented = R"xml(<!-- top, of
@@ -117,9 +109,9 @@ Scene:
     "\"\\<": {Point: "no", Fixed Rotation: []}
 # bottom
 )");
-  const Ended back = run({"convert", file("rod.yaml"), file("back.xml")});
+  const Ended back = mixbeam({"convert", file("rod.yaml"), file("back.xml")});
   expect_in(back.out, {"warning: the comments of ", "rod.yaml are not in "});
-  EXPECT_EQ(contents_of_file(file("back.xml")), contents_of_file(file("rod.xml")));
+  EXPECT_EQ(contents_of_xml(text("back.xml")), contents_of_xml(text("rod.xml")));
 }
 
 /// EA = 7e9 at (0.3, -0.2), where its principal axes are turned by cos = 0.8, EI = 5e7 and 6e8 about them; the
@@ -144,15 +136,13 @@ TEST_F(Convert, SectionsOfOtherProgramsBendAboutTheirCentre) {
     std::vector<std::string> arguments = {"convert"};
     for (const std::string& section : sections) arguments.push_back(file(section));
     arguments.insert(arguments.end(), {file("blade.yaml"), "--force"});
-    const Ended ended = run(arguments);
-    EXPECT_EQ(ended.exit_code, 0) << ended.err;
-    expect_in(ended.out, {"note: the length is not in the file: the variable L is 1"});
+    expect_in(expect_code(kOk, mixbeam(arguments)).out, {"note: the length is not in the file: the variable L is 1"});
     write_text(file("loaded.yaml"), text_of(file("blade.yaml")) +
                                         "  Point Loads: {pull: {Point: tip, Force: [1, 0, 0]}}\nExpected:\n"
                                         "  up: {Quantity: displacement, Point: tip, Component: z, Load Factor: 1, "
                                         "Relative Tolerance: 1e-6, Source: closed form, Value: " +
                                         value + "}\n");
-    return run({"run", file("loaded.yaml"), "--force"}).exit_code;
+    return mixbeam({"run", file("loaded.yaml"), "--force"}).exit_code;
   };
   EXPECT_EQ(bends({"root.K"}, "-2.66e-9"), 0);
   EXPECT_EQ(bends({"root.K", "tip.K"}, "-2.66e-9"), 0);
@@ -170,23 +160,19 @@ TEST_F(Convert, SectionsOfOtherProgramsAreImported) {
 Expected:
   side: {Quantity: displacement, Point: b, Component: y, Load Factor: 1, Relative Tolerance: 1e-6, Source: closed form, Value: 2.12e-9}
 )");
-  EXPECT_EQ(run({"run", file("scene.yaml")}).exit_code, 0);
+  EXPECT_EQ(mixbeam({"run", file("scene.yaml")}).exit_code, 0);
   write_text(file("root.K"), changed(kSectionOfVabs, "-2100000000 0", "2100000000 0"));
-  const Ended ended = run({"check", file("scene.yaml")});
-  EXPECT_EQ(ended.exit_code, 2);
-  expect_in(ended.err, {"root.K", "stiffness matrix is not symmetric"});
+  expect_refused(mixbeam({"check", file("scene.yaml")}), {"root.K", "stiffness matrix is not symmetric"});
 }
 
 TEST_F(Convert, RefusesWhatItWouldChange) {
   write_text(file("a.xml"), kCommented);
   const auto refused = [&](const std::vector<std::string>& arguments, const std::vector<std::string>& parts) {
-    const Ended ended = run(arguments);
-    EXPECT_EQ(ended.exit_code, 2) << ended.out;
-    expect_in(ended.err, parts);
+    expect_refused(mixbeam(arguments), parts);
   };
   convert(file("a.xml"), "a.yaml");
   refused({"convert", file("a.xml"), file("a.yaml")}, {"is there already", "--force"});
-  EXPECT_EQ(run({"convert", file("a.xml"), file("a.yaml"), "--force"}).exit_code, 0);
+  EXPECT_EQ(mixbeam({"convert", file("a.xml"), file("a.yaml"), "--force"}).exit_code, 0);
   refused({"convert", file("a.xml")}, {"1 files given to \"convert\"; allowed: two"});
   refused({"convert", file("a.xml"), file("a.json")}, {"unknown ending; allowed: .xml, .yaml, .yml"});
   refused({"convert", file("a.xml"), file("nowhere/b.yaml")}, {"nowhere"});
@@ -200,16 +186,13 @@ TEST_F(Convert, RefusesWhatItWouldChange) {
 TEST_F(Convert, RunsOfEitherFileAreTheSameBits) {
   const fs::path scene = fs::path(MIXBEAM_SOURCE_DIR) / "apps" / "gallery" / "snap_back.xml";
   convert(scene.string(), "snap_back.yaml");
-  ASSERT_EQ(run({"run", scene.string(), "--quiet", "--threads", "1", "--output", file("xml")}).exit_code, 0);
-  const Ended ended = run({"run", file("snap_back.yaml"), "--quiet", "--threads", "1", "--output", file("yaml")});
-  ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  ASSERT_EQ(mixbeam({"run", scene.string(), "--quiet", "--threads", "1", "--output", file("xml")}).exit_code, 0);
+  expect_code(kOk, mixbeam({"run", file("snap_back.yaml"), "--quiet", "--threads", "1", "--output", file("yaml")}));
   const auto xml = contents_of(folder_ / "xml/snap_back.h5"), yaml = contents_of(folder_ / "yaml/snap_back.h5");
-  ASSERT_TRUE(xml && yaml);
-  EXPECT_EQ(differences(*xml, *yaml), "scene differs\n");
+  EXPECT_EQ(differences(xml, yaml), "scene differs\n");
   const std::string results = file("yaml/snap_back.h5");
-  const Ended resumed = run({"resume", results, "--quiet", "--from", "1", "--threads", "1"});
-  EXPECT_EQ(resumed.exit_code, 0) << resumed.err;
-  EXPECT_EQ(differences(*yaml, *contents_of(results)), "");
+  expect_code(kOk, mixbeam({"resume", results, "--quiet", "--from", "1", "--threads", "1"}));
+  EXPECT_EQ(differences(yaml, contents_of(results)), "");
 }
 
 const std::string kWithFormulas = R"yaml(Scene:
@@ -245,24 +228,21 @@ TEST_F(Convert, FormulasStayFormulasAndCountAsTheirNumbers) {
     numbers = changed(numbers, formula, number);
   write_text(file("typed.yaml"), numbers);
   const auto solved = [&](const std::string& scene, const std::string& output) {
-    const Ended ended = run({"run", file(scene), "--quiet", "--threads", "1", "--output", file(output)});
-    EXPECT_EQ(ended.exit_code, 0) << ended.err << ended.out;
+    expect_code(kOk, mixbeam({"run", file(scene), "--quiet", "--threads", "1", "--output", file(output)}));
     return contents_of(folder_ / output / (fs::path(scene).stem().string() + ".h5"));
   };
   const auto yaml = solved("rod.yaml", "yaml"), xml = solved("rod.xml", "xml"), typed = solved("typed.yaml", "typed");
-  ASSERT_TRUE(yaml && xml && typed);
-  EXPECT_EQ(differences(*yaml, *xml), "scene differs\n");
-  const std::string names = differences(*yaml, *typed);  // of the scene, and its text
+  EXPECT_EQ(differences(yaml, xml), "scene differs\n");
+  const std::string names = differences(yaml, typed);  // of the scene, and its text
   EXPECT_EQ(std::count(names.begin(), names.end(), '\n'), 2) << names;
   const std::string results = file("yaml/rod.h5");
-  EXPECT_EQ(run({"resume", results, "--quiet", "--from", "1", "--threads", "1"}).exit_code, 0);
-  EXPECT_EQ(differences(*yaml, *contents_of(results)), "");
-  const Ended check = run({"check", file("rod.yaml")});
+  EXPECT_EQ(mixbeam({"resume", results, "--quiet", "--from", "1", "--threads", "1"}).exit_code, 0);
+  EXPECT_EQ(differences(yaml, contents_of(results)), "");
+  const Ended check = mixbeam({"check", file("rod.yaml")});
   expect_in(check.out,
             {"variable L = 2\n", "variable slope = 0.5235987756  (\"30 deg\")", "variable n = 10  (\"=5*L\")"});
   write_text(file("wrong.yaml"), changed(kWithFormulas, "=100*L", "=100*M"));
-  const Ended wrong = run({"check", file("wrong.yaml")});
-  EXPECT_EQ(wrong.exit_code, 2);
+  const Ended wrong = expect_code(kBadInput, mixbeam({"check", file("wrong.yaml")}));
   expect_in(wrong.err,
             {"wrong.yaml:3:", "Scene / Sections / strip / EA", "=100*M", "unknown name \"M\"", "\"L\", \"slope\""});
 }
@@ -272,8 +252,7 @@ TEST_F(Convert, ABatchReadsYamlAndItsTableBesideIt) {
   fs::copy_file(folder / "elastica_sweep.csv", folder_ / "elastica_sweep.csv");
   convert((folder / "elastica_sweep.xml").string(), "elastica_sweep.yaml");
   const auto table = [&](const std::string& scene, const std::string& output) {
-    const Ended ended = run({"batch", scene, "--quiet", "--threads", "1", "--output", file(output)});
-    EXPECT_EQ(ended.exit_code, 0) << ended.err;
+    expect_code(kOk, mixbeam({"batch", scene, "--quiet", "--threads", "1", "--output", file(output)}));
     return text_of(folder_ / output / "elastica_sweep-batch.csv");
   };
   const std::string xml = table((folder / "elastica_sweep.xml").string(), "xml");

@@ -11,28 +11,25 @@ std::string small_study(const fs::path& folder, const std::string& solver = "") 
   return few;
 }
 
-TEST(Economies, BothWaysGiveTheSame) {
-  const auto folder = folder_for("economies");
-  EXPECT_EQ(run_program("economies", small_study(folder), folder), 0) << text_of(folder / "output.txt");
-  expect_in(page_of("economies", folder),
+class Economies : public StudyTest {};
+
+TEST_F(Economies, BothWaysGiveTheSame) {
+  expect_study(kOk, "economies", small_study(folder_));
+  expect_in(page_of("economies", folder_),
             {"# Only what the scene requires", "A rod of 40 elements of order 2", "processor", "| ratio |",
              "| one section | taper to the same section |", "- free end: "});
 }
 
 /// Twin: states that are far from converged are not the same.
-TEST(Economies, DifferentAnswersAreSeen) {
-  const auto folder = folder_for("economies_loose");
+TEST_F(Economies, DifferentAnswersAreSeen) {
   const std::string loose = "Solver: {Newton: {Residual Tolerance: 1e-2}}";
-  EXPECT_EQ(run_program("economies", small_study(folder, loose), folder), 1);
-  expect_in(text_of(folder / "output.txt"), {"FAIL", "difference of the two ways"});
+  expect_study(kCheckFailed, "economies", small_study(folder_, loose), {"FAIL", "difference of the two ways"});
 }
 
-TEST(Economies, OtherScenesAreRefused) {
-  const auto folder = folder_for("economies_refused");
+TEST_F(Economies, OtherScenesAreRefused) {
   const std::string scene =
-      scene_with("economies", "Scene: {Point Loads: {more: {Point: tip, Force: [0, 0, 1]}}}", folder);
-  EXPECT_EQ(run_program("economies", scene, folder), 2);
-  expect_in(text_of(folder / "output.txt"), {"1 members and 2 point loads", "Scene"});
+      scene_with("economies", "Scene: {Point Loads: {more: {Point: tip, Force: [0, 0, 1]}}}", folder_);
+  expect_study(kBadInput, "economies", scene, {"1 members and 2 point loads", "Scene"});
 }
 
 }  // namespace

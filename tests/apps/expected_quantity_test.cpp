@@ -1,12 +1,10 @@
 /// Every quantity that a scene may expect, of a rod whose answer is exact.
 #include "apps/common/run/quantity_values.hpp"
 
+#include "tests/support/ranks.hpp"
 #include "tests/support/scenes.hpp"
 
 #include <gtest/gtest.h>
-#include <Teuchos_DefaultMpiComm.hpp>
-
-#include <cmath>
 
 namespace mixbeam::expected_quantity_test {
 namespace {
@@ -16,47 +14,33 @@ constexpr double kPull = 3.0, kBend = 2.0;
 constexpr double kTolerance = 1e-9;  // Newton's method ends below it for values of order one
 
 /// A rod along y from "foot" to "tip", clamped at its foot.
-Scene rod(const Vector3& force, const Vector3& moment) {
-  Scene scene;
-  scene.sections = {test::section(kAxial, 500.0, kBending, kBending)};
-  scene.points = {{"foot", {0, 0, 0}}, {"tip", {0, kLength, 0}}};
-  scene.members = {test::line("rod", "foot", "tip", 4, 4)};
-  scene.supports = {test::clamp("foot")};
-  scene.point_loads = {test::dead_load("tip", force, moment)};
-  return scene;
-}
-
 class ExpectedQuantities {
  public:
-  explicit ExpectedQuantities(const Scene& scene)
-      : simulation_(scene, {}, Teuchos::rcp(new Teuchos::MpiComm<int>(MPI_COMM_SELF))) {
+  ExpectedQuantities(const Vector3& force, const Vector3& moment)
+      : simulation_(
+            test::structure({{"foot", {0, 0, 0}}, {"tip", {0, kLength, 0}}}, {test::line("rod", "foot", "tip", 4, 4)},
+                            {test::clamp("foot")}, {test::dead_load("tip", force, moment)},
+                            test::section(kAxial, 500.0, kBending, kBending)),
+            {}, test::this_rank()) {
     EXPECT_TRUE(simulation_.run().finished);
   }
 
   double at_point(const std::string& quantity, const std::string& point, const std::string& component) const {
     ExpectedValue wanted;
-    wanted.quantity = quantity;
     wanted.point = point;
-    wanted.component = component;
-    return present_value(simulation_, wanted).value();
+    return value(wanted, quantity, component).value();
   }
   double in_section(const std::string& quantity, double position, const std::string& component) const {
     ExpectedValue wanted;
-    wanted.quantity = quantity;
     wanted.member = "rod";
     wanted.position = position;
-    wanted.component = component;
-    return present_value(simulation_, wanted).value();
+    return value(wanted, quantity, component).value();
   }
-  bool knows(const std::string& quantity) const {
-    ExpectedValue wanted;
+  std::optional<double> value(ExpectedValue wanted, const std::string& quantity,
+                              const std::string& component = "") const {
     wanted.quantity = quantity;
-    return present_value(simulation_, wanted).has_value();
-  }
-  double strain_energy() const {
-    ExpectedValue wanted;
-    wanted.quantity = "strain energy";
-    return present_value(simulation_, wanted).value();
+    wanted.component = component;
+    return present_value(simulation_, wanted);
   }
 
  private:
@@ -64,7 +48,7 @@ class ExpectedQuantities {
 };
 
 TEST(ExpectedQuantity, OfARodUnderTension) {
-  const ExpectedQuantities values(rod({0, kPull, 0}, {}));
+  const ExpectedQuantities values({0, kPull, 0}, {});
   EXPECT_NEAR(values.at_point("displacement", "tip", "y"), kPull * kLength / kAxial, kTolerance);
   EXPECT_NEAR(values.at_point("position", "tip", "norm"), kLength * (1.0 + kPull / kAxial), kTolerance);
   EXPECT_NEAR(values.at_point("reaction force", "foot", "y"), -kPull, kTolerance);
@@ -73,21 +57,21 @@ TEST(ExpectedQuantity, OfARodUnderTension) {
     EXPECT_NEAR(values.in_section("material force", position, "1"), kPull, kTolerance) << position;
     EXPECT_NEAR(values.in_section("material force", position, "2"), 0.0, kTolerance) << position;
   }
-  EXPECT_NEAR(values.strain_energy(), 0.5 * kPull * kPull * kLength / kAxial, kTolerance);
+  EXPECT_NEAR(values.value({}, "strain energy").value(), 0.5 * kPull * kPull * kLength / kAxial, kTolerance);
 }
 
 TEST(ExpectedQuantity, OfARodBentToACircle) {
-  const ExpectedQuantities values(rod({}, {0, 0, kBend}));
+  const ExpectedQuantities values({}, {0, 0, kBend});
   EXPECT_NEAR(values.at_point("rotation", "tip", "z"), kBend * kLength / kBending, kTolerance);
   EXPECT_NEAR(values.at_point("reaction moment", "foot", "z"), -kBend, kTolerance);
   EXPECT_NEAR(values.in_section("material moment", 0.6, "3"), kBend, kTolerance);
   EXPECT_NEAR(values.in_section("material moment", 0.6, "norm"), kBend, kTolerance);
-  EXPECT_NEAR(values.strain_energy(), 0.5 * kBend * kBend * kLength / kBending, kTolerance);
+  EXPECT_NEAR(values.value({}, "strain energy").value(), 0.5 * kBend * kBend * kLength / kBending, kTolerance);
 }
 
 TEST(ExpectedQuantity, ChangesAlongTheRod) {  // linear for a load this small: moment F (L - s)
   constexpr double kSmall = 1e-6;
-  const ExpectedQuantities values(rod({0, 0, kSmall}, {}));
+  const ExpectedQuantities values({0, 0, kSmall}, {});
   for (const double position : {0.0, 0.1, 0.5, 0.75, 1.0}) {
     EXPECT_NEAR(values.in_section("material moment", position, "norm"), kSmall * kLength * (1.0 - position),
                 1e-6 * kSmall * kLength)
@@ -96,8 +80,8 @@ TEST(ExpectedQuantity, ChangesAlongTheRod) {  // linear for a load this small: m
 }
 
 TEST(ExpectedQuantity, LeavesOthersToTheApplication) {
-  const ExpectedQuantities values(rod({0, kPull, 0}, {}));
-  EXPECT_FALSE(values.knows("iterations"));
+  const ExpectedQuantities values({0, kPull, 0}, {});
+  EXPECT_FALSE(values.value({}, "iterations"));
 }
 
 }  // namespace

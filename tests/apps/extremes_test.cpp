@@ -17,35 +17,33 @@ std::string with_study(int most_values, const fs::path& folder, const std::strin
   return (folder / "scene.xml").string();
 }
 
-TEST(Extremes, EndsOfTheSweepsKeepTheirPromise) {
-  const auto folder = folder_for("extremes_ends");
-  EXPECT_EQ(run_program("extremes", with_study(2, folder), folder), 0) << text_of(folder / "output.txt");
-  const std::string table = text_of(folder / "extremes.csv");
+class Extremes : public StudyTest {};
+
+TEST_F(Extremes, EndsOfTheSweepsKeepTheirPromise) {
+  expect_study(kOk, "extremes", with_study(2, folder_));
+  const std::string table = text("extremes.csv");
   expect_in(table, {"\nslenderness,1,1,", "\nslenderness,inf,1,", "\nunit_of_length,1e-09,1,", "\ntip_force,1e+08,1,",
                     "\nangle,0,1,", "\norder,8,1,"});
-  expect_in(page_of("extremes", folder),
+  expect_in(page_of("extremes", folder_),
             {"# Extremes", "compiler", "| [slenderness](#slenderness) | 1 to inf | 2 of 2 |", "## Where it ends",
              "  - 1: error 2.6e-03, 1e-06 is allowed elsewhere", "## Random imperfect structures", "| column | 1 |"});
-  expect_in(text_of(folder / "random_paths.csv"), {"\ncolumn,0,"});
+  expect_in(text("random_paths.csv"), {"\ncolumn,0,"});
 }
 
-TEST(Extremes, CriticalLoadsAreThoseOfTheClosedForms) {
-  const auto folder = folder_for("extremes_critical");
-  const std::string scene = with_study(2, folder, R"yaml(Study:
+TEST_F(Extremes, CriticalLoadsAreThoseOfTheClosedForms) {
+  const std::string scene = with_study(2, folder_, R"yaml(Study:
   Critical Loads: true
   Random Structures: 0
   Sweeps: [stiffness_ratio, unit_of_length, unit_of_force, elements, element_turn, angle, tip_force, order])yaml");
-  EXPECT_EQ(run_program("extremes", scene, folder), 0) << text_of(folder / "output.txt");
-  expect_in(text_of(folder / "extremes.csv"), {"\ntruss_rise,0.01,1,", "\nrail_stiffness,1e+08,1,"});
-  expect_in(page_of("extremes", folder), {"| 2 of 2 | 0 |", "| 1 of 1 | 0 |"});
+  expect_study(kOk, "extremes", scene);
+  expect_in(text("extremes.csv"), {"\ntruss_rise,0.01,1,", "\nrail_stiffness,1e+08,1,"});
+  expect_in(page_of("extremes", folder_), {"| 2 of 2 | 0 |", "| 1 of 1 | 0 |"});
 }
 
 // Twin: without a look at stability no critical point is found.
-TEST(Extremes, AMissedCriticalPointIsNoticed) {
-  const auto folder = folder_for("extremes_missed");
-  const std::string scene = with_study(1, folder, "{Study: {Critical Loads: true}, Analysis: {Stability: false}}");
-  EXPECT_EQ(run_program("extremes", scene, folder), 1);
-  expect_in(text_of(folder / "output.txt"), {"FAIL  truss_rise 0.01: critical load factors"});
+TEST_F(Extremes, AMissedCriticalPointIsNoticed) {
+  const std::string scene = with_study(1, folder_, "{Study: {Critical Loads: true}, Analysis: {Stability: false}}");
+  expect_study(kCheckFailed, "extremes", scene, {"FAIL  truss_rise 0.01: critical load factors"});
 }
 
 /// Random imperfect structures alone, from a series of which some paths pass several critical points.
@@ -55,35 +53,29 @@ std::string random_structures(int count, double reference_step, const fs::path& 
                         ", Reference Step: " + std::to_string(reference_step) + ", Sweeps: [order]}");
 }
 
-TEST(Extremes, RandomPathsAreRightOrRefused) {
-  const auto folder = folder_for("extremes_random");
-  EXPECT_EQ(run_program("extremes", random_structures(60, 0.03, folder), folder), 0) << text_of(folder / "output.txt");
-  const std::string table = text_of(folder / "random_paths.csv");
+TEST_F(Extremes, RandomPathsAreRightOrRefused) {
+  expect_study(kOk, "extremes", random_structures(60, 0.03, folder_));
+  const std::string table = text("random_paths.csv");
   constexpr int kKnown = 30;
   int right = 0;
   for (std::size_t at = table.find(",right,"); at != std::string::npos; at = table.find(",right,", at + 1)) ++right;
   EXPECT_GT(right, kKnown);
 }
 
-TEST(Extremes, CoarseMeshBreaksThePromise) {
-  const auto folder = folder_for("extremes_coarse");
-  const std::string scene = with_study(1, folder, "Scene: {Members: {rod: {Order: 1}}}");
-  EXPECT_EQ(run_program("extremes", scene, folder), 1);
-  expect_in(text_of(folder / "output.txt"), {"FAIL  slenderness 1: error of the tip"});
+TEST_F(Extremes, CoarseMeshBreaksThePromise) {
+  const std::string scene = with_study(1, folder_, "Scene: {Members: {rod: {Order: 1}}}");
+  expect_study(kCheckFailed, "extremes", scene, {"FAIL  slenderness 1: error of the tip"});
 }
 
-TEST(Extremes, WrongExpectedValueIsNoticed) {
-  const auto folder = folder_for("extremes_expected");
-  EXPECT_EQ(run_program("extremes", "--single", folder), 0) << text_of(folder / "output.txt");
-  const std::string scene = scene_with("extremes", "Expected: {tip moves back: {Value: -0.5549955978638}}", folder);
-  EXPECT_EQ(run_program("extremes", scene + " --single", folder), 1);
+TEST_F(Extremes, WrongExpectedValueIsNoticed) {
+  expect_study(kOk, "extremes", "--single");
+  const std::string scene = scene_with("extremes", "Expected: {tip moves back: {Value: -0.5549955978638}}", folder_);
+  expect_study(kCheckFailed, "extremes", scene + " --single");
 }
 
-TEST(Extremes, StudyRefusesAnotherScene) {
-  const auto folder = folder_for("extremes_another");
-  const std::string scene = scene_with("extremes", "Scene: {Sections: {rod: {EI3: 2}}}", folder);
-  EXPECT_EQ(run_program("extremes", scene, folder), 2);
-  expect_in(text_of(folder / "output.txt"), {"EI2 = EI3"});
+TEST_F(Extremes, StudyRefusesAnotherScene) {
+  const std::string scene = scene_with("extremes", "Scene: {Sections: {rod: {EI3: 2}}}", folder_);
+  expect_study(kBadInput, "extremes", scene, {"EI2 = EI3"});
 }
 
 }  // namespace

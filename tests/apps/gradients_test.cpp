@@ -1,23 +1,17 @@
 /// The list "Gradient" as a user meets it: terminal, table, summary, result file, refusals.
 #include "mixbeam_files.hpp"
 
-#include <cmath>
-
 namespace mixbeam::gradients_test {
 namespace {
 
-constexpr int kOk = 0, kCheckFailed = 1, kBadInput = 2;
 /// Derivative of the tip's deflection by the force: elliptic integrals, F L^2 / EI = 10.
 constexpr double kOfForce = 0.0105359712168047, kTolerance = 1e-11;
 constexpr double kOfCriticalLoad = 1e-8;
 
-class GradientList : public ::testing::Test {
+class GradientList : public MixbeamTest {
  protected:
   Ended run(const std::string& lists) {
-    const std::string elastica = text_of(fs::path(MIXBEAM_SOURCE_DIR) / "apps/gallery/elastica.xml");
-    write_text(folder_ / "scene.xml", with(elastica, lists));
-    return run_process(program("mixbeam"), {"run", "scene.xml", "--output", "out", "--quiet", "--summary", "sum.json"},
-                       folder_.path());
+    return run_scene(with(text_in_repository("apps/gallery/elastica.xml"), lists), {"--quiet"});
   }
   Ended asking(const std::string& gradient) {
     return run(
@@ -25,16 +19,16 @@ class GradientList : public ::testing::Test {
         "Gradient: {" +
         gradient + "}}");
   }
-  TemporaryFolder folder_;
 };
 
 TEST_F(GradientList, StandsInTableFileAndSummary) {
-  const Ended ended =
-      asking("Of: [tip.y], With Respect To: ['Point Loads/*/Force[1]', Sections/*/EI3], By Element: true");
-  ASSERT_EQ(ended.exit_code, kOk) << ended.err << ended.out;
-  expect_in(ended.out, {"gradient of tip.y", "by Point Loads/weight/Force[1]"});
-  expect_in(text_of(folder_ / "sum.json"), {"\"gradients\"", "\"Sections/strip/EI3\""});
-  std::istringstream lines(text_of(folder_ / "out/scene-gradients.csv"));
+  expect_in(
+      expect_code(kOk,
+                  asking("Of: [tip.y], With Respect To: ['Point Loads/*/Force[1]', Sections/*/EI3], By Element: true"))
+          .out,
+      {"gradient of tip.y", "by Point Loads/weight/Force[1]"});
+  expect_in(text("summary.json"), {"\"gradients\"", "\"Sections/strip/EI3\""});
+  std::istringstream lines(text("results/scene-gradients.csv"));
   std::string line;
   std::getline(lines, line);
   EXPECT_EQ(line, "quantity,value,number,derivative");
@@ -42,10 +36,9 @@ TEST_F(GradientList, StandsInTableFileAndSummary) {
     std::getline(lines, line);
     EXPECT_NEAR(std::stod(line.substr(line.rfind(',') + 1)), wanted, 10.0 * kTolerance) << line;
   }
-  const auto contents = contents_of(folder_ / "out/scene.h5");
-  ASSERT_TRUE(contents);
+  const auto contents = contents_of(folder_ / "results/scene.h5");
   for (const char* name : {"numbers", "0/derivative", "0/stiffness", "0/compliance", "0/natural"})
-    EXPECT_EQ(contents->count(std::string("steps/000001/gradients/") + name), 1U) << name;
+    EXPECT_EQ(contents.count(std::string("steps/000001/gradients/") + name), 1U) << name;
 }
 
 /// Numbers that cannot move to both sides: of a pattern they have no derivative, by themselves they are a mistake.
@@ -64,11 +57,11 @@ TEST_F(GradientList, LeavesOutNumbersAtTheirBounds) {
 
 TEST_F(GradientList, FollowsVariablesIntoFormulasOfQuantities) {
   constexpr double kTip = -0.810609024880296;  // elliptic integrals, F L^2 / EI = 10
-  const Ended ended =
+  expect_code(
+      kOk,
       run("{Scene: {Variables: {c: 3}}, Quantities: {tip: {Quantity: displacement, Point: tip}, f: {Quantity: formula, "
-          "Formula: c^2 * tip_y}}, Gradient: {Of: [f], With Respect To: [Variables/c]}}");
-  ASSERT_EQ(ended.exit_code, kOk) << ended.err << ended.out;
-  const std::string table = text_of(folder_ / "out/scene-gradients.csv");
+          "Formula: c^2 * tip_y}}, Gradient: {Of: [f], With Respect To: [Variables/c]}}"));
+  const std::string table = text("results/scene-gradients.csv");
   EXPECT_NEAR(std::stod(table.substr(table.rfind(',') + 1)), 2.0 * 3.0 * kTip, kTolerance) << table;
 }
 
@@ -78,9 +71,7 @@ TEST_F(GradientList, RefusesWhatTheSceneDoesNotHave) {
       {"Of: [tip.x], With Respect To: [Sections/strip/EJ]", R"(value "Sections/strip/EJ" is no path)"},
       {"Of: [tip.x]", "it asks for nothing"}};
   for (const auto& [gradient, message] : wrong) {
-    const Ended ended = asking(gradient);
-    EXPECT_EQ(ended.exit_code, kBadInput) << gradient;
-    expect_in(ended.err, {message, "allowed"});
+    expect_refused(asking(gradient), {message, "allowed"});
   }
 }
 
@@ -92,49 +83,50 @@ TEST_F(GradientList, OfACriticalLoad) {
           "With Respect To: [Sections/*/EI3, 'Point Loads/*/Force[1]']}}");
   expect_in(ended.out, {"gradient of load factor at critical point 1", "no derivative  by Point Loads/weight/Force[1]",
                         "gradient of imperfection sensitivity at critical point 1"});
-  std::istringstream lines(text_of(folder_ / "out/scene-gradients.csv"));
+  std::istringstream lines(text("results/scene-gradients.csv"));
   std::string line;
   std::getline(lines, line);
   std::getline(lines, line);
   const double critical = 0.25 * std::acos(-1.0) * std::acos(-1.0) / 5.0;
   EXPECT_NEAR(std::stod(line.substr(line.rfind(',') + 1)), critical, kOfCriticalLoad) << line;
-  const auto contents = contents_of(folder_ / "out/scene.h5");
-  EXPECT_EQ(contents->count("steps/000001/gradients/1/derivative"), 1U);
+  const auto contents = contents_of(folder_ / "results/scene.h5");
+  EXPECT_EQ(contents.count("steps/000001/gradients/1/derivative"), 1U);
 }
 
 TEST_F(GradientList, OfACriticalLoadBeforeTheStopOfARunThatIsResumed) {
   run("{Scene: {Sections: {strip: {EI2: 6}}, Point Loads: {weight: {Force: [-5, 0, 0]}}}, Solver: {Load Path: {Maximum "
       "Step: 0.2}}, Gradient: {Of: [load factor at critical point 1], With Respect To: [Sections/*/EI3]}}");
-  const std::string table = text_of(folder_ / "out/scene-gradients.csv");
-  fs::remove(folder_ / "out/scene-gradients.csv");
-  run_process(program("mixbeam"), {"resume", "out/scene.h5", "--from", "4", "--quiet"}, folder_.path());
-  EXPECT_EQ(text_of(folder_ / "out/scene-gradients.csv"), table);
+  const std::string table = text("results/scene-gradients.csv");
+  fs::remove(folder_ / "results/scene-gradients.csv");
+  mixbeam({"resume", "results/scene.h5", "--from", "4", "--quiet"});
+  EXPECT_EQ(text("results/scene-gradients.csv"), table);
 }
 
 TEST_F(GradientList, OfACriticalLoadThatDidNotComeIsACheckThatFailed) {
-  const Ended ended = asking("Of: [tip.y, load factor at critical point 2], With Respect To: [Sections/*/EI3]");
-  EXPECT_EQ(ended.exit_code, kCheckFailed);
-  expect_in(ended.out, {"gradient of tip.y", "it did not come; critical points on the path: 0"});
+  expect_in(expect_code(kCheckFailed,
+                        asking("Of: [tip.y, load factor at critical point 2], With Respect To: [Sections/*/EI3]"))
+                .out,
+            {"gradient of tip.y", "it did not come; critical points on the path: 0"});
 }
 
 TEST_F(GradientList, LeavesOutQuantitiesThatAPatternMeans) {
-  const Ended ended = run(R"yaml({Quantities: {tip: {Quantity: displacement, Point: tip}, far: {Quantity: formula,
+  expect_in(
+      expect_code(kOk, run(R"yaml({Quantities: {tip: {Quantity: displacement, Point: tip}, far: {Quantity: formula,
   Formula: tip_y / tip_z}, none: {Quantity: formula, Formula: tip_z / tip_z}, count: {Quantity: negative eigenvalues}},
-  Gradient: {Of: ['*'], With Respect To: [Sections/*/EI3]}})yaml");
-  EXPECT_EQ(ended.exit_code, kOk) << ended.err << ended.out;
-  expect_in(ended.out, {"gradient of tip.y", "no derivative: the gradient of \"count\": the quantity",
-                        "no derivative: the gradient of \"far\": it has no finite value", "unknown"});
-  const std::string table = text_of(folder_ / "out/scene-gradients.csv");
+  Gradient: {Of: ['*'], With Respect To: [Sections/*/EI3]}})yaml"))
+          .out,
+      {"gradient of tip.y", "no derivative: the gradient of \"count\": the quantity",
+       "no derivative: the gradient of \"far\": it has no finite value", "unknown"});
+  const std::string table = text("results/scene-gradients.csv");
   const std::size_t at = table.find("tip.y,");
   EXPECT_NEAR(std::stod(table.substr(table.find("EI3,", at) + 4)), 10.0 * kOfForce, 10.0 * kTolerance) << table;
 }
 
 /// The results stay.
 TEST_F(GradientList, WithoutAnswerIsACheckThatFailed) {
-  const Ended ended = asking("Of: [count], With Respect To: [Sections/*/EI3]");
-  EXPECT_EQ(ended.exit_code, kCheckFailed);
-  expect_in(ended.out, {"gradients", R"("negative eigenvalues" has no derivative)"});
-  EXPECT_EQ(contents_of(folder_ / "out/scene.h5")->count("steps/000001"), 1U);
+  expect_in(expect_code(kCheckFailed, asking("Of: [count], With Respect To: [Sections/*/EI3]")).out,
+            {"gradients", R"("negative eigenvalues" has no derivative)"});
+  EXPECT_EQ(contents_of(folder_ / "results/scene.h5").count("steps/000001"), 1U);
 }
 
 }  // namespace

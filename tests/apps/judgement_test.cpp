@@ -7,7 +7,6 @@
 
 #include <libxml/relaxng.h>
 
-#include <algorithm>
 #include <random>
 #include <regex>
 
@@ -51,8 +50,7 @@ class Judgement : public ::testing::Test {
       arguments.push_back((folder / (std::to_string(i) + ".yaml")).string());
       write_text(arguments.back(), texts[i]);
     }
-    const Ended ended = run_process("/usr/bin/python3", arguments, folder);
-    EXPECT_EQ(ended.exit_code, 0) << ended.err;
+    const Ended ended = expect_code(kOk, run_process("/usr/bin/python3", arguments, folder));
     std::istringstream lines(ended.out);
     for (std::string line; std::getline(lines, line);) verdicts.push_back(line);
     EXPECT_EQ(verdicts.size(), texts.size());

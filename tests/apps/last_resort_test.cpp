@@ -5,7 +5,6 @@
 #include "tests/support/child.hpp"
 
 #include <chrono>
-#include <stdexcept>
 #include <thread>
 
 namespace mixbeam::last_resort_test {

@@ -67,8 +67,7 @@ TEST_F(PlotResult, DrawsEveryKindInBothFormats) {
                                           "load_path", "iterations", "steps"};
   std::vector<std::string> options = {"--format", "png,svg", "--picture"};
   options.insert(options.end(), kinds.begin(), kinds.end());
-  const Ended ended = plot(write_result(), options);
-  ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  const Ended ended = expect_code(kOk, plot(write_result(), options));
   EXPECT_EQ(ended.err, "");
   for (std::string kind : kinds) {
     std::replace(kind.begin(), kind.end(), '_', '-');
@@ -85,8 +84,7 @@ TEST_F(PlotResult, DrawsEveryKindInBothFormats) {
 }
 
 TEST_F(PlotResult, DrawsThreePicturesUnlessMoreAreAskedFor) {
-  const Ended ended = plot(write_result());
-  ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  expect_code(kOk, plot(write_result()));
   std::set<std::string> drawn;
   for (const auto& entry : fs::directory_iterator(folder_ / "pictures")) drawn.insert(entry.path().filename().string());
   EXPECT_EQ(drawn, (std::set<std::string>{"run-shape.png", "run-diagrams.png", "run-load-path.png"}));
@@ -116,15 +114,14 @@ TEST_F(PlotResult, DrawsStressesOfTheStepsThatHaveThem) {
   }
   file.close();
   for (const char* field : {"von_mises", "normal_stress", "shear_stress"}) {
-    const Ended ended = plot(path, {"--format", "svg", "--field", field, "--picture", "shape", "fields"});
-    ASSERT_EQ(ended.exit_code, 0) << ended.err;
+    const Ended ended =
+        expect_code(kOk, plot(path, {"--format", "svg", "--field", field, "--picture", "shape", "fields"}));
     EXPECT_EQ(ended.err, "");
   }
   expect_in(text_of(picture("run-fields.svg")), {"von Mises stress, largest of the section"});
   expect_in(text_of(picture("run-shape.svg")), {"shear stress"});
-  const Ended early = plot(path, {"--format", "svg", "--field", "von_mises", "--step", "0", "--picture", "shape"});
-  EXPECT_EQ(early.exit_code, 2);
-  expect_in(early.err, {"step 0 has no stresses", "Stresses"});
+  expect_refused(plot(path, {"--format", "svg", "--field", "von_mises", "--step", "0", "--picture", "shape"}),
+                 {"step 0 has no stresses", "Stresses"});
 }
 
 TEST_F(PlotResult, DrawsPathAndModesOfCriticalPoints) {
@@ -151,8 +148,7 @@ TEST_F(PlotResult, DrawsPathAndModesOfCriticalPoints) {
     file.append_step(record);
   }
   file.close();
-  const Ended ended = plot(path, {"--format", "svg", "--picture", "load_path", "critical_modes"});
-  ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  const Ended ended = expect_code(kOk, plot(path, {"--format", "svg", "--picture", "load_path", "critical_modes"}));
   EXPECT_EQ(ended.err, "");
   expect_in(text_of(picture("run-load-path.svg")), {"dashed: unstable", "limit point", "1.0625"});
   expect_in(text_of(picture("run-critical-modes.svg")), {"1: limit point, load factor 1.0625"});
@@ -160,8 +156,7 @@ TEST_F(PlotResult, DrawsPathAndModesOfCriticalPoints) {
 
 TEST_F(PlotResult, DrawsTheStepAndTheFormatAskedFor) {
   const fs::path file = write_result();
-  const Ended ended = plot(file, {"--step", "1", "--format", "svg", "--picture", "shape", "--field", "moment"});
-  ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  expect_code(kOk, plot(file, {"--step", "1", "--format", "svg", "--picture", "shape", "--field", "moment"}));
   expect_in(text_of(picture("run-shape-000001.svg")), {"step 1, load factor 0.5"});
   EXPECT_FALSE(fs::exists(picture("run-shape-000001.png")));
   EXPECT_FALSE(fs::exists(picture("run-fields-000001.svg")));
@@ -172,8 +167,7 @@ TEST_F(PlotResult, RefusesWhatItCannotDraw) {
   write_text(broken, "\x89HDF\r\n\x1a\nand no more");
   const auto expect_refusal = [this](const fs::path& file, const std::vector<std::string>& options,
                                      const std::vector<std::string>& words) {
-    const Ended ended = plot(file, options);
-    EXPECT_EQ(ended.exit_code, 2) << ended.out;
+    const Ended ended = expect_code(kBadInput, plot(file, options));
     expect_in(ended.err, words);
     EXPECT_EQ(ended.err.find("Traceback"), std::string::npos) << ended.err;
   };

@@ -24,6 +24,8 @@ inline std::string scene_of(const std::string& application) {
   return text_of(fs::path(MIXBEAM_SOURCE_DIR) / "apps" / application / (application + ".xml"));
 }
 
+constexpr int kOk = 0, kCheckFailed = 1, kBadInput = 2, kNoConvergence = 3, kInterrupted = 130;  // exit codes
+
 /// How a process ended. A crash is never taken for an exit code: `exit_code` is then -signal.
 struct Ended {
   int exit_code = -1;
@@ -88,6 +90,15 @@ inline Ended run_process(const fs::path& executable, const std::vector<std::stri
 inline Ended run_process(const fs::path& executable, const std::vector<std::string>& arguments,
                          const TemporaryFolder& folder) {
   return run_process(executable, arguments, folder.path());
+}
+
+/// What ended as it should.
+inline Ended expect_code(int code, Ended ended) {
+  EXPECT_EQ(ended.exit_code, code) << ended.out << ended.err;
+  return ended;
+}
+inline void expect_refused(const Ended& ended, const std::vector<std::string>& parts) {
+  expect_in(expect_code(kBadInput, ended).err, parts);
 }
 
 /// A folder of the build for one test, emptied when it starts.

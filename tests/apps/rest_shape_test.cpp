@@ -17,35 +17,26 @@ Expected: {sag: {Quantity: sag, Value: 0, Absolute Tolerance: 1e-10, Source: as 
 Inverse: {}
 )";
 
-class RestShapeFiles : public ::testing::Test {
+class RestShapeFiles : public MixbeamTest {
  protected:
   RestShapeFiles() { write_text(folder_ / "points.csv", "name,x,y,z\na,0,0,0\nb,1,0.2,0\n"); }
-  Ended run(const std::string& text, const std::string& command = "run") {
-    write_text(folder_ / "scene.yaml", text);
-    return run_process(program("mixbeam"), {command, "scene.yaml", "--output", "out", "--summary", "summary.json"},
-                       folder_);
-  }
-  bool is_there(const std::string& name) const { return fs::exists(folder_ / "out" / name); }
-
-  TemporaryFolder folder_;
+  bool is_there(const std::string& name) const { return fs::exists(folder_ / "results" / name); }
 };
 
 TEST_F(RestShapeFiles, RunForwardToTheDrawnShape) {
-  const Ended ended = run(kRod);
-  EXPECT_EQ(ended.exit_code, 0) << ended.out << ended.err;
+  expect_code(kOk, run_scene(kRod));
   for (const char* file : {"scene-curvature-rod.csv", "scene-strain-rod.csv", "scene-natural-rod.csv", "scene.h5"})
     EXPECT_TRUE(is_there(file)) << file;
-  EXPECT_NE(text_of(folder_ / "summary.json").find("\"negative eigenvalues of the drawn state\": 0"),
-            std::string::npos);
+  EXPECT_NE(text("summary.json").find("\"negative eigenvalues of the drawn state\": 0"), std::string::npos);
   // by itself, and wrong without its tables
-  const std::string forward = text_of(folder_ / "out/scene-forward.xml");
+  const std::string forward = text("results/scene-forward.xml");
   fs::create_directories(folder_ / "other");
   const auto run_other = [&](const std::string& text) {
-    for (const auto& entry : fs::directory_iterator(folder_ / "out"))
+    for (const auto& entry : fs::directory_iterator(folder_ / "results"))
       if (entry.path().extension() == ".csv")
         fs::copy_file(entry.path(), folder_ / "other" / entry.path().filename(), fs::copy_options::overwrite_existing);
     write_text(folder_ / "other/forward.xml", text);
-    return run_process(program("mixbeam"), {"run", "other/forward.xml", "--output", "twin"}, folder_).exit_code;
+    return mixbeam({"run", "other/forward.xml", "--output", "twin"}).exit_code;
   };
   EXPECT_EQ(run_other(forward), 0);
   EXPECT_EQ(run_other(changed(forward, "\"Curvature Table\"", "\"Strain Table\"")), 2);
@@ -54,21 +45,15 @@ TEST_F(RestShapeFiles, RunForwardToTheDrawnShape) {
 }
 
 TEST_F(RestShapeFiles, RefusalsSayWhatIsAllowed) {
-  const auto refused = [this](const Ended& ended, const std::string& part) {
-    EXPECT_EQ(ended.exit_code, 2) << ended.out;
-    EXPECT_NE(ended.err.find(part), std::string::npos) << ended.err;
-  };
   const std::string clamp = "Fixed Rotation: [x, y, z]}";
   const std::string loop = changed(kRod, clamp, clamp + ", far: {Point: b}");
-  refused(run(loop), "12 force(s)");
-  EXPECT_EQ(run(changed(loop, "Inverse: {}", "Inverse: {Loops: closed}")).exit_code, 0);
-  refused(run(changed(kRod, "Inverse: {}", "Inverse: {Case: wind}")), "the scene has no cases");
-  refused(run(changed(kRod, "Inverse: {}",
-                      "Inverse: {}\nBatch: {Vary: {x: {Parameter: Sections/rod/EA, First: 4000, "
-                      "Last: 5000, Count: 2}}}"),
-              "batch"),
-          "mixbeam run");
-  refused(run(changed(kRod, "Elements: 4", "Elements: 4, Force Integration: full")), "Force Integration");
+  expect_refused(run_scene(loop), {"12 force(s)"});
+  expect_code(kOk, run_scene(changed(loop, "Inverse: {}", "Inverse: {Loops: closed}")));
+  expect_refused(run_scene(changed(kRod, "Inverse: {}", "Inverse: {Case: wind}")), {"the scene has no cases"});
+  const std::string batch = "Batch: {Vary: {x: {Parameter: Sections/rod/EA, First: 4000, Last: 5000, Count: 2}}}\n";
+  expect_refused(mixbeam({"batch", write_scene(kRod + batch)}), {"mixbeam run"});
+  expect_refused(run_scene(changed(kRod, "Elements: 4", "Elements: 4, Force Integration: full")),
+                 {"Force Integration"});
 }
 
 }  // namespace

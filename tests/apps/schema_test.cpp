@@ -2,9 +2,7 @@
 /// reader.
 #include "mixbeam_files.hpp"
 
-#include <algorithm>
 #include <functional>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <regex>
 
@@ -127,9 +125,8 @@ TEST(Schema, TheLanguageServerCompletesExplainsAndMarks) {
                        "a language server or node (./test.sh gets both)");
   write_text(folder / "schema.json", output_of({"schema", "--json"}));
   const std::string script = std::string(MIXBEAM_SOURCE_DIR) + "/tests/apps/language_server.py";
-  const Ended ended =
-      run_process("/usr/bin/python3", {script, server.string(), (folder / "schema.json").string()}, folder);
-  ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  const Ended ended = expect_code(
+      kOk, run_process("/usr/bin/python3", {script, server.string(), (folder / "schema.json").string()}, folder));
   const Json said = Json::parse(ended.out);
   const Json expected_marks = Json::parse(R"([[4, "Property Elments is not allowed."]])");
   EXPECT_EQ(said.at("marks"), expected_marks);

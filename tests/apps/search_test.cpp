@@ -5,12 +5,8 @@
 #include "tests/support/ranks.hpp"
 #include "tests/support/text.hpp"
 
-#include <cmath>
-
 namespace mixbeam::search_test {
 namespace {
-
-constexpr int kOk = 0, kBadInput = 2, kNoConvergence = 3;
 
 /// The bend of 45 degrees under 600: EI and GIt from the motion of its tip, which shooting on the equations of the rod
 /// gives for 5e6 / 6 of both.
@@ -207,27 +203,19 @@ TEST_F(Design, EndsWhereABranchEnds) {
   EXPECT_NEAR(found.numbers[0].value, kEuler, 1e-6);
 }
 
-class SearchFiles : public ::testing::Test {
+class SearchFiles : public MixbeamTest {
  protected:
-  Ended run(const std::string& text, const std::string& command = "run") {
-    write_text(folder_ / "scene.yaml", text);
-    return run_process(program("mixbeam"), {command, "scene.yaml", "--output", "out", "--summary", "summary.json"},
-                       folder_.path());
-  }
-  TemporaryFolder folder_;
 };
 
 TEST_F(SearchFiles, HoldTheNumbersAndTheSceneWithThem) {
-  const Ended ended = run(kArc);
-  ASSERT_EQ(ended.exit_code, kOk) << ended.out << ended.err;
-  expect_in(ended.out, {"Identification: 2 number(s) from 3 measurement(s)", "bending", "Variables/GIt"});
+  expect_in(expect_code(kOk, run_scene(kArc)).out,
+            {"Identification: 2 number(s) from 3 measurement(s)", "bending", "Variables/GIt"});
   for (const char* file : {"-identification.csv", "-identification-steps.csv", "-identification.h5", ".h5"})
-    EXPECT_TRUE(fs::exists(folder_ / ("out/scene" + std::string(file)))) << file;
-  expect_in(text_of(folder_ / "summary.json"), {"\"found_numbers\"", "\"standard_deviation\"", "Identification / z"});
-  fs::copy_file(folder_ / "out/scene-identification.xml", folder_ / "scene.yaml.xml");
-  const Ended again = run_process(program("mixbeam"), {"run", "scene.yaml.xml", "--output", "again"}, folder_.path());
-  EXPECT_EQ(again.exit_code, kOk) << again.err;
-  expect_in(again.out, {"-23.56023955", "53.47485879"});
+    EXPECT_TRUE(fs::exists(folder_ / ("results/scene" + std::string(file)))) << file;
+  expect_in(text("summary.json"), {"\"found_numbers\"", "\"standard_deviation\"", "Identification / z"});
+  fs::copy_file(folder_ / "results/scene-identification.xml", folder_ / "scene.yaml.xml");
+  expect_in(expect_code(kOk, mixbeam({"run", "scene.yaml.xml", "--output", "again"})).out,
+            {"-23.56023955", "53.47485879"});
 }
 
 /// Numbers of arrays, with formulas beside them and without.
@@ -238,8 +226,7 @@ TEST_F(SearchFiles, HoldNumbersOfArrays) {
               "Measurements: {",
               "Measurements: {along: {Quantity: tip.x, Value: -0.0564332362833769, "
               "Standard Deviation: 0.01}, ");
-  const Ended ended = run(text);
-  ASSERT_EQ(ended.exit_code, kOk) << ended.err;
+  expect_code(kOk, run_scene(text));
   const FoundScene found = Read(text).found();
   EXPECT_NEAR(found.numbers[0].value, -1.5, 1e-8);  // P L^2 / EI = 1, L = 1
   EXPECT_NEAR(found.numbers[1].value, 1.0, 1e-8);
@@ -250,15 +237,16 @@ TEST_F(SearchFiles, HoldNumbersOfArrays) {
 TEST_F(SearchFiles, HoldTheBestNumbersWhereABranchEnds) {
   const std::string strut = changed(changed(kPlane, "[0, \"=-P\", 0]", "[\"=-P\", 0, 0]"),
                                     "{EI: {Number: Variables/EI}}", "{load: {Number: Variables/P}}");
-  fs::create_directories(folder_ / "out");
-  write_text(folder_ / "out/scene.h5", "of an earlier run");
-  const Ended ended = run(changed(changed(strut, "EA: inf", "EA: 100"), "{Quantity: tip.y, Value: -0.301720773799814",
-                                  "{Quantity: tip.x, Value: -0.301720773799814"));
-  ASSERT_EQ(ended.exit_code, kNoConvergence) << ended.out << ended.err;
-  expect_in(ended.err, {"cannot be carried to load = ", "negative eigenvalues changes from 0 to 1", "best numbers"});
-  expect_in(text_of(folder_ / "summary.json"), {"\"failure\"", "\"found_numbers\""});
-  EXPECT_FALSE(fs::exists(folder_ / "out/scene.h5"));
-  const std::string table = text_of(folder_ / "out/scene-identification.csv");
+  fs::create_directories(folder_ / "results");
+  write_text(folder_ / "results/scene.h5", "of an earlier run");
+  expect_in(expect_code(kNoConvergence, run_scene(changed(changed(strut, "EA: inf", "EA: 100"),
+                                                          "{Quantity: tip.y, Value: -0.301720773799814",
+                                                          "{Quantity: tip.x, Value: -0.301720773799814")))
+                .err,
+            {"cannot be carried to load = ", "negative eigenvalues changes from 0 to 1", "best numbers"});
+  expect_in(text("summary.json"), {"\"failure\"", "\"found_numbers\""});
+  EXPECT_FALSE(fs::exists(folder_ / "results/scene.h5"));
+  const std::string table = text("results/scene-identification.csv");
   const double load = std::stod(table.substr(table.find("Variables/P,2,") + 14));
   // P (1 - P / EA) = pi^2 EI / (4 L^2) about the weaker axis
   constexpr double kEuler = 2.46740110027234, kStretch = 100.0, kNear = 1e-5;
@@ -277,29 +265,25 @@ TEST_F(SearchFiles, RefuseWhatIsNotOffered) {
       {"Identification:", "Inverse: {}\nIdentification:", "one of them"},
       {"Order: 4, Elements: 8", "Second Axis: [0, 1, 0]", "names no mesh"}};
   for (const auto& [from, to, message] : wrong) {
-    const Ended ended = run(changed(kPlane, from, to, from == "Identification:" ? "" : "Scene:"));
-    EXPECT_EQ(ended.exit_code, kBadInput) << to << ended.out;
-    expect_in(ended.err, {message, "scene.yaml:"});
+    expect_refused(run_scene(changed(kPlane, from, to, from == "Identification:" ? "" : "Scene:")),
+                   {message, "scene.yaml:"});
   }
-  const Ended both = run(changed(changed(kPlane, "Variables/EI}", "Variables/EJ}"), "tip.y", "tip.w"));
+  const Ended both = run_scene(changed(changed(kPlane, "Variables/EI}", "Variables/EJ}"), "tip.y", "tip.w"));
   expect_in(both.err, {"2 mistakes", "did you mean \"Variables/EI\"?", "did you mean \"tip.x\""});
   // what has no derivative is refused as a gradient refuses it
-  const Ended count = run(changed(changed(kPlane, "{tip:", "{count: {Quantity: negative eigenvalues}, tip:"),
-                                  "{Quantity: tip.y, Value: -0.301720773799814", "{Quantity: count, Value: 0"));
-  EXPECT_EQ(count.exit_code, kBadInput);
-  expect_in(count.err, {"has no derivative"});
+  expect_refused(run_scene(changed(changed(kPlane, "{tip:", "{count: {Quantity: negative eigenvalues}, tip:"),
+                                   "{Quantity: tip.y, Value: -0.301720773799814", "{Quantity: count, Value: 0")),
+                 {"has no derivative"});
   for (const auto& [from, to, message] : std::vector<std::array<std::string, 3>>{
            {"At Least: -1.0e-5", "At Least: 1, At Most: 0", "below \"At Least\""},
            {"{Quantity: tip, At Least: -1.0e-5}", "{Quantity: tip}", "no bound"},
            {"{Quantity: price}", "{Quantity: cost}", "is no number that a quantity has"}}) {
-    const Ended ended = run(changed(kStepped, from, to, "Design:"));
-    EXPECT_EQ(ended.exit_code, kBadInput) << to << ended.out;
-    expect_in(ended.err, {message, "scene.yaml:"});
+    expect_refused(run_scene(changed(kStepped, from, to, "Design:")), {message, "scene.yaml:"});
   }
-  const Ended batch =
-      run(std::string(kPlane) + "Batch: {Vary: {x: {Parameter: Variables/P, First: 1, Last: 2, Count: 2}}}\n", "batch");
-  EXPECT_EQ(batch.exit_code, kBadInput);
-  expect_in(batch.err, {"mixbeam run"});
+  expect_refused(
+      mixbeam({"batch", write_scene(std::string(kPlane) +
+                                    "Batch: {Vary: {x: {Parameter: Variables/P, First: 1, Last: 2, Count: 2}}}\n")}),
+      {"mixbeam run"});
 }
 
 }  // namespace

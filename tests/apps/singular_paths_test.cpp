@@ -1,10 +1,6 @@
 // What a user of the program sees where a path passes near a singular point: answers, exit codes, words. The answers of
 // the solver itself are in problems/known_paths_test.cpp.
-#include "tests/apps/process.hpp"
-
-#include <gtest/gtest.h>
-
-#include <cmath>
+#include "mixbeam_files.hpp"
 
 namespace mixbeam {
 namespace {
@@ -27,50 +23,21 @@ std::string expected(const std::string& quantity, const std::string& more, const
 }
 std::string tip(const std::string& component) { return "Point: tip, Component: " + component + ", "; }
 
-Ended run(const std::string& command, const std::string& scene, const fs::path& folder) {
-  write_text(folder / "scene.yaml", scene);
-  std::vector<std::string> words = {command, (folder / "scene.yaml").string()};
-  if (command != "check")
-    for (const std::string& word : {std::string("--output"), folder.string(), std::string("--threads"),
-                                    std::string("1"), std::string("--summary"), (folder / "summary.json").string()})
-      words.push_back(word);
-  return run_process(program("mixbeam"), words, folder);
-}
+class SingularPaths : public MixbeamTest {};
 
 /// 1.2 times Euler's load and a hundredth of it across.
 const std::string kForce = "-2.9608813203268074, 0.029608813203268074, 0";
 
-TEST(SingularPaths, TheImperfectColumnEndsOnItsSide) {
-  const auto folder = folder_for("singular_right");
-  const Ended right = run("run", column(kForce, expected("displacement", tip("y"), "0.65716809204")), folder);
-  EXPECT_EQ(right.exit_code, 0) << right.out << right.err;
-  EXPECT_EQ(run("run", column(kForce, expected("displacement", tip("y"), "0.65717")), folder).exit_code, 1);
-}
-
-TEST(SingularPaths, ACriticalPointThatDoesNotComeIsAFailedCheck) {
-  const auto folder = folder_for("singular_missing");
-  const std::string critical = "Critical Point: 1, ";
-  const Ended missing = run("run", column(kForce, expected("load factor", critical, "0.5")), folder);
-  EXPECT_EQ(missing.exit_code, 1) << missing.out << missing.err;
-  EXPECT_TRUE(fs::exists(folder / "summary.json"));
-}
-
-TEST(SingularPaths, CheckTellsOfALoadFactorThatNoStepEndsAt) {
-  const auto folder = folder_for("singular_load_factor");
-  const std::string early = "Load Factor: 0.3, ";
-  const Ended off = run("check", column(kForce, expected("displacement", tip("y") + early, "0.1")), folder);
-  EXPECT_EQ(off.exit_code, 2) << off.out;
-  expect_in(off.out + off.err, {"Load Factor"});
-  const std::string end = "Load Factor: 1, ";
-  EXPECT_EQ(run("check", column(kForce, expected("displacement", tip("y") + end, "0.1")), folder).exit_code, 0);
+TEST_F(SingularPaths, TheImperfectColumnEndsOnItsSide) {
+  expect_code(kOk, run_scene(column(kForce, expected("displacement", tip("y"), "0.65716809204"))));
+  expect_code(kCheckFailed, run_scene(column(kForce, expected("displacement", tip("y"), "0.65717"))));
 }
 
 /// The straight column is not moved sideways by its thrust, so no displacement there can be driven by it.
-TEST(SingularPaths, ADisplacementThatTheLoadDoesNotMoveIsNamed) {
-  const auto folder = folder_for("singular_control");
+TEST_F(SingularPaths, ADisplacementThatTheLoadDoesNotMoveIsNamed) {
   for (const std::string component : {"y", "x"}) {
     const std::string control = "Analysis: {Control: {" + tip(component) + "Target: -0.1}}\n";
-    const Ended still = run("run", column("-1, 0, 0", control), folder);
+    const Ended still = run_scene(column("-1, 0, 0", control));
     EXPECT_TRUE(still.exit_code == 2 || still.exit_code == 3) << still.exit_code;
     expect_in(still.out + still.err, {"not move", "tip"});
     EXPECT_EQ((still.out + still.err).find("in 0 iterations"), std::string::npos);
@@ -79,62 +46,38 @@ TEST(SingularPaths, ADisplacementThatTheLoadDoesNotMoveIsNamed) {
 
 const std::string kJump = "Snap: jump, ";
 
-TEST(SingularPaths, JumpsAreToldAndCounted) {
-  const auto folder = folder_for("singular_jumps");
-  const Ended one = run("run", column("-4, 0, 0", "Analysis: {" + kJump + "}\n" + expected("jumps", "", "1")), folder);
-  EXPECT_EQ(one.exit_code, 0) << one.out << one.err;
-  expect_in(one.out, {"scene: jump between load factors ", "energy released ", "point \"tip\"", "stable: true"});
-  expect_in(text_of(folder / "summary.json"), {"\"jumps\"", "\"energy_released\"", "\"from_load_factor\""});
-  expect_in(text_of(folder / "scene-monitor.csv"), {"jump.energy_released", "jump.largest_displacement", "jumps"});
+TEST_F(SingularPaths, JumpsAreToldAndCounted) {
+  expect_in(
+      expect_code(kOk, run_scene(column("-4, 0, 0", "Analysis: {" + kJump + "}\n" + expected("jumps", "", "1")))).out,
+      {"scene: jump between load factors ", "energy released ", "point \"tip\"", "stable: true"});
+  expect_in(text("summary.json"), {"\"jumps\"", "\"energy_released\"", "\"from_load_factor\""});
+  expect_in(text("results/scene-monitor.csv"), {"jump.energy_released", "jump.largest_displacement", "jumps"});
   const std::string forbidden = "Analysis: {" + kJump + "}\n" + expected("jumps", "", "0");
-  EXPECT_EQ(run("run", column("-4, 0, 0", forbidden), folder).exit_code, 1);
-  EXPECT_EQ(run("run", column("-2, 0, 0", forbidden), folder).exit_code, 0) << "below the critical load";
+  expect_code(kCheckFailed, run_scene(column("-4, 0, 0", forbidden)));
+  expect_code(kOk, run_scene(column("-2, 0, 0", forbidden)));
 }
 
-TEST(SingularPaths, JumpsNeedAPotential) {
-  const auto folder = folder_for("singular_no_potential");
+TEST_F(SingularPaths, JumpsNeedAPotential) {
   const std::string scene = column("0, 0, 1", "Analysis: {" + kJump + "}");
-  const Ended moment = run("run", changed(scene, "Force", "Moment"), folder);
-  EXPECT_EQ(moment.exit_code, 2);
-  expect_in(moment.err, {"scene.yaml:", "\"Scene / Point Loads / load / Moment\"", "no potential", "allowed: dead"});
+  expect_refused(run_scene(changed(scene, "Force", "Moment")),
+                 {"scene.yaml:", "\"Scene / Point Loads / load / Moment\"", "no potential", "allowed: dead"});
   const std::string traced = column("-4, 0, 0", "Analysis: {" + kJump + "Trace: true}");
-  const Ended both = run("run", traced, folder);
-  EXPECT_EQ(both.exit_code, 2);
-  expect_in(both.err, {"\"Analysis / Trace\"", "allowed: false"});
-  const Ended misspelt = run("run", changed(traced, "jump", "jmup"), folder);
-  EXPECT_EQ(misspelt.exit_code, 2);
-  expect_in(misspelt.err, {"\"Analysis / Snap\"", "did you mean \"jump\"?"});
+  expect_refused(run_scene(traced), {"\"Analysis / Trace\"", "allowed: false"});
+  expect_refused(run_scene(changed(traced, "jump", "jmup")), {"\"Analysis / Snap\"", "did you mean \"jump\"?"});
 }
 
 /// P from 2 to 6 with a force across of 0.01: y of the tip by shooting.
-TEST(SingularPaths, ABatchOfImperfectColumns) {
-  const auto folder = folder_for("singular_batch");
+TEST_F(SingularPaths, ABatchOfImperfectColumns) {
   const std::string varied = "Vary: {P: {Parameter: 'Point Loads/load/Force[0]', First: -2, Last: -6, Count: 5}}, ";
   const std::string value = expected("displacement", tip("y"), "0.1");
   const std::string loose = changed(value, "1e-8", "10");
-  const Ended ended = run("batch", column("-1, 0.01, 0", loose + "Batch: {" + varied + "Output: expected}"), folder);
-  EXPECT_EQ(ended.exit_code, 0) << ended.out << ended.err;
-  const std::string table = text_of(folder / "scene-batch.csv");
-  std::istringstream rows(table);
-  std::string row;
-  std::getline(rows, row);
+  expect_code(kOk,
+              mixbeam({"batch", write_scene(column("-1, 0.01, 0", loose + "Batch: {" + varied + "Output: expected}")),
+                       "--output", "results"}));
+  const std::vector<Row> rows = rows_of(folder_ / "results/scene-batch.csv");
   const std::vector<double> right = {0.01738200818, 0.66614571490, 0.80251319246, 0.79535909617, 0.76109671324};
-  for (const double y : right) {
-    ASSERT_TRUE(std::getline(rows, row)) << table;
-    const auto holds = [&row](double y_of_tip) {
-      bool found = false;
-      std::istringstream cells(row);
-      for (std::string cell; std::getline(cells, cell, ',');) {
-        char* end = nullptr;
-        const double number = std::strtod(cell.c_str(), &end);
-        found = found || (end != cell.c_str() && std::abs(number - y_of_tip) < 1e-8);
-      }
-      return found;
-    };
-    EXPECT_TRUE(holds(y)) << "no y = " << y << " in " << row;
-    EXPECT_FALSE(holds(-y)) << "the other side passes";
-    EXPECT_FALSE(holds(1.001 * y)) << "a wrong answer passes";
-  }
+  ASSERT_EQ(rows.size(), right.size());
+  for (std::size_t i = 0; i < right.size(); ++i) EXPECT_NEAR(std::stod(rows[i].at("value")), right[i], 1e-8);
 }
 
 /// Three legs, nearly symmetric: the path comes close to others, and the first pass changes to one of them and returns
@@ -159,13 +102,10 @@ Expected: {value: {Quantity: displacement, Point: apex, Component: z, Value: )ya
 }
 const std::string kEnd = "-0.5682796882";
 
-TEST(SingularPaths, ADomeWhosePathReturnsIsFollowedAgainMoreClosely) {
-  const auto folder = folder_for("singular_dome");
-  const Ended followed = run("run", dome(kEnd, ""), folder);
-  EXPECT_EQ(followed.exit_code, 0) << followed.out << followed.err;
-  const Ended jumped = run("run", dome(kEnd, "Analysis: {Snap: jump}\n"), folder_for("singular_dome_jump"));
-  EXPECT_EQ(jumped.exit_code, 0) << jumped.out << jumped.err;
-  EXPECT_EQ(run("run", dome("-0.5682", ""), folder).exit_code, 1);
+TEST_F(SingularPaths, ADomeWhosePathReturnsIsFollowedAgainMoreClosely) {
+  expect_code(kOk, run_scene(dome(kEnd, "")));
+  expect_code(kOk, run_scene(dome(kEnd, "Analysis: {Snap: jump}\n")));
+  expect_code(kCheckFailed, run_scene(dome("-0.5682", "")));
 }
 
 }  // namespace

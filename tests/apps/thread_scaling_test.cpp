@@ -1,23 +1,13 @@
 // The measurement of thread scaling in a tiny size, so that it cannot rot; its times are not judged.
 #include "mixbeam_files.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 namespace mixbeam::thread_scaling_test {
 namespace {
 
-/// Runs the study in a tiny size with these changes and returns the exit code.
-int run_study(const fs::path& folder, const std::string& changes = "") {
-  const std::string tiny = with(scene_of("thread_scaling"),
-                                "Study: {Elements: [40], Orders: [1, 3], Threads: [1, 2], Repetitions: 1, "
-                                "Repetitions of Runs: 1, Seconds: 0}");
-  return run_program("thread_scaling",
-                     scene_in(folder, changes.empty() ? tiny : with(tiny, "Study: {" + changes + "}")), folder);
-}
+using Rows = std::vector<std::vector<std::string>>;
 
-std::vector<std::vector<std::string>> rows_of(const fs::path& file) {
-  std::vector<std::vector<std::string>> rows;
+Rows rows_of(const fs::path& file) {
+  Rows rows;
   std::ifstream stream(file);
   for (std::string line; std::getline(stream, line);) {
     rows.emplace_back(1);
@@ -31,14 +21,14 @@ std::vector<std::vector<std::string>> rows_of(const fs::path& file) {
   return rows;
 }
 
-bool has_phase(const std::vector<std::vector<std::string>>& rows, const std::vector<std::string>& key) {
+bool has_phase(const Rows& rows, const std::vector<std::string>& key) {
   for (const auto& row : rows)
     if (row.size() > key.size() && std::equal(key.begin(), key.end(), row.begin())) return true;
   return false;
 }
 
 /// Ratios, costs and shares are numbers that fit together.
-void expect_figures_agree(const std::vector<std::vector<std::string>>& rows, int elements) {
+void expect_figures_agree(const Rows& rows, int elements) {
   const auto column = [&](const std::vector<std::string>& row, const std::string& name) {
     const auto place = std::find(rows[0].begin(), rows[0].end(), name);
     return std::stod(row.at(place - rows[0].begin()));
@@ -57,27 +47,37 @@ void expect_figures_agree(const std::vector<std::vector<std::string>>& rows, int
   EXPECT_GT(with_costs, 0);
 }
 
-double seconds_of(const std::vector<std::vector<std::string>>& rows, const std::vector<std::string>& key) {
+double seconds_of(const Rows& rows, const std::vector<std::string>& key) {
   const auto column = std::find(rows[0].begin(), rows[0].end(), "median_seconds") - rows[0].begin();
   for (const auto& row : rows)
     if (std::equal(key.begin(), key.end(), row.begin())) return std::stod(row.at(column));
   return NAN;
 }
 
+class ThreadScalingApplication : public StudyTest {
+ protected:
+  /// Runs the study in a tiny size with these changes.
+  void expect_study(int code, const std::string& changes = "", const std::vector<std::string>& parts = {}) const {
+    const std::string tiny = with(scene_of("thread_scaling"),
+                                  "Study: {Elements: [40], Orders: [1, 3], Threads: [1, 2], Repetitions: 1, "
+                                  "Repetitions of Runs: 1, Seconds: 0}");
+    StudyTest::expect_study(code, "thread_scaling",
+                            scene_in(folder_, changes.empty() ? tiny : with(tiny, "Study: {" + changes + "}")), parts);
+  }
+};
+
 /// Elements in a row by KLU2 take several times as long as condensed ones. The column named KLU2 held the latter.
-TEST(ThreadScalingApplication, KluIsTimedAndNotTheChains) {
+TEST_F(ThreadScalingApplication, KluIsTimedAndNotTheChains) {
   constexpr double kLeastRatio = 2.0;  // 4 to 9 on machines at rest; 0.9 to 1.1 were the same solver twice
-  const auto folder = folder_for("thread_scaling_klu");
-  ASSERT_EQ(run_study(folder, "Elements: [2000], Orders: [1]"), 0);
-  const auto rows = rows_of(folder / "thread_scaling.csv");
+  expect_study(kOk, "Elements: [2000], Orders: [1]");
+  const auto rows = rows_of(folder_ / "thread_scaling.csv");
   EXPECT_GT(seconds_of(rows, {"spatial", "2000", "1", "1", "linear solver, KLU2"}),
             kLeastRatio * seconds_of(rows, {"spatial", "2000", "1", "1", "linear solver"}));
 }
 
-TEST(ThreadScalingApplication, TinySizeWritesEveryPhase) {
-  const auto folder = folder_for("thread_scaling_tiny");
-  ASSERT_EQ(run_study(folder), 0) << text_of(folder / "output.txt");
-  const auto rows = rows_of(folder / "thread_scaling.csv");
+TEST_F(ThreadScalingApplication, TinySizeWritesEveryPhase) {
+  expect_study(kOk);
+  const auto rows = rows_of(folder_ / "thread_scaling.csv");
   for (const char* phase : {"residual", "element tangent", "condense chains", "assemble", "numeric factorisation",
                             "solve", "check of the solve", "recover", "update", "element work", "linear solver",
                             "linear solver, KLU2", "whole iteration", "run, per iteration"})
@@ -87,31 +87,27 @@ TEST(ThreadScalingApplication, TinySizeWritesEveryPhase) {
     }
   EXPECT_FALSE(has_phase(rows, {"spatial", "40", "2", "1", "solve"})) << "an order that was not asked for";
   expect_figures_agree(rows, 40);
-  const auto cases = rows_of(folder / "cases.csv");
+  const auto cases = rows_of(folder_ / "cases.csv");
   ASSERT_GT(cases.size(), 1U);
   EXPECT_GT(std::stod(cases[1].at(7)), 0.0);
   for (const char* file : {"machine.csv", "ceilings.csv", "cases.csv"})
-    EXPECT_GT(rows_of(folder / file).size(), 2U) << file;
-  expect_in(text_of(folder / "machine.csv"), {"processor", "compiler", "flags", "version", "BLAS of the unit"});
+    EXPECT_GT(rows_of(folder_ / file).size(), 2U) << file;
+  expect_in(text("machine.csv"), {"processor", "compiler", "flags", "version", "BLAS of the unit"});
 }
 
 /// Cubes of 3 points a side have 54 struts, less 12 between clamps; octets of 14 points 36, less 4; a sheet of 36
 /// points 60, less 5.
-TEST(ThreadScalingApplication, LatticesHaveTheElementsAskedFor) {
-  const auto folder = folder_for("thread_scaling_lattices");
-  ASSERT_EQ(run_study(folder, "Elements: [160], Orders: [2], Kinds: [cubic, octet, sheet]"), 0)
-      << text_of(folder / "output.txt");
-  const auto rows = rows_of(folder / "thread_scaling.csv");
+TEST_F(ThreadScalingApplication, LatticesHaveTheElementsAskedFor) {
+  expect_study(kOk, "Elements: [160], Orders: [2], Kinds: [cubic, octet, sheet]");
+  const auto rows = rows_of(folder_ / "thread_scaling.csv");
   for (const auto& [kind, elements] : {std::pair{"cubic", "84"}, {"octet", "64"}, {"sheet", "110"}})
     for (const char* phase : {"numeric factorisation", "whole iteration", "run, per iteration"})
       EXPECT_TRUE(has_phase(rows, {kind, elements, "2", "2", phase})) << kind << " " << phase;
   EXPECT_FALSE(has_phase(rows, {"spatial"}));
 }
 
-TEST(ThreadScalingApplication, AnOrderThatDoesNotExistIsBadInput) {
-  const auto folder = folder_for("thread_scaling_bad_order");
-  EXPECT_EQ(run_study(folder, "Orders: [9]"), 2);
-  expect_in(text_of(folder / "output.txt"), {"Orders", "9"});
+TEST_F(ThreadScalingApplication, AnOrderThatDoesNotExistIsBadInput) {
+  expect_study(kBadInput, "Orders: [9]", {"Orders", "9"});
 }
 
 }  // namespace

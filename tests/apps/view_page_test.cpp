@@ -5,8 +5,6 @@
 
 #include <zlib.h>
 
-#include <cmath>
-
 namespace mixbeam::view_page_test {
 namespace {
 
@@ -70,12 +68,11 @@ TEST(ViewPage, TextsOfBase64) {  // RFC 4648
   EXPECT_EQ(base64("foobar"), "Zm9vYmFy");
 }
 
-class PageOfAPath : public ::testing::Test {
+class PageOfAPath : public MixbeamTest {
  protected:
   void SetUp() override {
     const fs::path scene = fs::path(MIXBEAM_SOURCE_DIR) / "apps/gallery/snap_back.xml";
-    const Ended ended = run_process(program("mixbeam"), {"run", scene.string(), "--output", ".", "--quiet"}, folder_);
-    ASSERT_EQ(ended.exit_code, 0) << ended.err;
+    expect_code(kOk, mixbeam({"run", scene.string(), "--output", ".", "--quiet"}));
     result_ = folder_ / "snap_back.h5";
   }
   static bool notes(const ViewData& data, const std::string& text) {
@@ -83,7 +80,6 @@ class PageOfAPath : public ::testing::Test {
       if (note.get<std::string>().find(text) != std::string::npos) return true;
     return false;
   }
-  TemporaryFolder folder_;
   fs::path result_;
 };
 

@@ -62,22 +62,21 @@ std::string python() {
   return given == nullptr ? "/usr/bin/python3" : given;
 }
 
-class Vtk : public ::testing::Test {
+class Vtk : public MixbeamTest {
  protected:
   Ended compare(const std::string& values) {
     write_text(folder_ / "values.csv", values);
-    return run_process(python(),
-                       {std::string(MIXBEAM_SOURCE_DIR) + "/tests/apps/read_with_vtk.py",
-                        (folder_ / "scene.xdmf").string(), (folder_ / "values.csv").string()},
-                       folder_);
+    return run_process(
+        python(),
+        {std::string(MIXBEAM_SOURCE_DIR) + "/tests/apps/read_with_vtk.py", file("scene.xdmf"), file("values.csv")},
+        folder_);
   }
-  TemporaryFolder folder_;
 };
 
 TEST_F(Vtk, ReadsTheTimeSeriesAsTheSolverHasIt) {
   write_text(folder_ / "scene.xml", scene_of("fork"));
-  const std::string scene = (folder_ / "scene.xml").string();
-  ASSERT_EQ(run_process(program("mixbeam"), {"run", scene, "--output", folder_.path().string()}, folder_).exit_code, 0);
+  const std::string scene = file("scene.xml");
+  ASSERT_EQ(mixbeam({"run", scene, "--output", folder_.path().string()}).exit_code, 0);
   const std::string values = solved_values(scene);
   const Ended ended = compare(values);
   MIXBEAM_REQUIRE_TOOL(

@@ -9,13 +9,9 @@
 #include "tests/support/ranks.hpp"
 #include "tests/support/states.hpp"
 
-#include <gtest/gtest.h>
 #include <Teuchos_CommHelpers.hpp>
 
 #include <csignal>
-#include <cstdlib>
-#include <fstream>
-#include <random>
 
 #include <sys/resource.h>
 
@@ -128,13 +124,12 @@ class MpiResultFile : public ::testing::Test {
     if (!is_first_rank()) return;
     write_results(folder_ / "alone.h5", scene, this_rank(), false);
     const auto alone = contents_of(folder_ / "alone.h5", "");
-    ASSERT_TRUE(alone);
-    EXPECT_GT(alone->size(), 150U);
-    EXPECT_EQ(differences(*contents_of(folder_ / "together.h5", ""), *alone), "");
+    EXPECT_GT(alone.size(), 150U);
+    EXPECT_EQ(differences(contents_of(folder_ / "together.h5", ""), alone), "");
     EXPECT_TRUE(resumes || text_of(folder_ / "together.h5") == text_of(folder_ / "alone.h5"));
     EXPECT_EQ(verify_results(folder_ / "together.h5").damage, "");
     change_one_number(folder_ / "together.h5", "/steps/000002/spatial_moment", 7);  // the twin that must fail
-    EXPECT_EQ(differences(*contents_of(folder_ / "together.h5", ""), *alone), "steps/000002/spatial_moment differs\n");
+    EXPECT_EQ(differences(contents_of(folder_ / "together.h5", ""), alone), "steps/000002/spatial_moment differs\n");
   }
 
   fs::path folder_;

@@ -9,10 +9,6 @@
 #include "tests/support/hdf5.hpp"
 #include "tests/support/text.hpp"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <fstream>
 #include <functional>
 
 namespace mixbeam {
@@ -240,8 +236,8 @@ TEST_F(ResultFileTest, ErrorEstimates) {
   EXPECT_EQ(h5::number(file_, group, "moment_size"), 2.0);
   EXPECT_EQ(h5::number(file_, group, "energy_error"), -1e-4);
   const auto contents = contents_of(file_);
-  EXPECT_EQ(contents->count("steps/000002/error_estimate@not_estimated"), 1U);
-  EXPECT_EQ(contents->count("steps/000002/error_estimate@energy_error"), 0U);
+  EXPECT_EQ(contents.count("steps/000002/error_estimate@not_estimated"), 1U);
+  EXPECT_EQ(contents.count("steps/000002/error_estimate@energy_error"), 0U);
 }
 
 TEST_F(ResultFileTest, BucklingModesStandBesideTheSteps) {

@@ -96,15 +96,16 @@ inline herr_t on_object(hid_t root, const char* name, const H5O_info_t* info, vo
 }  // namespace h5
 
 /// None when the file cannot be read; what describes how it came about is skipped.
-inline std::optional<FileContents> contents_of(const fs::path& file, const std::string& skipped = "properties") {
+inline FileContents contents_of(const fs::path& file, const std::string& skipped = "properties") {
   const hdf5::QuietScope quiet;
-  const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
-  if (id < 0) return {};
   FileContents contents;
+  const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  EXPECT_GE(id, 0) << file << " cannot be read";
+  if (id < 0) return contents;
   h5::Visit visit{contents, "", skipped};
   const herr_t status = H5Ovisit2(id, H5_INDEX_NAME, H5_ITER_INC, h5::on_object, &visit, H5O_INFO_BASIC);
   H5Fclose(id);
-  if (status < 0) return {};
+  EXPECT_GE(status, 0) << file << " cannot be read as a whole";
   return contents;
 }
 
