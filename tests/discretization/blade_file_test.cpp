@@ -4,10 +4,6 @@
 #include "tests/support/blade_texts.hpp"
 #include "tests/support/errors.hpp"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 namespace mixbeam::blade_file_test {
 namespace {
 

@@ -9,10 +9,6 @@
 #include "tests/support/states.hpp"
 #include "tests/support/worst_error.hpp"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <random>
 #include <vector>
 
 namespace mixbeam::test {

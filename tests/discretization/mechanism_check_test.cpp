@@ -5,7 +5,6 @@
 #include "tests/support/buckling_scenes.hpp"
 #include "tests/support/processor_time.hpp"
 
-#include <cmath>
 #include <set>
 
 namespace mixbeam {

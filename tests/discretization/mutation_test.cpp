@@ -319,7 +319,7 @@ TEST(Mutations, TheSceneItselfIsRead) {
 void expect_read_or_refused(const std::string& whole, const std::string& file) {
   const unsigned seed =
       20261121U + static_cast<unsigned>(GTEST_FLAG_GET(random_seed));  // others: --gtest_random_seed=1
-  constexpr int kMutations = 10000;
+  constexpr int kMutations = 3000;
   constexpr double kMostSeconds = 5.0;  // for one scene, of which milliseconds are needed: more is a hang
   Mutator mutator(seed);
   int read = 0;

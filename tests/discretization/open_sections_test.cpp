@@ -4,8 +4,6 @@
 
 #include "discretization/scene/section_law.hpp"
 
-#include <cmath>
-
 namespace mixbeam::open_sections_test {
 namespace {
 

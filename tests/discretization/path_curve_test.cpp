@@ -5,9 +5,7 @@
 #include "tests/support/worst_error.hpp"
 
 #include <gsl/gsl_sf_ellint.h>
-#include <gtest/gtest.h>
 
-#include <cmath>
 #include <functional>
 #include <random>
 

@@ -5,15 +5,11 @@
 #include "tests/support/errors.hpp"
 #include "tests/support/worst_error.hpp"
 
-#include <gtest/gtest.h>
-
 #include <Sacado_No_Kokkos.hpp>
 
 #include <array>
-#include <cmath>
 #include <functional>
 #include <random>
-#include <vector>
 
 namespace mixbeam::reference_curve_test {
 namespace {

@@ -7,10 +7,6 @@
 #include "tests/support/scenes.hpp"
 #include "tests/support/worst_error.hpp"
 
-#include <gtest/gtest.h>
-
-#include <random>
-
 namespace mixbeam::test::reference_element_test {
 namespace {
 

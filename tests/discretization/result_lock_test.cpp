@@ -6,10 +6,7 @@
 #include "tests/support/errors.hpp"
 #include "tests/support/files.hpp"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
-#include <fstream>
 
 namespace mixbeam::result_lock_test {
 namespace {

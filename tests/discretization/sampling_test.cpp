@@ -8,8 +8,6 @@
 #include "tests/support/scenes.hpp"
 #include "tests/support/worst_error.hpp"
 
-#include <gtest/gtest.h>
-
 namespace mixbeam::test::sampling_test {
 namespace {
 

@@ -5,7 +5,6 @@
 #include "tests/support/processor_time.hpp"
 #include "tests/support/scenes.hpp"
 
-#include <cmath>
 #include <functional>
 
 namespace mixbeam {

@@ -8,11 +8,8 @@
 #include "tests/support/errors.hpp"
 #include "tests/support/hdf5.hpp"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <functional>
 #include <random>
 #include <thread>

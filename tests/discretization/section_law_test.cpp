@@ -8,8 +8,6 @@
 #include "tests/support/scenes.hpp"
 #include "tests/support/text.hpp"
 
-#include <gtest/gtest.h>
-
 #include <stdexcept>
 
 namespace mixbeam::test {

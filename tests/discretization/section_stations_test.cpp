@@ -5,9 +5,6 @@
 #include "discretization/checks/scene_warnings.hpp"
 
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 
 namespace mixbeam::section_stations_test {
 namespace {

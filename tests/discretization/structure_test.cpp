@@ -6,9 +6,6 @@
 #include "tests/support/scenes.hpp"
 #include "tests/support/text.hpp"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <set>
 
 namespace mixbeam::test {

@@ -6,12 +6,8 @@
 #include "tests/kernels/general_section_energy.hpp"
 #include "tests/support/worst_error.hpp"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <cstring>
 #include <iterator>
-#include <limits>
 
 namespace mixbeam::element_test {
 namespace {

@@ -5,10 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <Teuchos_LAPACK.hpp>
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <vector>
 
 namespace mixbeam::element_test {
 namespace {

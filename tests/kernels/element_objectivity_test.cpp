@@ -6,10 +6,8 @@
 
 #include <Teuchos_LAPACK.hpp>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <string>
-#include <vector>
 
 namespace mixbeam::element_test::element_objectivity_test {
 namespace {

@@ -3,10 +3,7 @@
 
 #include "tests/support/worst_error.hpp"
 
-#include <gtest/gtest.h>
-
 #include <array>
-#include <cmath>
 #include <vector>
 
 namespace mixbeam {

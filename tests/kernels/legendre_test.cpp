@@ -5,10 +5,7 @@
 #include "kernels/math/gauss.hpp"
 #include "tests/support/worst_error.hpp"
 
-#include <gtest/gtest.h>
-
 #include <array>
-#include <cmath>
 #include <vector>
 
 namespace mixbeam::legendre_test {

@@ -5,13 +5,7 @@
 #include "tests/kernels/rotation_oracle.hpp"
 #include "tests/support/worst_error.hpp"
 
-#include <gtest/gtest.h>
-
-#include <Sacado_No_Kokkos.hpp>
-
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <type_traits>
 #include <utility>
 

@@ -5,10 +5,6 @@
 #include "tests/support/constrained_scenes.hpp"
 #include "tests/support/text.hpp"
 
-#include <algorithm>
-#include <limits>
-#include <vector>
-
 namespace mixbeam::test::failure_report_test {
 namespace {
 
@@ -45,6 +41,18 @@ SolverParameters in_steps(double initial, double minimum, int iterations = 50) {
   return parameters;
 }
 
+/// Throws where there is none.
+const FailureReport& report_of(const Outcome& outcome, FailureCause cause) {
+  EXPECT_EQ(outcome.result.report.value().cause, cause) << outcome.result.failure;
+  return *outcome.result.report;
+}
+
+SolverParameters in_three_steps(double step) {
+  SolverParameters parameters = in_steps(step, SolverParameters().load_path.minimum_step);
+  parameters.load_path.maximum_steps = 3;
+  return parameters;
+}
+
 bool advises(const FailureReport& report, AdviceKind kind) {
   return std::any_of(report.next.begin(), report.next.end(), [&](const Advice& a) { return a.kind == kind; });
 }
@@ -53,9 +61,7 @@ TEST(FailureReport, OfALoadWithoutValue) {
   Scene scene = elastica(1.0);
   scene.point_loads[0].amplitude = "t*sqrt(0.7-t)";
   const Outcome outcome = follow(scene, in_steps(0.5, 0.1));
-  ASSERT_TRUE(outcome.result.report.has_value());
-  const FailureReport& report = *outcome.result.report;
-  EXPECT_EQ(report.cause, FailureCause::load_not_finite);
+  const FailureReport& report = report_of(outcome, FailureCause::load_not_finite);
   EXPECT_GE(report.last_load_factor, 0.6);
   EXPECT_LE(report.last_load_factor, 0.7);
   EXPECT_TRUE(report.step_at_minimum);
@@ -99,9 +105,7 @@ TEST(FailureReport, AGapInAFormulaCostsOneAttempt) {
 TEST(FailureReport, OfLoadsBeyondDoublePrecision) {
   for (double force : {1e200, 1e300}) {
     const Outcome outcome = follow(elastica(force), in_steps(1.0, 0.1));
-    ASSERT_TRUE(outcome.result.report.has_value()) << force;
-    const FailureReport& report = *outcome.result.report;
-    EXPECT_EQ(report.cause, FailureCause::overflow) << force << outcome.result.failure;
+    const FailureReport& report = report_of(outcome, FailureCause::overflow);
     for (const FailedAttempt& attempt : report.attempts) {
       ASSERT_TRUE(attempt.not_finite.has_value()) << force << cause_text(attempt);
       EXPECT_LE(attempt.not_finite->iteration, 1) << force;
@@ -155,9 +159,7 @@ Scene mechanism() {
 
 TEST(FailureReport, OfAMechanism) {
   const Outcome outcome = follow(mechanism(), in_steps(1.0, 0.3));
-  ASSERT_TRUE(outcome.result.report.has_value());
-  const FailureReport& report = *outcome.result.report;
-  EXPECT_EQ(report.cause, FailureCause::mechanism) << outcome.result.failure;
+  const FailureReport& report = report_of(outcome, FailureCause::mechanism);
   EXPECT_EQ(report.last_load_factor, 0.0);
   EXPECT_EQ(report.next.front().kind, AdviceKind::add_support);
   ASSERT_FALSE(report.tangent.modes.empty());
@@ -175,14 +177,11 @@ TEST(FailureReport, OfAMechanism) {
 /// iterations.
 TEST(FailureReport, OfALimitPoint) {
   constexpr double kLimit = 1.855672754;
-  Scene scene;
-  scene.name = "Lee's frame";
-  scene.sections = {section(4320.0, kRigid, 1440.0, 1440.0)};
-  scene.points = {{"foot", {0, 0, 0}}, {"corner", {0, 120, 0}}, {"loaded", {24, 120, 0}}, {"end", {120, 120, 0}}};
-  scene.members = {line("column", "foot", "corner", 4, 6), line("short", "corner", "loaded", 4, 2),
-                   line("long", "loaded", "end", 4, 5)};
-  scene.supports = {hinged("foot"), hinged("end")};
-  scene.point_loads = {dead_load("loaded", {0, -2.0, 0})};
+  const Scene scene = structure(
+      {{"foot", {0, 0, 0}}, {"corner", {0, 120, 0}}, {"loaded", {24, 120, 0}}, {"end", {120, 120, 0}}},
+      {line("column", "foot", "corner", 4, 6), line("short", "corner", "loaded", 4, 2),
+       line("long", "loaded", "end", 4, 5)},
+      {hinged("foot"), hinged("end")}, {dead_load("loaded", {0, -2.0, 0})}, section(4320.0, kRigid, 1440.0, 1440.0));
   const Outcome outcome = follow(scene, in_steps(0.1, 1e-4, 6));
   ASSERT_TRUE(outcome.result.report.has_value());
   const FailureReport& report = *outcome.result.report;
@@ -204,9 +203,7 @@ TEST(FailureReport, OfElementsThatTurnTooFar) {
   Scene scene = cantilever(section(1e6, 1e6, 1.0, 1.0), 1.0, 1, 1);
   scene.point_loads = {dead_load("tip", {}, {0, 0, 4.0 * kPi})};
   const Outcome outcome = follow(scene, in_steps(0.06, 1e-3));
-  ASSERT_TRUE(outcome.result.report.has_value()) << outcome.result.load_factor;
-  const FailureReport& report = *outcome.result.report;
-  EXPECT_EQ(report.cause, FailureCause::end_angle) << outcome.result.failure;
+  const FailureReport& report = report_of(outcome, FailureCause::end_angle);
   EXPECT_LT(report.last_load_factor, 0.5);  // one element turns by half of the moment against its ends
   ASSERT_FALSE(report.wide_angles.empty());
   EXPECT_EQ(report.wide_angles.front().member, "beam");
@@ -217,29 +214,15 @@ TEST(FailureReport, OfElementsThatTurnTooFar) {
   EXPECT_TRUE(follow(scene).result.finished);  // the advice is good
 }
 
-TEST(FailureReport, OfTooFewSteps) {
-  SolverParameters parameters;
-  parameters.load_path.method = LoadPathMethod::adaptive;
-  parameters.load_path.initial_step = parameters.load_path.maximum_step = 0.1;
-  parameters.load_path.maximum_steps = 3;
-  const Outcome outcome = follow(elastica(10.0), parameters);
-  ASSERT_TRUE(outcome.result.report.has_value());
-  EXPECT_EQ(outcome.result.report->cause, FailureCause::steps_used_up);
-  EXPECT_TRUE(outcome.result.report->attempts.empty());
-  EXPECT_EQ(outcome.result.report->next.front().kind, AdviceKind::more_steps);
-}
-
-/// The twin of the test above: steps of a thousandth, three of which are permitted.
-TEST(FailureReport, OfStepsThatGetNowhere) {
-  SolverParameters parameters;
-  parameters.load_path.method = LoadPathMethod::adaptive;
-  parameters.load_path.initial_step = parameters.load_path.maximum_step = 1e-3;
-  parameters.load_path.maximum_steps = 3;
-  const Outcome outcome = follow(elastica(10.0), parameters);
-  ASSERT_TRUE(outcome.result.report.has_value());
-  EXPECT_EQ(outcome.result.report->cause, FailureCause::steps_used_up);
-  EXPECT_EQ(outcome.result.report->next.front().kind, AdviceKind::check_units);
-  EXPECT_TRUE(advises(*outcome.result.report, AdviceKind::more_steps));
+/// Three steps are permitted: of a tenth they are too few, of a thousandth they get nowhere.
+TEST(FailureReport, OfStepsThatAreUsedUp) {
+  for (const auto& [step, advice] : {std::pair{0.1, AdviceKind::more_steps}, {1e-3, AdviceKind::check_units}}) {
+    const Outcome outcome = follow(elastica(10.0), in_three_steps(step));
+    const FailureReport& report = report_of(outcome, FailureCause::steps_used_up);
+    EXPECT_TRUE(report.attempts.empty());
+    EXPECT_EQ(report.next.front().kind, advice);
+    EXPECT_TRUE(advises(report, AdviceKind::more_steps));
+  }
 }
 
 /// Beyond critical points under dead forces a report names the load factor and "jump"; nowhere else.
@@ -318,21 +301,14 @@ TEST(FailureReport, APathWithoutDirectionIsNotTheFaultOfALoad) {
 /// A member that cannot stretch between two clamps, or with one that lets its end slide.
 Outcome load_across(bool slides) {
   Scene scene = cantilever(section(kRigid, kRigid, 1.0, 1.0), 1.0, 2, 8);
-  scene.supports.push_back(scene.supports.front());
-  scene.supports.back().point = "tip";
-  scene.supports.back().displacement_fixed[0] = !slides;
-  DistributedLoad load;
-  load.member = "beam";
-  load.force = {0, 0, -1.0};
-  scene.distributed_loads = {load};
+  scene.supports.push_back(support("tip", {!slides, true, true}, {true, true, true}));
+  scene.distributed_loads = {{"beam", {0, 0, -1.0}}};
   return follow(scene);
 }
 
 TEST(FailureReport, OfALoadAcrossAMemberThatCannotStretch) {
   const Outcome outcome = load_across(false);
-  ASSERT_TRUE(outcome.result.report.has_value());
-  EXPECT_EQ(outcome.result.report->cause, FailureCause::taut) << outcome.result.failure;
-  EXPECT_EQ(outcome.result.report->next.front().kind, AdviceKind::finite_stiffness);
+  EXPECT_EQ(report_of(outcome, FailureCause::taut).next.front().kind, AdviceKind::finite_stiffness);
   expect_in(outcome.result.failure, {"no finite axial force", "\"EA\"", "\"Fixed Displacement\""});
   EXPECT_TRUE(load_across(true).result.finished);
 }
