@@ -175,6 +175,8 @@ std::size_t SolvedRun::place_of(int step) const {
 
 Simulation SolvedRun::at(int step) const {
   const std::size_t place = place_of(step);
+  // as the run: a second thread costs a small structure far more than all that it is asked
+  set_number_of_threads(std::min(number_of_threads(), app_.threads_for(simulation_->scene(), app_.solver)));
   const KeptStep& kept = steps_[place];
   if (!stored_) return simulation_->at(kept.state, kept.report.load_factor, kept.stability);
   Simulation simulation = *simulation_;

@@ -662,6 +662,22 @@ class Guest(InFolder):
             found = pool.map_async(_solved, [scene]).get(SECONDS)[0]
         self.assertTrue(np.array_equal(found, want))
 
+    def test_a_structure_is_asked_on_as_many_threads_as_it_was_solved_with(self):
+        said = in_python(f"""
+            import os, sys
+            os.environ.pop("OMP_NUM_THREADS", None)
+            sys.path.insert(0, {str(Path(__file__).parent)!r})
+            import mixbeam, python_test
+            def threads(): return len(os.listdir("/proc/self/task"))
+            scene, before = python_test.cantilever(), threads()
+            mixbeam.run(scene).reaction_force("wall")
+            small = threads() - before
+            scene.solver.threads = 2
+            mixbeam.run(scene).reaction_force("wall")
+            print(small, threads() - before)
+            """)
+        self.assertEqual(said, "0 1")
+
     def test_a_fork_while_a_thread_is_in_a_run_raises_in_the_child(self):
         inside, leave = threading.Event(), threading.Event()
 
