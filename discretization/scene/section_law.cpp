@@ -105,11 +105,10 @@ Matrix6 inverse_of_matrix(const Section& section) {
 }
 
 const Section& find_section(const Scene& scene, const Member& member, const std::string& name) {
-  std::vector<std::string> names;
-  for (const Section& section : scene.sections) {
+  for (const Section& section : scene.sections)
     if (section.name == name) return section;
-    names.push_back(section.name);
-  }
+  std::vector<std::string> names;
+  for (const Section& section : scene.sections) names.push_back(section.name);
   throw InputError("member \"" + member.name + "\": there is no section named \"" + name + "\"" +
                    did_you_mean(name, names));
 }

@@ -24,13 +24,11 @@ KnownSection SectionAlong::at(double arc_length) const {
   return plain != nullptr ? *plain : KnownSection(law.section(std::clamp(arc_length / length, 0.0, 1.0)));
 }
 
-StressedSections::StressedSections(const Scene& scene, const Mesh& mesh) : scene_(scene), mesh_(mesh) {
-  for (const Section& section : scene.sections) sections_.emplace(section.name, &section);
-}
-
 const SectionAlong& StressedSections::of(std::size_t index) {
   if (member_ == index) return along_;
   member_ = index;
+  if (sections_.empty())  // by whom no stress is asked for, as by most cases of a batch, pays for no names
+    for (const Section& section : scene_.sections) sections_.emplace(section.name, &section);
   const Member& member = scene_.members[index];
   const Section& section = *sections_.at(member.section);
   along_ = {nullptr, {}, mesh_.member_length[index], section.largest_strain};

@@ -41,7 +41,7 @@ struct SectionAlong {
 /// concurrent threads.
 class StressedSections {
  public:
-  StressedSections(const Scene& scene, const Mesh& mesh);
+  StressedSections(const Scene& scene, const Mesh& mesh) : scene_(scene), mesh_(mesh) {}
   /// Stresses of a member (index in the scene), until the next one is asked for.
   const SectionAlong& of(std::size_t member);
 
