@@ -134,6 +134,8 @@ class CaseQuantities {
 
 class CaseScenes {
  public:
+  static constexpr std::size_t kMostKept = 20'000;  ///< members: a kilobyte or two each, with their points and loads
+
   /// Finds the parameters that the columns name. Throws InputError, with the place of the column and the nearest name.
   /// Application and batch must outlive this object; the parameters of the application change with every case.
   CaseScenes(Application& app, Batch& batch, std::string load_case);
@@ -141,6 +143,8 @@ class CaseScenes {
   /// Keeps those with imperfections by modes, which take time to find. Throws InputError, with the place of the case,
   /// for values that the scene does not permit.
   Scene scene_of(std::size_t index);
+  /// Keeps what scene_of() gave, which then gives it once more without reading; not beyond a limit of memory.
+  void keep(std::size_t index, Scene scene);
 
   /// The expected value that a case has of its own, by the name in the list "Expected".
   struct OwnExpectation {
@@ -181,6 +185,7 @@ class CaseScenes {
   std::vector<OwnExpectation> own_expectations_;
   std::vector<OuterFormula> formulas_;
   std::vector<std::vector<double>> limits_;
+  std::map<std::size_t, Scene> kept_;
   std::map<std::size_t, Scene> imperfect_;  ///< on the mesh that they are solved on
 };
 

@@ -44,7 +44,8 @@ void require_memory_of_cases(const Application& app, const Scene& scene, std::si
   const double count = static_cast<double>(cases);
   const double together =
       std::clamp(static_cast<double>(kElementsPerGroup) / static_cast<double>(elements_of(scene)), 1.0, count);
-  const double scenes = app.scene.imperfection_modes.empty() ? together : count;
+  const double kept = std::ceil(static_cast<double>(CaseScenes::kMostKept) / static_cast<double>(scene.members.size()));
+  const double scenes = app.scene.imperfection_modes.empty() ? std::min(together + kept, count) : count;
   require_memory(app, count * kBytesOfCase + scenes * bytes_of(scene) + together * needs_of(scene, app.solver).memory,
                  std::to_string(cases) + " cases");
 }

@@ -120,7 +120,11 @@ CaseGroups group_cases(const std::vector<CaseLikeness>& cases) {
 CaseGroups grouped_cases(CaseScenes& scenes, std::size_t cases) {
   std::vector<CaseLikeness> likeness;
   likeness.reserve(cases);
-  for (std::size_t i = 0; i < cases; ++i) likeness.push_back(likeness_of(scenes.scene_of(i)));
+  for (std::size_t i = 0; i < cases; ++i) {
+    Scene scene = scenes.scene_of(i);
+    likeness.push_back(likeness_of(scene));
+    scenes.keep(i, std::move(scene));
+  }
   return group_cases(likeness);
 }
 

@@ -185,7 +185,12 @@ void CaseScenes::set(const Place& place, double value, std::size_t index, const 
   set_number(entry, place.component, value);
 }
 
+void CaseScenes::keep(std::size_t index, Scene scene) {
+  if (kept_.size() * scene.members.size() < kMostKept) kept_.emplace(index, std::move(scene));
+}
+
 Scene CaseScenes::scene_of(std::size_t index) {
+  if (auto kept = kept_.extract(index)) return std::move(kept.mapped());
   if (const auto kept = imperfect_.find(index); kept != imperfect_.end()) return kept->second;
   for (std::size_t i = 0; i < places_.size(); ++i) set(places_[i], batch_.value(index, i), index, batch_.columns[i]);
   try {
