@@ -142,9 +142,11 @@ Teuchos::ParameterList default_nox(const NewtonParameters&) {
   nox.set("Nonlinear Solver", "Line Search Based");
   nox.sublist("Direction").set("Method", "Newton");
   nox.sublist("Line Search").set("Method", kRotationLimited);
-  // Nothing but what the program itself reports: LOCA prints some messages whatever "Output Information" says.
+  // Nothing but what the program itself reports: LOCA prints some messages whatever "Output Information" says, and what
+  // that lets through costs its text and norms although nobody reads it.
   const Teuchos::RCP<std::ostream> nowhere = Teuchos::rcp(new Teuchos::oblackholestream);
   nox.sublist("Printing").set("Output Stream", nowhere).set("Error Stream", nowhere);
+  nox.sublist("Printing").set("Output Information", static_cast<int>(NOX::Utils::Error));
   return nox;
 }
 
