@@ -670,7 +670,8 @@ bool acts_in_plane(const SceneSurvey& survey, const Vector3& point, const Vector
 /// Forces act at the centroid as if it were the shear centre: of a T in the plane of its web it makes no difference,
 /// nor of a U in its plane of symmetry.
 void add_shear_centre_warnings(const SceneSurvey& survey, WarningList& list) {
-  for (std::size_t m = 0; m < survey.curves.size() && anything_acts(survey.scene); ++m) {
+  if (!anything_acts(survey.scene)) return;
+  for (std::size_t m = 0; m < survey.curves.size(); ++m) {
     const Member& member = survey.scene.members[m];
     const Section& section = survey.section_of(member);
     if (!section.shape || !consists_of_rectangles(section.shape->kind)) continue;
