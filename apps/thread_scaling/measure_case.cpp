@@ -53,7 +53,7 @@ class IterationTimer {
     tangent_->condensed_rows().scale(-1.0);
     solver->solve(tangent_->condensed_rows(), increment_.vertex_dofs());
     phases[kLinearSolver] = linear.seconds();
-    tangent_->recover(increment_);
+    tangent_->recover_last(increment_);
     State moved = model.apply(state_, increment_, is_beside_ ? -kStep : kStep);
     phases[kWholeIteration] = whole.seconds();
     state_ = std::move(moved);

@@ -228,8 +228,7 @@ class CondensedSystem::PlanarChains {
         structure_(structure),
         chains_(structure.levels()),
         arrived_("mixbeam::planar::arrived", structure.levels().runs),
-        rows_("mixbeam::planar::rows", static_cast<size_t>(kPlanarDofs) * model.structure().local_vertices()),
-        x_("mixbeam::planar::x", rows_.extent(0)) {
+        x_("mixbeam::planar::x", static_cast<size_t>(kPlanarDofs) * model.structure().local_vertices()) {
     using Kokkos::view_alloc;
     using Kokkos::WithoutInitializing;
     // only what remains is ever written: untouched pages cost nothing
@@ -255,6 +254,10 @@ class CondensedSystem::PlanarChains {
     return pivots;
   }
   const PlanarTangents& tangents() const { return tangents_; }
+  void release() {
+    chains_.release();
+    tangents_ = {};
+  }
   const PlaneAxes& axes() const { return axes_; }
   /// Spatial matrices of the links that remain; the others are not set. Motions out of the plane, at which nothing
   /// works, meet springs as stiff as the links are in the plane.
@@ -262,8 +265,8 @@ class CondensedSystem::PlanarChains {
   const KernelView<double* [12]>& arrived() const { return arrived_; }
 
   void condense_rows(const KernelView<const double*>& rows) {
-    take_from_space(rows, rows_, {});
-    chains_.condense_rows(rows_, x_);
+    take_from_space(rows, x_, {});
+    chains_.condense_rows(x_, x_);  // each row is read before its x is written
     for (const RemainingLink& remaining : structure_.remaining()) {
       const int run = remaining.link - structure_.levels().elements;
       for (int end = 0; run >= 0 && end < 2; ++end)
@@ -307,7 +310,7 @@ class CondensedSystem::PlanarChains {
   LinkMatrices<kSpatialDofs> remaining_;
   KernelView<double**> elements_;  ///< after remaining_
   KernelView<double* [12]> arrived_;
-  KernelView<double*> rows_, x_;  ///< (3 * local vertex + component): scratch
+  KernelView<double*> x_;  ///< (3 * local vertex + component): rows and solutions, one after the other
 };
 
 CondensedSystem::CondensedSystem(const Model& model, const std::vector<int>& kept)
@@ -376,6 +379,11 @@ bool CondensedSystem::condense(const Tangent& tangent, const KernelView<const do
   negative_pivots_ = pivots.negative;
   tangent.gather(*remaining_, link_matrices(), add_more);
   return pivots.smallest >= kSmallestPivot;
+}
+
+void CondensedSystem::release() {
+  chains_.release();
+  if (planar_chains_ != nullptr) planar_chains_->release();
 }
 
 void CondensedSystem::gather_outside(const Tangent& tangent, const KernelView<const double**>& zeros,

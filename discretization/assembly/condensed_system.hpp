@@ -32,6 +32,8 @@ class CondensedSystem {
   /// `add_more` as in Tangent::gather.
   bool condense(const Tangent& tangent, bool symmetric_part = false,
                 const std::function<void(const MatrixRows&)>& add_more = {});
+  /// Frees the factors, until condense() makes others.
+  void release();
   /// Takes full matrices (local element, kFullTangent) in place of those of the tangent, in space.
   bool condense(const Tangent& tangent, const KernelView<const double**>& elements,
                 const std::function<void(const MatrixRows&)>& add_more);

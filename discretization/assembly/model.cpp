@@ -323,6 +323,14 @@ void Model::build_plane() {
     workspace_->rows.planar_loads = KernelView<double* [2]>("mixbeam::planar::loads", structure_.local_elements());
 }
 
+void Model::release_idle_arrays(bool tangents) const {
+  vectors_->vertex.release_idle();
+  vectors_->interior.release_idle();
+  const auto is_idle = [](const auto& arrays) { return arrays.use_count() == 1; };
+  auto& all = workspace_->tangents;
+  if (tangents) all.erase(std::remove_if(all.begin(), all.end(), is_idle), all.end());
+}
+
 /// A motion of an element that leaves the plane moves one of its vertices out of it, or turns one, unless all are held.
 bool Model::is_in_plane(const MixedVector& v) const {
   const PlaneAxes axes = *plane_;

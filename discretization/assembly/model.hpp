@@ -91,11 +91,8 @@ class Model {
   PhaseTimes& times() const { return times_; }
   /// Memory that evaluations use again. No number depends on the contents that another evaluation left there.
   Workspace& workspace() const { return *workspace_; }
-  /// Frees the memory of vectors that evaluations would use again.
-  void release_idle_arrays() const {
-    vectors_->vertex.release_idle();
-    vectors_->interior.release_idle();
-  }
+  /// Frees the memory of vectors, and maybe of tangents, that evaluations would use again.
+  void release_idle_arrays(bool tangents = false) const;
 
  private:
   void build_maps(const Communicator& comm);

@@ -60,7 +60,8 @@ Tangent::Tangent(const Model& model, const EvaluationPoint& point, const Cap& ca
       cap_(cap),
       planar_(point.state.in_plane && !kind.in_space),
       springs_(kind.springs),
-      arrays_(take_arrays(model)) {
+      arrays_(take_arrays(model)),
+      constants_(model.create_vector()) {
   if (kind.counts_interior && arrays_->interior_negative.extent(0) == 0)
     arrays_->interior_negative =
         KernelView<int*>("mixbeam::elements::interior_negative", model.structure().local_elements());
@@ -112,7 +113,7 @@ void Tangent::condense_rotating(const KernelView<const double*>& interior) const
       });
 }
 
-void Tangent::evaluate_in_space() const {
+void Tangent::evaluate_in_space(MixedVector& constants) const {
   PhaseTimer timer(model_->times(), "element tangent");
   if (!arrays_->rotating.empty()) {
     evaluate_rotating();
@@ -121,8 +122,10 @@ void Tangent::evaluate_in_space() const {
     condense_rotating(rows.interior());
     return;
   }
+  ElementEquations to = arrays_->elements;
+  to.constants = constants.writable_interior(false);
   for (const ElementBlock& block : model_->structure().blocks)
-    evaluate_tangent(block, structure_views(), point_.state.views, arrays_->elements);
+    evaluate_tangent(block, structure_views(), point_.state.views, to);
 }
 
 void Tangent::evaluate() {
@@ -132,7 +135,7 @@ void Tangent::evaluate() {
       evaluate_planar_tangent(model_->structure().blocks[b], arrays_->planar_blocks[b], structure_views(),
                               point_.state.views, arrays_->planar, arrays_->elements);
   } else {
-    evaluate_in_space();
+    evaluate_in_space(constants_);
   }
   PhaseTimer timer(model_->times(), "assemble");
   const KernelView<double*> rows = MixedVector::view_of(condensed_rows());
@@ -154,18 +157,17 @@ void Tangent::condense_residual() {
   if (!holds_residual_) evaluate();
 }
 
-/// Rows of the vertices that interior rows leave, spatial.
-KernelView<double*> Tangent::condense_interior(const MixedVector& all) {
-  const KernelView<const double*> interior = all.interior();
+/// Rows of the vertices that the interior rows leave, spatial; `rhs` may lose these.
+KernelView<double*> Tangent::condense_interior(MixedVector& rhs) {
   holds_residual_ = false;
+  constants_.fill(0.0);
+  const MixedVector& given = rhs;
+  const KernelView<const double*> interior(given.interior().data(), given.interior().extent(0));  // not an owner
   const Structure& structure = model_->structure();
   const KernelView<double*> rows = MixedVector::view_of(condensed_rows());
-  if (arrays_->rotating.empty() && is_zero_inside(all)) {
-    for (size_t b = 0; b < structure.blocks.size(); ++b)
-      if (planar_)
-        clear_planar_right_hand_side(arrays_->planar_blocks[b]);
-      else
-        clear_right_hand_side(structure.blocks[b], arrays_->elements);
+  if (arrays_->rotating.empty() && is_zero_inside(rhs)) {
+    for (size_t b = 0; b < structure.blocks.size() && planar_; ++b)
+      clear_planar_right_hand_side(arrays_->planar_blocks[b]);
     Kokkos::deep_copy(rows, 0.0);
     return rows;
   }
@@ -173,12 +175,17 @@ KernelView<double*> Tangent::condense_interior(const MixedVector& all) {
     Kokkos::deep_copy(model_->workspace().rows.residual, 0.0);
     condense_rotating(interior);
   }
+  ElementEquations to = arrays_->elements;
+  if (!planar_ && arrays_->rotating.empty()) {
+    constants_.take_interior(rhs);
+    to.constants = constants_.writable_interior(true);
+  }
   for (size_t b = 0; b < structure.blocks.size() && arrays_->rotating.empty(); ++b)
     if (planar_)
       condense_planar_right_hand_side(structure.blocks[b], arrays_->planar_blocks[b], structure_views(),
-                                      point_.state.views, interior, arrays_->planar, arrays_->elements);
+                                      point_.state.views, interior, arrays_->planar, to);
     else
-      condense_right_hand_side(structure.blocks[b], structure_views(), point_.state.views, interior, arrays_->elements);
+      condense_right_hand_side(structure.blocks[b], structure_views(), point_.state.views, to.constants, to);
   gather_condensed_rows({}, rows);
   return rows;
 }
@@ -200,17 +207,29 @@ void Tangent::condense(const MixedVector& scaled_rhs) {
 
 void Tangent::condense_spatial(const MixedVector& rows) {
   PhaseTimer timer(model_->times(), "condense right-hand side");
-  const KernelView<double*> all = condense_interior(rows);
+  MixedVector rhs = rows.clone(true);
+  const KernelView<double*> all = condense_interior(rhs);
   const KernelView<const double*> given = rows.vertex();
   for (size_t i = 0; i < all.extent(0); ++i) all(i) += given(i);
   project_on_free_motions(all);
 }
 
 void Tangent::recover(MixedVector& increment) const {
+  increment.share_interior(constants_);
+  recover_in_place(increment);
+}
+
+void Tangent::recover_last(MixedVector& increment) {
+  if (!constants_.shares_zeros()) holds_residual_ = false;
+  increment.take_interior(constants_);
+  recover_in_place(increment);
+}
+
+void Tangent::recover_in_place(MixedVector& increment) const {
   PhaseTimer timer(model_->times(), "recover");
   const Structure& structure = model_->structure();
   const KernelView<const double* [6]> vertex = model_->local_increment(increment);
-  const KernelView<double*> interior = increment.writable_interior(false);
+  const KernelView<double*> interior = increment.writable_interior(!planar_ && arrays_->rotating.empty());
   for (const VibratingBlock& own : arrays_->rotating) recover_motion(own, arrays_->rotating_rows, vertex, interior);
   for (size_t b = 0; b < structure.blocks.size() && arrays_->rotating.empty(); ++b)
     if (planar_)
@@ -220,7 +239,8 @@ void Tangent::recover(MixedVector& increment) const {
 }
 
 void Tangent::gather(const VertexMatrix& matrix) const {
-  if (planar_) evaluate_in_space();
+  MixedVector unused = model_->create_vector();
+  if (planar_) evaluate_in_space(unused);
   PhaseTimer timer(model_->times(), "assemble");
   gather(matrix, LinkMatrices<kSpatialDofs>{arrays_->elements.condensed_tangent, {}});
 }

@@ -47,6 +47,8 @@ class Tangent {
   void condense_residual();
   /// Increment of the interior that belongs to a vertex increment; both parts of `increment` are complete afterwards.
   void recover(MixedVector& increment) const;
+  /// Does so in the memory of the right-hand side, which is gone then: recover() would be that of zero.
+  void recover_last(MixedVector& increment);
 
   /// Adds up the elements, loads, supports and joints in a matrix over all vertices (whole_matrix). Collective.
   void gather(const VertexMatrix& matrix) const;
@@ -68,10 +70,11 @@ class Tangent {
 
  private:
   void evaluate();
-  void evaluate_in_space() const;
+  void evaluate_in_space(MixedVector& constants) const;
   void evaluate_rotating() const;
   void condense_rotating(const KernelView<const double*>& interior) const;
-  KernelView<double*> condense_interior(const MixedVector& all);
+  KernelView<double*> condense_interior(MixedVector& rhs);
+  void recover_in_place(MixedVector& increment) const;
   /// Sections with the cap, line fields of the point.
   StructureViews structure_views() const;
   void gather_condensed_rows(const KernelView<double* [2]>& loads, const KernelView<double*>& rows) const;
@@ -85,6 +88,7 @@ class Tangent {
   bool holds_residual_ = false;
   std::optional<MixedVector> held_;  ///< the right-hand side of construction, until it is asked for
   std::shared_ptr<TangentArrays> arrays_;
+  MixedVector constants_;  ///< of the interior, ElementEquations::constants; in a plane not used
 };
 
 }  // namespace mixbeam

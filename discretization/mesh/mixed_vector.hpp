@@ -56,6 +56,12 @@ class MixedVector {
   }
 
   void fill(double value);
+  /// Takes over the interior of another vector, which keeps it, too, or zero in its place.
+  void share_interior(const MixedVector& from) { interior_ = from.interior_; }
+  void take_interior(MixedVector& from) {
+    interior_ = from.interior_;
+    from.interior_ = pool_->zeros;
+  }
   /// True: the interior is zero. False: unknown.
   bool shares_zeros() const { return interior_.data() == pool_->zeros.data(); }
   void assign(const MixedVector& other);

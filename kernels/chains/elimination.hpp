@@ -26,6 +26,26 @@ struct FreeLinkMatrix {
   KOKKOS_FORCEINLINE_FUNCTION const Real& at_second(int i, int j) const {
     return second[i > j ? triangle(i, j) : triangle(j, i)];
   }
+  /// K10 x, x at the first end.
+  KOKKOS_FORCEINLINE_FUNCTION void forces_at_second(const Real* x, Real* force) const {
+#pragma GCC unroll 6
+    for (int i = 0; i < N; ++i) {
+      force[i] = coupling[i][0] * x[kMoved];
+#pragma GCC unroll 6
+      for (int c = 1; c < kTurned; ++c) force[i] += coupling[i][c] * x[kMoved + c];
+#pragma GCC unroll 6
+      for (int c = 0; c < kMoved; ++c) force[i] -= at_second(i, c) * x[c];
+    }
+  }
+  /// K01 x, x at the second end.
+  KOKKOS_FORCEINLINE_FUNCTION void forces_at_first(const Real* x, Real* force) const {
+#pragma GCC unroll 6
+    for (int c = 0; c < N; ++c) {
+      force[c] = 0.0;
+#pragma GCC unroll 6
+      for (int i = 0; i < N; ++i) force[c] += (c < kMoved ? -at_second(i, c) : coupling[i][c - kMoved]) * x[i];
+    }
+  }
 };
 
 /// A link without symmetry; `back` has rows at the first vertex.
@@ -42,14 +62,15 @@ struct VertexFactors {
   Real left[N][N], right[N][N];   ///< X, Y
 };
 
-/// Factors between links that see displacements as differences. Where both neighbours are displaced alike, so is the
-/// vertex: the columns of Y for displacements are those of -X, less one on the diagonal.
+/// Factors between links that see displacements as differences. All else follows from V and the link behind the vertex,
+/// which is kept anyway: a chain that is displaced as a whole works on nothing, so that K_v0 of displacements is what
+/// that link has of V, less V.
 template <int N, class Real>
 struct FreeVertexFactors {
   static constexpr int kTurned = TangentLayout<N>::kTurned;
-  static constexpr int kSize = triangle_size(N) + N * N + N * kTurned;
+  static constexpr int kSize = triangle_size(N) + N * kTurned;
   Real factor[triangle_size(N)];
-  Real left[N][N], right[N][kTurned];  ///< X; the columns of Y for spins
+  Real by_first[N][kTurned];  ///< K_v0 of the spins where the chain begins
 };
 
 /// L U of V without symmetry, its coupling to the neighbours, and their rows that couple them to it.
@@ -208,23 +229,24 @@ KOKKOS_INLINE_FUNCTION void eliminate_vertex(FreeLinkMatrix<N, Real>& chain, con
       f.factor[triangle(i, j)] = chain.second[triangle(i, j)] + first;
     }
   factorize_block<N>(f.factor, watch);
+  Real hanging[N + turned][N];  // columns of X, and those of Y for spins
   for (int c = 0; c < N + turned; ++c) {
-    Real column[N];
+    Real* const column = hanging[c];
 #pragma GCC unroll 6
     for (int i = 0; i < N; ++i)
       column[i] = c < moved ? -chain.at_second(i, c) : c < N ? chain.coupling[i][c - moved] : by_next[moved + c - N][i];
     solve_block<N>(f.factor, column);
-#pragma GCC unroll 6
-    for (int i = 0; i < N; ++i) (c < N ? f.left[i][c] : f.right[i][c - N]) = column[i];
   }
+  for (int i = 0; i < N; ++i)
+    for (int c = 0; c < turned; ++c) f.by_first[i][c] = chain.coupling[i][c];
   const auto less_product = [](Real sum, const auto& a, const auto& b) {
 #pragma GCC unroll 6
     for (int k = 0; k < N; ++k) sum -= a(k) * b(k);
     return sum;
   };
   const auto row = [&](int i) { return [&, i](int k) { return by_next[i][k]; }; };
-  const auto from_first = [&](int j) { return [&, j](int k) { return f.left[k][j]; }; };
-  const auto from_second = [&](int j) { return [&, j](int k) { return f.right[k][j - moved]; }; };
+  const auto from_first = [&](int j) { return [&, j](int k) { return hanging[j][k]; }; };
+  const auto from_second = [&](int j) { return [&, j](int k) { return hanging[N + j - moved][k]; }; };
   for (int i = 0; i < turned; ++i)
     for (int j = 0; j <= i; ++j)
       chain.first[triangle(i, j)] = less_product(
@@ -302,15 +324,19 @@ KOKKOS_INLINE_FUNCTION void follow_neighbours(const Factors& f, const Real* firs
   follow<n>(f.left, first, x);
   follow<n>(f.right, second, x);
 }
+/// `next`: the link behind the vertex.
 template <int N, class Real>
-KOKKOS_INLINE_FUNCTION void follow_neighbours(const FreeVertexFactors<N, Real>& f, const Real* first,
-                                              const Real* second, Real* x) {
+KOKKOS_INLINE_FUNCTION void follow_neighbours(const FreeVertexFactors<N, Real>& f, const FreeLinkMatrix<N, Real>& next,
+                                              const Real* first, const Real* second, Real* x) {
   constexpr int moved = TangentLayout<N>::kMoved;
-  Real seen_from_second[N];
-  for (int c = 0; c < N; ++c) seen_from_second[c] = c < moved ? first[c] - second[c] : first[c];
-  for (int c = 0; c < moved; ++c) x[c] += second[c];
-  follow<N>(f.left, seen_from_second, x);
-  follow<N>(f.right, second + moved, x);
+  Real seen_from_first[N], force[N];
+  for (int c = 0; c < N; ++c) seen_from_first[c] = c < moved ? second[c] - first[c] : second[c];
+  next.forces_at_first(seen_from_first, force);
+#pragma GCC unroll 6
+  for (int i = 0; i < N; ++i)
+    for (int c = 0; c < f.kTurned; ++c) force[i] += f.by_first[i][c] * first[moved + c];
+  solve_block<N>(f.factor, force);
+  for (int c = 0; c < N; ++c) x[c] = c < moved ? x[c] + first[c] - force[c] : x[c] - force[c];
 }
 
 /// Eliminates the rows `b` of a vertex from those of its neighbours; V^-1 b stays.
@@ -321,15 +347,18 @@ KOKKOS_INLINE_FUNCTION void eliminate_rows(const VertexFactors<N, Real>& f, Real
   solve_block<N>(f.factor, b);
 }
 template <int N, class Real>
-KOKKOS_INLINE_FUNCTION void eliminate_rows(const FreeVertexFactors<N, Real>& f, Real* b, Real* first, Real* second) {
-  constexpr int turned = FreeVertexFactors<N, Real>::kTurned, moved = N - turned;
-  Real share[N];
-  for (int c = 0; c < N; ++c) share[c] = 0.0;
-  pass_on<N>(f.left, b, share);
-  for (int c = 0; c < N; ++c) first[c] += share[c];
-  for (int c = 0; c < moved; ++c) second[c] += b[c] - share[c];  // what the first end does not take
-  pass_on<N>(f.right, b, second + moved);
+KOKKOS_INLINE_FUNCTION void eliminate_rows(const FreeVertexFactors<N, Real>& f, const FreeLinkMatrix<N, Real>& next,
+                                           Real* b, Real* first, Real* second) {
+  constexpr int moved = TangentLayout<N>::kMoved;
+  for (int c = 0; c < moved; ++c) first[c] += b[c];  // what the second end does not take
   solve_block<N>(f.factor, b);
+  Real force[N];
+  next.forces_at_second(b, force);
+  for (int c = 0; c < moved; ++c) first[c] += force[c];
+#pragma GCC unroll 6
+  for (int i = 0; i < N; ++i)
+    for (int c = 0; c < f.kTurned; ++c) first[moved + c] -= f.by_first[i][c] * b[i];
+  for (int c = 0; c < N; ++c) second[c] -= force[c];
 }
 template <int N, class Real>
 KOKKOS_INLINE_FUNCTION void eliminate_rows(const GeneralVertexFactors<N, Real>& f, Real* b, Real* first, Real* second) {

@@ -163,6 +163,23 @@ KOKKOS_INLINE_FUNCTION Link<N, kind> load_link(const LinkMatrices<N>& matrices, 
     return load_full<N, kind>(links, rows);
 }
 
+/// Steps for which the processor fetches tangents in advance: lanes read them far from each other, so that it sees too
+/// late where they go on.
+constexpr int kStepsAhead = 2;
+
+/// `step`: kStepsAhead further than where the loop is, which need not exist.
+template <int N, ChainKind kind>
+KOKKOS_FORCEINLINE_FUNCTION void fetch_links(const ChainLevel& level, const LinkMatrices<N>& matrices, int pack,
+                                             int step) {
+  constexpr int numbers_of_line = 8;
+  if (kind != ChainKind::free || step < level.step_start(pack) || step >= level.step_start(pack + 1)) return;
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const int link = level.link(step, lane) / 2;
+    for (int i = 0; matrices.is_element(link) && i < TangentLayout<N>::kSymmetric; i += numbers_of_line)
+      __builtin_prefetch(&matrices.elements(link, i));
+  }
+}
+
 template <int N>
 KOKKOS_INLINE_FUNCTION void store_link(const SymmetricLink<N>& m, int lane, double* out) {
   for (int i = 0; i < N; ++i)
@@ -223,6 +240,7 @@ struct CondenseLoop {
     for (int step = begin + 1; step < end; ++step) {
       const StepLinks links(level, step);
       auto& factors = factors_at<N, kind>(factors_of, step, pack);
+      fetch_links<N, kind>(level, matrices, pack, step + kStepsAhead);
       if (any<kLanes>(links.rests)) {
         const Link<N, kind> before = chain;
         const PivotWatch<Real> seen = watch;
@@ -248,14 +266,14 @@ struct CondenseLoop {
 template <int N, ChainKind kind>
 struct RowsLoop {
   ChainLevel level;
-  int elements;
+  LinkMatrices<N> matrices;
   KernelView<const double*> rows;
   ChainFactors factors_of;
   KernelView<double * [2 * N]> arrived;
   KernelView<double*> x;
 
   KOKKOS_INLINE_FUNCTION void add_share(int code, bool far_end, double* sum) const {
-    const int run = code / 2 - elements;
+    const int run = code / 2 - static_cast<int>(matrices.elements.extent(0));
     if (run < 0) return;
     const bool second = far_end != (code % 2 == 1);
     for (int c = 0; c < N; ++c) sum[c] += arrived(run, (second ? N : 0) + c);
@@ -284,6 +302,7 @@ struct RowsLoop {
   /// The vertex before link `step`.
   KOKKOS_INLINE_FUNCTION void eliminate(int pack, int step, Real* at_begin, Real* passed) const {
     const auto& factors = factors_at<N, kind>(factors_of, step, pack);
+    fetch_links<N, kind>(level, matrices, pack, step + kStepsAhead);
     Real b[N];
     Real::Mask rests{};
     for (int lane = 0; lane < kLanes; ++lane) {
@@ -305,7 +324,10 @@ struct RowsLoop {
       before[N + c] = passed[c];
       passed[c] = 0.0;
     }
-    eliminate_rows<N>(factors, b, at_begin, passed);
+    if constexpr (kind == ChainKind::free)
+      eliminate_rows<N>(factors, load_link<N, kind>(matrices, StepLinks(level, step)), b, at_begin, passed);
+    else
+      eliminate_rows<N>(factors, b, at_begin, passed);
     for (int c = 0; c < N; ++c) {
       at_begin[c] = select(rests, before[c], at_begin[c]);
       passed[c] = select(rests, before[N + c], passed[c]);
@@ -319,6 +341,7 @@ struct RowsLoop {
 template <int N, ChainKind kind>
 struct ExpandLoop {
   ChainLevel level;
+  LinkMatrices<N> matrices;
   ChainFactors factors_of;
   KernelView<double*> x;
 
@@ -335,11 +358,15 @@ struct ExpandLoop {
     load(&level.vertex(end - 1, 0), next);
     for (int step = end - 1; step > begin; --step) {
       const auto& factors = factors_at<N, kind>(factors_of, step, pack);
+      fetch_links<N, kind>(level, matrices, pack, step - kStepsAhead);
       Real here[N];
       load(&level.vertex(step - 1, 0), here);
       Real moved[N];
       for (int c = 0; c < N; ++c) moved[c] = here[c];
-      follow_neighbours(factors, first, next, moved);
+      if constexpr (kind == ChainKind::free)
+        follow_neighbours(factors, load_link<N, kind>(matrices, StepLinks(level, step)), first, next, moved);
+      else
+        follow_neighbours(factors, first, next, moved);
       for (int lane = 0; lane < kLanes; ++lane) {
         const bool rests = level.link(step, lane) < 0;  // its end, where the lane waits, is known already
         for (int c = 0; c < N; ++c) {
@@ -378,29 +405,32 @@ void condense_runs(ChainKind kind, const ChainLevel& level, const LinkMatrices<N
 }
 
 template <int N>
-void condense_rows(ChainKind kind, const ChainLevel& level, int elements, const KernelView<const double*>& rows,
-                   const ChainFactors& factors, const KernelView<double * [2 * N]>& arrived,
-                   const KernelView<double*>& x) {
+void condense_rows(ChainKind kind, const ChainLevel& level, const LinkMatrices<N>& matrices,
+                   const KernelView<const double*>& rows, const ChainFactors& factors,
+                   const KernelView<double * [2 * N]>& arrived, const KernelView<double*>& x) {
   for_kind<N>(kind, [&](auto of) {
     Kokkos::parallel_for("mixbeam::chains::condense_rows", Range(0, level.packs),
-                         RowsLoop<N, of()>{level, elements, rows, factors, arrived, x});
+                         RowsLoop<N, of()>{level, matrices, rows, factors, arrived, x});
   });
 }
 
 template <int N>
-void expand_runs(ChainKind kind, const ChainLevel& level, const ChainFactors& factors, const KernelView<double*>& x) {
+void expand_runs(ChainKind kind, const ChainLevel& level, const LinkMatrices<N>& matrices, const ChainFactors& factors,
+                 const KernelView<double*>& x) {
   for_kind<N>(kind, [&](auto of) {
-    Kokkos::parallel_for("mixbeam::chains::expand", Range(0, level.packs), ExpandLoop<N, of()>{level, factors, x});
+    Kokkos::parallel_for("mixbeam::chains::expand", Range(0, level.packs),
+                         ExpandLoop<N, of()>{level, matrices, factors, x});
   });
 }
 
 #define MIXBEAM_CHAINS(N)                                                                                   \
   template void condense_runs<N>(ChainKind, const ChainLevel&, const LinkMatrices<N>&, const ChainFactors&, \
                                  const ChainPivots&);                                                       \
-  template void condense_rows<N>(ChainKind, const ChainLevel&, int, const KernelView<const double*>&,       \
-                                 const ChainFactors&, const KernelView<double * [2 * N]>&,                  \
-                                 const KernelView<double*>&);                                               \
-  template void expand_runs<N>(ChainKind, const ChainLevel&, const ChainFactors&, const KernelView<double*>&);
+  template void condense_rows<N>(ChainKind, const ChainLevel&, const LinkMatrices<N>&,                      \
+                                 const KernelView<const double*>&, const ChainFactors&,                     \
+                                 const KernelView<double * [2 * N]>&, const KernelView<double*>&);          \
+  template void expand_runs<N>(ChainKind, const ChainLevel&, const LinkMatrices<N>&, const ChainFactors&,   \
+                               const KernelView<double*>&);
 MIXBEAM_CHAINS(kSpatialDofs)
 MIXBEAM_CHAINS(kPlanarDofs)
 #undef MIXBEAM_CHAINS

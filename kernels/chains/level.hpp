@@ -38,7 +38,7 @@ enum class ChainKind {
 
 /// Numbers that the elimination of one vertex leaves behind: FreeVertexFactors, VertexFactors or, without symmetry,
 /// GeneralVertexFactors of chains/elimination.hpp.
-constexpr int free_factor_size(int n) { return n * (n + 1) / 2 + n * n + n * (n == kSpatialDofs ? 3 : 1); }
+constexpr int free_factor_size(int n) { return n * (n + 1) / 2 + n * (n == kSpatialDofs ? 3 : 1); }
 constexpr int vertex_factor_size(int n) { return n * (n + 1) / 2 + 2 * n * n; }
 constexpr int general_factor_size(int n) { return 5 * n * n; }
 
@@ -77,13 +77,14 @@ void condense_runs(ChainKind kind, const ChainLevel& level, const LinkMatrices<N
 /// Condenses a right-hand side `rows` (N * vertex + component): at eliminated vertices x becomes V^-1 of the rows
 /// summed there; `arrived` (run, 2 N) is added by each run to the rows of its end vertices.
 template <int N>
-void condense_rows(ChainKind kind, const ChainLevel& level, int elements, const KernelView<const double*>& rows,
-                   const ChainFactors& factors, const KernelView<double * [2 * N]>& arrived,
-                   const KernelView<double*>& x);
+void condense_rows(ChainKind kind, const ChainLevel& level, const LinkMatrices<N>& matrices,
+                   const KernelView<const double*>& rows, const ChainFactors& factors,
+                   const KernelView<double * [2 * N]>& arrived, const KernelView<double*>& x);
 
 /// Eliminated vertices from the solution at the ends of the runs, after condense_rows.
 template <int N>
-void expand_runs(ChainKind kind, const ChainLevel& level, const ChainFactors& factors, const KernelView<double*>& x);
+void expand_runs(ChainKind kind, const ChainLevel& level, const LinkMatrices<N>& matrices, const ChainFactors& factors,
+                 const KernelView<double*>& x);
 
 /// The numbers of an elimination with N unknowns for each vertex.
 template <int N>
@@ -94,15 +95,10 @@ class ChainCondensation {
   /// `chains` must outlive this. `has_general`: room for ChainKind::general.
   explicit ChainCondensation(const ChainLevels& chains, bool has_general = false)
       : chains_(chains),
-        run_matrices_("mixbeam::chains::matrices", chains.runs),
-        arrived_("mixbeam::chains::arrived", chains.runs),
-        pivots_("mixbeam::chains::pivots", chains.runs) {
-    // not initialised: the threads that write them first get their pages, and what free links do not need takes none
-    for (const ChainLevel& level : chains.levels)
-      factors_.emplace_back(Kokkos::view_alloc("mixbeam::chains::factors", Kokkos::WithoutInitializing),
-                            static_cast<size_t>(level.eliminations()) *
-                                (has_general ? general_factor_size(N) : vertex_factor_size(N)) * kLanes);
-  }
+        factor_size_((has_general ? general_factor_size(N) : vertex_factor_size(N)) * kLanes),
+        run_matrices_(Kokkos::view_alloc("mixbeam::chains::matrices", Kokkos::WithoutInitializing), chains.runs),
+        arrived_(Kokkos::view_alloc("mixbeam::chains::arrived", Kokkos::WithoutInitializing), chains.runs),
+        pivots_("mixbeam::chains::pivots", chains.runs) {}
 
   LinkMatrices<N> matrices(const ElementMatrices& element_tangents) const { return {element_tangents, run_matrices_}; }
   /// (run, 2 N): what condense_rows() adds to the rows of the end vertices of each run; run = link - elements.
@@ -112,11 +108,15 @@ class ChainCondensation {
     long negative = 0;      ///< below zero
     double smallest = 1.0;  ///< least |pivot| / |its diagonal entry|; not a number or zero: singular
   };
-  /// Eliminates; all that follows refers to it.
+  /// Eliminates; all that follows refers to it, and the matrices must be the same then.
   Pivots factorize(const ElementMatrices& element_tangents, ChainKind kind = ChainKind::symmetric) {
-    const LinkMatrices<N> all = matrices(element_tangents);
-    kind_ = kind == ChainKind::symmetric && all.keeps_symmetric_elements() ? ChainKind::free : kind;
-    for (size_t l = 0; l < factors_.size(); ++l) condense_runs<N>(kind_, chains_.levels[l], all, factors_[l], pivots_);
+    // not initialised: the threads that write them first get their pages, and what free links do not need takes none
+    for (size_t l = factors_.size(); l < chains_.levels.size(); ++l)
+      factors_.emplace_back(Kokkos::view_alloc("mixbeam::chains::factors", Kokkos::WithoutInitializing),
+                            static_cast<size_t>(chains_.levels[l].eliminations()) * factor_size_);
+    all_ = matrices(element_tangents);
+    kind_ = kind == ChainKind::symmetric && all_.keeps_symmetric_elements() ? ChainKind::free : kind;
+    for (size_t l = 0; l < factors_.size(); ++l) condense_runs<N>(kind_, chains_.levels[l], all_, factors_[l], pivots_);
     Pivots result;
     for (int run = 0; run < chains_.runs; ++run) {
       result.negative += static_cast<long>(pivots_(run, 0));
@@ -124,19 +124,27 @@ class ChainCondensation {
     }
     return result;
   }
-  /// First half of a solve: eliminated rows of `rows` (N * local vertex + component) leave x half done.
+  /// Frees the factors, until factorize() makes others, and the tangents of elements.
+  void release() {
+    factors_.clear();
+    all_ = {};
+  }
+  /// First half of a solve: eliminated rows of `rows` (N * local vertex + component) leave x half done; x may be
+  /// `rows`.
   void condense_rows(const KernelView<const double*>& rows, const KernelView<double*>& x) {
     for (size_t l = 0; l < factors_.size(); ++l)
-      mixbeam::condense_rows<N>(kind_, chains_.levels[l], chains_.elements, rows, factors_[l], arrived_, x);
+      mixbeam::condense_rows<N>(kind_, chains_.levels[l], all_, rows, factors_[l], arrived_, x);
   }
   /// Second half: eliminated entries of x from the others.
   void expand(const KernelView<double*>& x) const {
-    for (size_t l = factors_.size(); l-- > 0;) expand_runs<N>(kind_, chains_.levels[l], factors_[l], x);
+    for (size_t l = factors_.size(); l-- > 0;) expand_runs<N>(kind_, chains_.levels[l], all_, factors_[l], x);
   }
 
  private:
   const ChainLevels& chains_;
+  size_t factor_size_;  ///< of all lanes
   ChainKind kind_ = ChainKind::symmetric;
+  LinkMatrices<N> all_;
   std::vector<ChainFactors> factors_;  ///< (level)
   KernelView<double * [4 * N * N]> run_matrices_;
   KernelView<double * [2 * N]> arrived_;

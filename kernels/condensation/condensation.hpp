@@ -80,15 +80,18 @@ struct CondensedElement {
 
   /// Stores the numbers that recovery needs, ResponseLayout, by store(first, count, numbers).
   template <class Store>
-  KOKKOS_FORCEINLINE_FUNCTION void store_response(const InteriorLayout& layout, const Store& store) const {
-    const ResponseLayout kept{K, layout.force_points};
-    for (int b = 0; b < Blocks::kInterior; ++b) store_rows(response.by[b], response.constant[b], 3 * b, store);
-    Real numbers[3 * (ElementTables<K>::kMaximumForcePoints + K + 1)];
-    const int first = kept.strain_error(0);
-    for (int q = 0; q < layout.force_points; ++q)
-      store_vector(gradient.strain_error[q], numbers + kept.strain_error(q) - first);
-    for (int m = 0; m <= K; ++m) store_vector(gradient.moment_row[m], numbers + kept.moment_row(m) - first);
-    store(first, kept.size() - first, numbers);
+  KOKKOS_FORCEINLINE_FUNCTION void store_response(const Store& store) const {
+    for (int b = 0; b < Blocks::kInterior; ++b) store_rows(response.by[b], 3 * b, store);
+  }
+  /// Takes what does not depend on the vertices, in the layout of increments.
+  KOKKOS_FORCEINLINE_FUNCTION void constants(const InteriorLayout& layout, Real* out) const {
+    for (int q = 0; q < layout.force_points; ++q) store_vector(gradient.strain_error[q], out + layout.force(q));
+    for (int m = 0; m <= K; ++m) store_vector(gradient.moment_row[m], out + layout.moment(m));
+    for (int j = 1; j < K; ++j) {
+      store_vector(response.constant[Blocks::psi(j)], out + layout.relative_rotation(j));
+      store_vector(response.constant[Blocks::slope(j)], out + layout.bubble(j));
+    }
+    store_vector(response.constant[Blocks::spin()], out + layout.spin());
   }
 
  private:
@@ -107,17 +110,14 @@ struct CondensedElement {
     for (int j = 1; j < K; ++j) system.rhs[Blocks::psi(j)] += gradient.psi[j];
     for (int end = 0; end < 2; ++end) system.rhs[Blocks::vertex(end)] += gradient.vertex_spin[end];
   }
-  /// Three rows of the response from their blocks by slope_0, spin a, spin b, and the constant.
+  /// Three rows of the response from their blocks by slope_0, spin a and spin b.
   template <class Store>
-  KOKKOS_FORCEINLINE_FUNCTION static void store_rows(const Mat3<Real>* by, const Vec3<Real>& constant, int first_row,
-                                                     const Store& store) {
-    Real numbers[3 * kResponseColumns];
-    for (int i = 0; i < 3; ++i) {
+  KOKKOS_FORCEINLINE_FUNCTION static void store_rows(const Mat3<Real>* by, int first_row, const Store& store) {
+    Real numbers[3 * kVertexColumns];
+    for (int i = 0; i < 3; ++i)
       for (int c = 0; c < 3; ++c)
-        for (int j = 0; j < 3; ++j) numbers[kResponseColumns * i + 3 * c + j] = by[c](i, j);
-      numbers[kResponseColumns * i + 9] = constant[i];
-    }
-    store(kResponseColumns * first_row, 3 * kResponseColumns, numbers);
+        for (int j = 0; j < 3; ++j) numbers[kVertexColumns * i + 3 * c + j] = by[c](i, j);
+    store(kVertexColumns * first_row, 3 * kVertexColumns, numbers);
   }
 };
 
@@ -134,15 +134,17 @@ struct ReducedIncrement {
       : slope_0(Real(1.0 / kinematics.length) * transpose_times(kinematics.triad, load_vector(b) - load_vector(a))),
         vertex_spin{transpose_times(kinematics.triad, load_vector(a + 3)),
                     transpose_times(kinematics.triad, load_vector(b + 3))} {}
-  /// One row of a response: kResponseColumns numbers.
-  KOKKOS_FORCEINLINE_FUNCTION Real respond_in_row(const Real* row) const {
-    return row[9] + dot(load_vector(row), slope_0) + dot(load_vector(row + 3), vertex_spin[0]) +
-           dot(load_vector(row + 6), vertex_spin[1]);
-  }
-  /// `rows`: ResponseLayout.
-  KOKKOS_FORCEINLINE_FUNCTION void respond(const Real* rows) {
+  /// `rows`: ResponseLayout; `constants`: in the layout of increments.
+  KOKKOS_FORCEINLINE_FUNCTION void respond(const Real* rows, const InteriorLayout& layout, const Real* constants) {
+    interior[Blocks::spin()] = load_vector(constants + layout.spin());
+    for (int j = 1; j < K; ++j) {
+      interior[Blocks::psi(j)] = load_vector(constants + layout.relative_rotation(j));
+      interior[Blocks::slope(j)] = load_vector(constants + layout.bubble(j));
+    }
     for (int b = 0; b < Blocks::kInterior; ++b)
-      for (int i = 0; i < 3; ++i, rows += kResponseColumns) interior[b][i] = respond_in_row(rows);
+      for (int i = 0; i < 3; ++i, rows += kVertexColumns)
+        interior[b][i] = interior[b][i] + dot(load_vector(rows), slope_0) + dot(load_vector(rows + 3), vertex_spin[0]) +
+                         dot(load_vector(rows + 6), vertex_spin[1]);
   }
   KOKKOS_FORCEINLINE_FUNCTION const Vec3<Real>& spin() const { return interior[Blocks::spin()]; }
   KOKKOS_FORCEINLINE_FUNCTION const Vec3<Real>& psi(int j) const { return interior[Blocks::psi(j)]; }
@@ -156,8 +158,7 @@ template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION Vec3<Real> force_strain(int q, const ElementInput<Real>& in,
                                                     const ElementKinematics<K, Real>& kinematics,
                                                     const ElementTables<K>& tables, const ReferenceLayout& reference,
-                                                    const ReducedIncrement<K, Real>& d, const ResponseLayout& kept,
-                                                    const Real* response) {
+                                                    const ReducedIncrement<K, Real>& d, const Real* strain_error) {
   const double* P = tables.force_legendre[q];
   const PointRotation<K, Real> rotation(kinematics.relative_rotation(P));
   const Vec3<Real> p = kinematics.centerline_slope(load_vector(in.reference + reference.tangent(q)), P);
@@ -167,7 +168,7 @@ KOKKOS_FORCEINLINE_FUNCTION Vec3<Real> force_strain(int q, const ElementInput<Re
     slope += P[j] * d.slope(j);
     psi += P[j] * d.psi(j);
   }
-  return load_vector(response + kept.strain_error(q)) +
+  return load_vector(strain_error) +
          strain_change<K>(rotation.exp, rotation.tangent, p, pulled_back, slope, d.spin(), psi);
 }
 
@@ -227,19 +228,18 @@ KOKKOS_INLINE_FUNCTION void answer_strains(const GeneralSection<Real>& section, 
   GeneralStiffness<K, Real>(section, tables, length).answer(length, strain, row);
 }
 
-/// All increments of an element, InteriorLayout.
+/// All increments of an element, InteriorLayout; `out` holds the constants that they have without the vertices.
 template <int K, class Real, class Section>
 KOKKOS_FORCEINLINE_FUNCTION void recover_element(const ElementInput<Real>& in,
                                                  const ElementKinematics<K, Real>& kinematics,
                                                  const ElementTables<K>& tables, const InteriorLayout& layout,
                                                  const ReferenceLayout& reference, const Section& section,
                                                  ReducedIncrement<K, Real>& d, const Real* response, Real* out) {
-  const ResponseLayout kept{K, layout.force_points};
-  d.respond(response);
+  d.respond(response, layout, out);
   Vec3<Real> strain[ElementTables<K>::kMaximumForcePoints], row[K + 1];
   for (int q = 0; q < tables.force_points; ++q)
-    strain[q] = force_strain(q, in, kinematics, tables, reference, d, kept, response);
-  for (int j = 0; j <= K; ++j) row[j] = load_vector(response + kept.moment_row(j));
+    strain[q] = force_strain(q, in, kinematics, tables, reference, d, out + layout.force(q));
+  for (int j = 0; j <= K; ++j) row[j] = load_vector(out + layout.moment(j));
   add_moment_row_change(in, kinematics, tables, layout, reference, d, row);
   answer_strains(section, tables, kinematics.length, strain, row);
   for (int q = 0; q < tables.force_points; ++q) store_vector(strain[q], out + layout.force(q));

@@ -61,17 +61,16 @@ KOKKOS_INLINE_FUNCTION void expand_symmetric_tangent(const Real* numbers, Real* 
 
 /// The increment of every interior unknown is affine in nine numbers: the change of slope_0 and the spins of both
 /// vertices in the element frame (columns 0..8); column 9 is the constant part, from the interior residual.
-constexpr int kResponseColumns = 10;
+constexpr int kVertexColumns = 9, kResponseColumns = kVertexColumns + 1;
 
-/// Numbers that the tangent of an element keeps for the recovery of its interior: rows of kResponseColumns for w, psi_j
-/// and slope_j in the element frame, then right-hand sides. N and M follow from all this, the section and the state.
-/// Their rows would more than double the memory, which is the limit for tangents of low orders.
+/// Numbers that the tangent of an element keeps for the recovery of its interior: rows of kVertexColumns for w, psi_j
+/// and slope_j in the element frame. Their constant parts and the right-hand sides of N and M are as many numbers as
+/// the increments that they become, in whose layout and place they are kept. N and M follow from all this, the section
+/// and the state. Their rows would more than double the memory, which is the limit for tangents of low orders.
 struct ResponseLayout {
-  int order = 0, force_points = 0;
+  int order = 0;
   KOKKOS_INLINE_FUNCTION constexpr int rows() const { return 3 * (2 * order - 1); }
-  KOKKOS_INLINE_FUNCTION constexpr int strain_error(int q) const { return kResponseColumns * rows() + 3 * q; }
-  KOKKOS_INLINE_FUNCTION constexpr int moment_row(int j) const { return strain_error(force_points + j); }
-  KOKKOS_INLINE_FUNCTION constexpr int size() const { return moment_row(order + 1); }
+  KOKKOS_INLINE_FUNCTION constexpr int size() const { return kVertexColumns * rows(); }
 };
 
 /// In place of a number of negative eigenvalues: a pivot is zero.

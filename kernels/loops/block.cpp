@@ -50,16 +50,6 @@ void condense_right_hand_side(const ElementBlock& block, const StructureViews& s
   });
 }
 
-void clear_right_hand_side(const ElementBlock& block, const ElementEquations& equations) {
-  const ResponseLayout kept{block.order, block.interior.force_points};
-  double* const first = equations.response.data() + block.response_offset;
-  Kokkos::parallel_for("mixbeam::elements::clear", Kokkos::RangePolicy<ExecutionSpace>(0, block.count), [=](int e) {
-    double* response = first + static_cast<size_t>(e) * kept.size();
-    for (int r = 0; r < kept.rows(); ++r) response[kResponseColumns * (r + 1) - 1] = 0.0;
-    for (int i = kept.strain_error(0); i < kept.size(); ++i) response[i] = 0.0;
-  });
-}
-
 void recover_interior(const ElementBlock& block, const StructureViews& structure, const StateViews& state,
                       const ElementEquations& equations, const KernelView<const double* [6]>& vertex_increment,
                       const KernelView<double*>& increment) {

@@ -38,7 +38,9 @@ struct ElementEquations {
   KernelView<double* [12]> condensed_residual;  ///< (element, 12): gradient after elimination of the interior
   KernelView<double**> condensed_tangent;       ///< (element, kFullTangent or kSymmetricTangent), spatial
   KernelView<double*> response;                 ///< ElementBlock::response_size() of each element, block after block
-  KernelView<double*> largest_end_angle;        ///< (element): relative rotation between element and vertex, radians
+  /// Increments of the interior while the vertices stand still, in their layout; may be the right-hand side.
+  KernelView<double*> constants;
+  KernelView<double*> largest_end_angle;  ///< (element): relative rotation between element and vertex, radians
   /// (element): eigenvalues below zero of the interior while the vertices stand still, their parity alone where the
   /// element has no potential; kUncertainCount where a pivot is zero. Not counted where the view is empty.
   KernelView<int*> interior_negative;
@@ -89,24 +91,21 @@ struct ElementBlock {
     return false;
   }
   /// Numbers that the tangent keeps of each element for recover_interior.
-  int response_size() const { return ResponseLayout{order, interior.force_points}.size(); }
+  int response_size() const { return ResponseLayout{order}.size(); }
 };
 
 /// Mixed residual: vertex and interior rows, largest relative end rotation.
 void evaluate_residual(const ElementBlock& block, const StructureViews& structure, const StateViews& state,
                        const ElementEquations& equations);
 
-/// Condensed tangent, condensed residual and the response of the interior unknowns.
+/// Condensed tangent, condensed residual, response of the interior unknowns and their constants.
 void evaluate_tangent(const ElementBlock& block, const StructureViews& structure, const StateViews& state,
                       const ElementEquations& equations);
 
-/// Condensed residual and constant response column for a given right-hand side in place of the block's own residual:
+/// Condensed residual and constants for a given right-hand side in place of the block's own residual:
 /// `rhs_interior` has the layout of increments (N rows are strains, not weighted). Everything else as evaluate_tangent.
 void condense_right_hand_side(const ElementBlock& block, const StructureViews& structure, const StateViews& state,
                               const KernelView<const double*>& rhs_interior, const ElementEquations& equations);
-
-/// Leaves what condense_right_hand_side() leaves of a right-hand side of zero, after evaluate_tangent().
-void clear_right_hand_side(const ElementBlock& block, const ElementEquations& equations);
 
 /// Computes the rows of the linearised equations that the capped stiffness of the tangent leaves out: J d - J_capped d
 /// for an interior increment d, (S_capped - S) dN in the N rows and its integral with dM in the M rows, zero in all
@@ -118,8 +117,8 @@ void cap_compliance_rows(const ElementBlock& block, const StructureViews& struct
 double largest_cap_row(const ElementBlock& block, const StructureViews& structure,
                        const KernelView<const double*>& increment, const ResidualScales& scales);
 
-/// Increments of the interior unknowns that belong to the vertex increment (vertex, 6: du, dtheta; spatial).
-/// `structure`, `state`: those of the tangent.
+/// Adds to the constants of the interior what belongs to the vertex increment (vertex, 6: du, dtheta; spatial), which
+/// makes them its increments. `structure`, `state`: those of the tangent.
 void recover_interior(const ElementBlock& block, const StructureViews& structure, const StateViews& state,
                       const ElementEquations& equations, const KernelView<const double* [6]>& vertex_increment,
                       const KernelView<double*>& increment);

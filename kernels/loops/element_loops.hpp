@@ -197,7 +197,11 @@ struct TangentLoop {
     const auto store = [&](int first, int count, const Real* numbers) {
       pack.lanes.store(numbers, first, count, response_of);
     };
-    element.store_response(gather.block.interior, store);
+    element.store_response(store);
+    Real constants[Elements::kIncrements];
+    element.constants(gather.block.interior, constants);
+    const auto constants_of = [&](int e) { return &to.constants(gather.increment_of(e)); };
+    pack.lanes.store(constants, 0, gather.block.interior.increments(), constants_of);
     store_condensed(pack.lanes, kinematics, element, unsymmetric, has_potential ? nullptr : &mean_rows);
   }
 
@@ -301,12 +305,13 @@ struct RecoverLoop {
       pack.lanes.load([&](int e) { return &vertex_increment(gather.block.vertices(e, end), 0); }, 6, ends[end]);
     ReducedIncrement<K, Real> d(kinematics, ends[0], ends[1]);
     const auto response_of = [&](int e) { return response.data() + gather.response_of(e); };
-    Real kept[ResponseLayout{K, Elements::kForcePoints}.size()];
+    Real kept[ResponseLayout{K}.size()];
     pack.lanes.load(response_of, gather.response_size, kept);
+    const auto increment_of = [&](int e) { return &increment(gather.increment_of(e)); };
+    pack.lanes.load(increment_of, gather.block.interior.increments(), out);
     recover_element(pack.in, kinematics, gather.tables, gather.block.interior, gather.block.reference_layout,
                     pack.section, d, kept, out);
-    pack.lanes.store(out, 0, gather.block.interior.increments(),
-                     [&](int e) { return &increment(gather.increment_of(e)); });
+    pack.lanes.store(out, 0, gather.block.interior.increments(), increment_of);
   }
 };
 

@@ -59,7 +59,7 @@ void condense_planar_right_hand_side(const ElementBlock& block, const PlanarBloc
                                      const KernelView<const double*>& rhs_interior, const PlanarTangents& tangents,
                                      const ElementEquations& equations);
 
-/// See clear_right_hand_side().
+/// Leaves what condense_planar_right_hand_side() leaves of a right-hand side of zero.
 void clear_planar_right_hand_side(const PlanarBlock& planar);
 
 /// Increments of all interior unknowns that belong to the vertex increment (vertex, 6; spatial, in the plane).

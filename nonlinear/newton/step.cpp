@@ -85,7 +85,7 @@ void Linearization::solve_condensed(MixedVector& increment, double enough) {
   DofVector& rhs = tangent_.condensed_rows();
   rhs.scale(-1.0);
   solver_->solve(rhs, increment.writable_dofs(false), enough);
-  tangent_.recover(increment);
+  tangent_.recover_last(increment);
 }
 
 void Linearization::cap_compliance_rows(const MixedVector& increment, MixedVector& rows) const {

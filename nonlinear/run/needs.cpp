@@ -24,7 +24,7 @@ namespace {
 // (apps/docs/large_scale.md).
 
 /// States and vectors that are alive at the peak of a load step: the groups of NOX and LOCA, their copies, our own.
-constexpr double kCopiesAlive = 7.0;
+constexpr double kCopiesAlive = 6.0;
 /// Mesh, adjacency, rows of vertices and numbering of chains; of a member names, curve and fields. [byte]
 constexpr double kBytesOfElement = 350.0, kBytesOfMember = 1800.0;
 /// Share of these and of the factors that every one of several ranks holds.
@@ -61,7 +61,7 @@ struct Kind {
   double tangent() const {
     if (rotating) return kFullTangent + vibrating();
     if (general) return kFullTangent + kResponseColumns * interior().increments();
-    return kSymmetricTangent + ResponseLayout{order, force_points}.size();
+    return kSymmetricTangent + ResponseLayout{order}.size();
   }
   /// Numbers of a VibratingBlock and its rows.
   double vibrating() const {

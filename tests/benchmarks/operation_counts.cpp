@@ -60,6 +60,7 @@ struct CountedElement {
     equations.interior_residual = increment;
     equations.condensed_tangent = KernelView<double**>("tangent", 1, kSymmetricTangent);
     equations.response = KernelView<double*>("response", block.response_size());
+    equations.constants = increment;
     equations.largest_end_angle = KernelView<double*>("end_angle", 1);
     planar = make_planar_block(block, {{{1.0, 0.0, 0.0}}, {{0.0, 1.0, 0.0}}, {{0.0, 0.0, 1.0}}}, 1);
   }
@@ -136,13 +137,14 @@ PhaseCost condense_cost() {
 template <int N>
 PhaseCost solve_cost() {
   FreeVertexFactors<N, CountedNumber> factors;
+  const auto next = any_link<N>();
   CountedNumber b[N], first[N], second[N];
   const auto count = operations_of([&] {
-    eliminate_rows<N>(factors, b, first, second);
-    follow_neighbours(factors, first, second, b);
+    eliminate_rows<N>(factors, next, b, first, second);
+    follow_neighbours(factors, next, first, second, b);
   });
-  const int inwards = free_factor_size(N) + 2 * N, outwards = free_factor_size(N) - triangle_size(N) + 2 * N;
-  return {static_cast<double>(count.flops() + N), bytes_of(inwards + outwards + 2 * kTurnedToPlane<N>, 3)};
+  const int each_way = free_factor_size(N) + TangentLayout<N>::kSymmetric + 2 * N;
+  return {static_cast<double>(count.flops() + N), bytes_of(2 * (each_way + kTurnedToPlane<N>), 5)};
 }
 
 /// b - K x and |K| X + |b| with the matrices of the elements on both sides of a vertex, N rows each over u_b - u_a and
@@ -156,16 +158,18 @@ PhaseCost check_cost() {
 struct Layouts {
   InteriorLayout interior;
   ReferenceLayout reference;
-  int response, tangent, vertex_rows, input_numbers;
+  int response, constants, tangent, vertex_rows, input_numbers;
   Layouts(const std::string& kind, int order)
       : interior{order, force_point_count(order, ForceIntegration::both_reduced)},
         reference{order, interior.force_points},
-        response(ResponseLayout{order, interior.force_points}.size()),
+        response(ResponseLayout{order}.size()),
+        constants(interior.increments()),
         tangent(kSymmetricTangent),
         vertex_rows(2 * kDofs),
         input_numbers(reference.size()) {
     if (kind == "spatial") return;
     response = planar_response_size(order);
+    constants = 0;
     tangent = kPlanarTangent;
     vertex_rows = 4;
     input_numbers = planar_constants_size(order);
@@ -187,13 +191,15 @@ PhaseCost residual_cost(const Layouts& layouts, double element_flops) {
 }
 
 PhaseCost tangent_cost(const Layouts& layouts, double element_flops) {
-  return {element_flops, layouts.input() + bytes_of(layouts.vertex_rows + layouts.tangent + layouts.response)};
+  return {element_flops,
+          layouts.input() + bytes_of(layouts.vertex_rows + layouts.tangent + layouts.response + layouts.constants)};
 }
 
 /// In space N and M follow from the state once more; in the plane all rows are kept.
 PhaseCost recover_cost(const std::string& kind, const Layouts& layouts, double element_flops) {
   const double input = kind == "spatial" ? layouts.input() : bytes_of(0, 3);
-  return {element_flops, input + bytes_of(layouts.response + kDofs + layouts.interior.increments())};
+  return {element_flops,
+          input + bytes_of(layouts.response + layouts.constants + kDofs + layouts.interior.increments())};
 }
 
 /// x + step d; rotations of element and vertex are composed.

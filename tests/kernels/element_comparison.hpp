@@ -147,7 +147,7 @@ inline double recovery_difference(const SampleBlock& samples, const ElementSampl
                                   const SchurComplement& expected, const std::vector<int>& eliminated) {
   RandomNumbers random(sample.state.force.size());
   const KernelView<double* [6]> vertex_increment("vertex_increment", 2);
-  const KernelView<double*> increment("increment", samples.interior_row(1));
+  const KernelView<double*> increment = samples.constants();
   std::vector<double> one(kVertexIncrements + 1, 1.0);  // (vertex increments, 1)
   for (int i = 0; i < kVertexIncrements; ++i)
     vertex_increment(samples.vertex(0, i / 6), i % 6) = one[i] = random.between(-1.0, 1.0);

@@ -75,7 +75,7 @@ struct BothWays {
     const KernelView<double* [6]> vertex_increment("vertex_increment", samples.state.vertex_rotation.extent(0));
     RandomNumbers random(3);
     for (size_t i = 0; i < vertex_increment.size(); ++i) vertex_increment.data()[i] = random.between(-1.0, 1.0);
-    const KernelView<double*> increment("increment", samples.interior_row(samples.block.count));
+    const KernelView<double*> increment = samples.constants();
     for_each_part(samples, [&](const ElementBlock& part) {
       recover_interior(part, samples.structure, samples.state, samples.equations, vertex_increment, increment);
     });

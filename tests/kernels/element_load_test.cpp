@@ -162,7 +162,7 @@ void newton_step(const SampleBlock& samples) {
   Teuchos::LAPACK<int, double>().GESV(n, 1, matrix.data(), n, pivots.data(), increment.data(), n, &info);
   ASSERT_EQ(info, 0);
   const KernelView<double* [6]> vertex_increment("vertex_increment", 2);
-  const KernelView<double*> interior_increment("interior_increment", samples.interior_row(1));
+  const KernelView<double*> interior_increment = samples.constants();
   const int right = samples.vertex(0, 1);
   for (int i = 0; i < n; ++i) vertex_increment(right, i) = increment[i];
   recover_interior(samples.block, samples.structure, samples.state, samples.equations, vertex_increment,

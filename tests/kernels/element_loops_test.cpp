@@ -65,7 +65,7 @@ NamedNumbers everything_written(int order, ForceIntegration rule) {
   numbers.add("interior residual", equations.interior_residual);
   numbers.add("largest end angle", equations.largest_end_angle);
   condense_right_hand_side(samples.block, samples.structure, samples.state, random_increments(samples, 1), equations);
-  numbers.add("response to a given right-hand side", equations.response);
+  numbers.add("constants of a given right-hand side", equations.constants);
   evaluate_tangent(samples.block, samples.structure, samples.state, equations);
   numbers.add("condensed tangent", equations.condensed_tangent);
   numbers.add("condensed residual", equations.condensed_residual);
@@ -73,7 +73,8 @@ NamedNumbers everything_written(int order, ForceIntegration rule) {
   const KernelView<double* [6]> vertex_increment("vertex_increment", 2 * kElements);
   RandomNumbers random(2);
   for (size_t i = 0; i < vertex_increment.size(); ++i) vertex_increment.data()[i] = random.between(-1.0, 1.0);
-  const KernelView<double*> increment = random_increments(samples, 3);
+  numbers.add("constants", equations.constants);
+  const KernelView<double*> increment = equations.constants;
   recover_interior(samples.block, samples.structure, samples.state, equations, vertex_increment, increment);
   numbers.add("interior increment", increment);
   const StateViews to = zero_copy(samples.state);
@@ -137,6 +138,8 @@ TEST_P(ElementLoops, OwnResidualAsRightHandSide) {
     Difference response, tangent, residual;
     for (size_t i = own.block.response_offset; i < own.equations.response.size(); ++i)
       response.add(0, given.equations.response(i), own.equations.response(i));
+    for (size_t i = 0; i < own.equations.constants.size(); ++i)
+      response.add(1, given.equations.constants(i), own.equations.constants(i));
     for (size_t i = 0; i < own.equations.condensed_tangent.size(); ++i)
       tangent.add(0, given.equations.condensed_tangent.data()[i], own.equations.condensed_tangent.data()[i]);
     for (size_t i = 0; i < own.equations.residual.size(); ++i)

@@ -211,6 +211,12 @@ class SampleBlock {
   ElementEquations equations;
 
   int increments() const { return block.interior.increments(); }
+  /// Increments of the interior of what was condensed last while the vertices stand still; a copy.
+  KernelView<double*> constants() const {
+    const KernelView<double*> copy("constants", equations.constants.extent(0));
+    Kokkos::deep_copy(copy, equations.constants);
+    return copy;
+  }
   int interior_row(int e) const { return static_cast<int>(block.increment_offset) + e * increments(); }
   int element_row(int e) const { return block.first_element + e; }
 
@@ -276,6 +282,7 @@ class SampleBlock {
     equations.condensed_residual = KernelView<double* [12]>("condensed_residual", elements);
     equations.condensed_tangent = KernelView<double**>("condensed_tangent", elements, kFullTangent);
     equations.response = KernelView<double*>("response", block.response_offset + count * block.response_size());
+    equations.constants = KernelView<double*>("constants", rows);
     equations.largest_end_angle = KernelView<double*>("largest_end_angle", elements);
   }
 

@@ -164,7 +164,7 @@ struct BothPaths {
         motion(v, 3 + i) = turn[i];
       }
     }
-    const KernelView<double*> a("a", spatial.interior_row(spatial.block.count)), b("b", a.extent(0));
+    const KernelView<double*> a = spatial.constants(), b("b", a.extent(0));
     recover_interior(spatial.block, spatial.structure, spatial.state, spatial.equations, motion, a);
     recover_planar_interior(planar.block, block, motion, b);
     const std::vector<Kind> kinds = kinds_of(spatial.state_of(0));

@@ -159,6 +159,7 @@ TEST_P(Vibration, RecoversAsTheTangent) {
     const std::vector<double> motion = random_motion(12 + samples.increments(), 13);
     const Motion residual(samples, motion), rows(samples, motion), expected(samples, motion), found(samples, motion);
     condense_right_hand_side(samples.block, samples.structure, samples.state, residual.interior, samples.equations);
+    Kokkos::deep_copy(expected.interior, samples.equations.constants);
     recover_interior(samples.block, samples.structure, samples.state, samples.equations, residual.vertex,
                      expected.interior);
     double* own = rows.interior.data() + samples.interior_row(0);
