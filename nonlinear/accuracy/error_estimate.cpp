@@ -241,7 +241,7 @@ constexpr int kMostCorrections = 4;
 ErrorEstimate estimate_in(const RicherScene& richer, BeamProblem& of, const SolverParameters& parameters,
                           const State& state, double load_factor) {
   const Model& model = of.model;
-  model.release_idle_arrays();  // vectors of the richer space take their place
+  of.release_idle();  // arrays of the richer space take their place
   const auto problem = Teuchos::rcp(new BeamProblem(richer.scene, model.map()->getComm(), parameters));
   problem->take_over(of);
   const State start = transfer(model, state, problem->model);

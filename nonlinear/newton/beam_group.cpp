@@ -264,7 +264,8 @@ NOX::Abstract::Group::ReturnType BeamGroup::applyJacobianInverse(Teuchos::Parame
     problem_->last_failure = error.what();
     increment.init(std::numeric_limits<double>::quiet_NaN());
   }
-  result.update(-1.0, increment, 0.0);
+  increment.scale(-1.0);  // in its place
+  result = increment;
   return Ok;
 }
 

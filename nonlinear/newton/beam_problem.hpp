@@ -57,6 +57,13 @@ class BeamProblem {
     for (const auto& solver : solvers_) solver->reset_factors();
   }
 
+  /// Frees what the next tangent makes anew.
+  void release_idle() {
+    for (const auto& solver : solvers_)
+      if (solver.use_count() == 1 && solver->chains() != nullptr) solver->chains()->release();
+    model.release_idle_arrays(true);
+  }
+
   /// Seeds the solver with the factors of a problem on the same structure and another discretization.
   void take_over(BeamProblem& other) { take_solver()->adopt_factors_of(*other.take_solver()); }
 

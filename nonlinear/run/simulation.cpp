@@ -160,14 +160,16 @@ StepRecord Simulation::record(const StepReport& report, int points_per_element,
   record.force_energy = energy.force;
   record.moment_energy = energy.moment;
   record.history = report.history;
-  record.state = share_of(model(), state_);
   record.point = report.point;
   record.reactions = reactions();
   const Balance sums = balance();
   record.balance = {sums.applied_force,   sums.applied_moment, sums.reaction_force,
                     sums.reaction_moment, sums.force_error,    sums.moment_error};
-  // samples come last, when memory is scarcest; a step that iterates makes new arrays for nothing, the last one none
-  if (problem_->iterates() || is_end_of_path(load_factor_)) model().release_idle_arrays();
+  // state and samples come last, when memory is scarcest; a step that iterates makes new arrays for nothing, the last
+  // one none
+  if (is_end_of_path(load_factor_)) problem_->release_idle();
+  if (problem_->iterates()) model().release_idle_arrays();
+  record.state = share_of(model(), state_);
   record.members = sample_own_elements(scene(), model(), state_, points_per_element);
   if (computes_stresses(parameters_.analysis, elements_for_stresses(scene(), model().mesh()),
                         is_end_of_path(load_factor_)))
