@@ -57,8 +57,9 @@ class BeamProblem {
     for (const auto& solver : solvers_) solver->reset_factors();
   }
 
-  /// Frees what the next tangent makes anew.
+  /// Frees what the next residual and tangent make anew.
   void release_idle() {
+    last_rows.reset();
     for (const auto& solver : solvers_)
       if (solver.use_count() == 1 && solver->chains() != nullptr) solver->chains()->release();
     model.release_idle_arrays(true);
