@@ -3,12 +3,12 @@
 #include "apps/mixbeam/scene_run.hpp"
 #include "apps/mixbeam/view_page.hpp"
 #include "discretization/text/errors.hpp"
+#include "discretization/text/message_text.hpp"
 #include "discretization/text/text_file.hpp"
 
 #include <unistd.h>
 
 #include <algorithm>
-#include <cctype>
 #include <chrono>
 #include <iostream>
 #include <memory>
@@ -25,8 +25,7 @@ constexpr int kRenewed = 2;                              ///< seconds after whic
 constexpr std::chrono::milliseconds kBetweenLooks{500};  ///< at a file that is watched
 
 bool is_scene_file(const fs::path& file) {
-  std::string ending = file.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+  const std::string ending = lower_case(file.extension().string());
   return ending == ".xml" || ending == ".yaml" || ending == ".yml";
 }
 

@@ -329,9 +329,7 @@ std::string with_centroid(const std::string& shape, const double* d) {
     second += part.area * part.second;
     third += part.area * part.third;
   }
-  const std::string mirrored = "mirrored";
-  const bool turned =
-      shape.size() >= mirrored.size() && shape.compare(shape.size() - mirrored.size(), mirrored.size(), mirrored) == 0;
+  const bool turned = shape.find("mirrored") != std::string::npos;
   return formatted("%c %s %.4f %.4f", shape[0], turned ? "mirrored" : "upright", second / area / width,
                    (turned ? -third : third) / area / height);
 }
@@ -348,18 +346,17 @@ struct Table {
   }
   std::size_t rows() const { return held == nullptr ? 0 : held->rows; }
   /// Throws InputError where the column is not there, or is of another width.
+  template <class Columns>
+  const auto& entries(const Columns& columns, const std::string& column, std::size_t width) const {
+    const auto found = columns.find(column);
+    if (found == columns.end() || found->second.size() != width * held->rows)
+      throw InputError("damaged, or no result file of mixbeam: acting/" + held->name + "/" + column);
+    return found->second;
+  }
   const double* row(const std::string& column, std::size_t i, std::size_t width) const {
-    const auto found = held->numbers.find(column);
-    if (found == held->numbers.end() || found->second.size() != width * held->rows)
-      throw InputError("damaged, or no result file of mixbeam: acting/" + held->name + "/" + column);
-    return found->second.data() + width * i;
+    return entries(held->numbers, column, width).data() + width * i;
   }
-  const std::string& word(const std::string& column, std::size_t i) const {
-    const auto found = words.find(column);
-    if (found == words.end() || found->second.size() != held->rows)
-      throw InputError("damaged, or no result file of mixbeam: acting/" + held->name + "/" + column);
-    return found->second[i];
-  }
+  const std::string& word(const std::string& column, std::size_t i) const { return entries(words, column, 1)[i]; }
 };
 
 /// Springs count only where nothing is fixed.
