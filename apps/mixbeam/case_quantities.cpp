@@ -2,7 +2,6 @@
 
 #include "apps/common/run/followed_points.hpp"
 #include "apps/common/run/quantity_values.hpp"
-#include "apps/mixbeam/commands.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/scene/merged_scene.hpp"
 

@@ -1,4 +1,3 @@
-#include "apps/common/run/scene_file.hpp"
 #include "apps/common/session/command_line.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "discretization/parameters/parameter_file.hpp"

@@ -12,7 +12,6 @@
 #include "discretization/text/message_text.hpp"
 
 #include <algorithm>
-#include <functional>
 #include <map>
 #include <tuple>
 

@@ -6,7 +6,6 @@
 #include "discretization/scene/amplitude.hpp"
 #include "discretization/scene/division.hpp"
 #include "discretization/scene/formula_pieces.hpp"
-#include "discretization/scene/load_cases.hpp"
 #include "discretization/scene/names.hpp"
 #include "discretization/scene/section_shape.hpp"
 #include "discretization/scene/what_acts.hpp"

@@ -6,11 +6,8 @@
 #include "discretization/text/errors.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
-#include "kernels/math/vector_algebra.hpp"
 
-#include <algorithm>
 #include <optional>
-#include <stdexcept>
 
 namespace mixbeam {
 

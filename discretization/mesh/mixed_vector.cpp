@@ -4,7 +4,6 @@
 #include <unistd.h>
 #include <Teuchos_CommHelpers.hpp>
 
-#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <vector>

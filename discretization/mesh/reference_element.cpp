@@ -4,7 +4,6 @@
 #include "kernels/math/legendre.hpp"
 
 #include <stdexcept>
-#include <vector>
 
 namespace mixbeam {
 namespace {

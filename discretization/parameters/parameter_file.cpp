@@ -1,6 +1,5 @@
 #include "discretization/parameters/parameter_file.hpp"
 
-#include "discretization/parameters/spec.hpp"
 #include "discretization/parameters/value.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/tags.hpp"

@@ -9,7 +9,6 @@
 #include <limits>
 #include <stdexcept>
 #include <tuple>
-#include <utility>
 
 namespace mixbeam {
 namespace {

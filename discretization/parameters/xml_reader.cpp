@@ -3,7 +3,6 @@
 #include "discretization/parameters/value.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/tags.hpp"
-#include "discretization/text/text_file.hpp"
 
 #include <libxml/SAX2.h>
 #include <libxml/parserInternals.h>

@@ -2,7 +2,6 @@
 
 #include "discretization/parameters/source.hpp"
 #include "discretization/scene/limits.hpp"
-#include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 
 #include <map>

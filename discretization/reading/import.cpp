@@ -1,11 +1,9 @@
 #include "discretization/reading/import.hpp"
 
-#include "discretization/parameters/spec.hpp"
 #include "discretization/parameters/validate.hpp"
 #include "discretization/parameters/value.hpp"
 #include "discretization/reading/blade_file.hpp"
 #include "discretization/reading/read_scene.hpp"
-#include "discretization/reading/scene_parts.hpp"
 #include "discretization/reading/variables.hpp"
 #include "discretization/scene/limits.hpp"
 #include "discretization/text/message_text.hpp"

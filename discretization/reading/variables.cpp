@@ -1,6 +1,5 @@
 #include "discretization/reading/variables.hpp"
 
-#include "discretization/parameters/spec.hpp"
 #include "discretization/parameters/validate.hpp"
 #include "discretization/parameters/value.hpp"
 #include "discretization/text/expression.hpp"

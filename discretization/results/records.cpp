@@ -2,7 +2,6 @@
 
 #include "discretization/results/result_tables.hpp"
 #include "discretization/state/record_fields.hpp"
-#include "discretization/text/errors.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/result_names.hpp"
 

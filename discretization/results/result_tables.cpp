@@ -5,7 +5,6 @@
 #include "discretization/text/tags.hpp"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 namespace mixbeam {

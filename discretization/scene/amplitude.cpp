@@ -1,6 +1,6 @@
 #include "discretization/scene/amplitude.hpp"
 
-#include "discretization/scene/load_cases.hpp"
+#include "discretization/scene/what_acts.hpp"
 #include "discretization/text/number_text.hpp"
 
 #include <algorithm>
@@ -9,7 +9,6 @@
 #include <set>
 #include <tuple>
 #include <utility>
-#include <vector>
 
 namespace mixbeam {
 

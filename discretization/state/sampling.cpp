@@ -1,7 +1,6 @@
 #include "discretization/state/sampling.hpp"
 
 #include "discretization/state/element_polynomials.hpp"
-#include "discretization/state/structure_parts.hpp"
 #include "kernels/element/layout.hpp"
 #include "kernels/math/vector_algebra.hpp"
 

@@ -16,7 +16,6 @@
 #include <iterator>
 #include <limits>
 #include <numeric>
-#include <string>
 #include <utility>
 
 extern "C" {

@@ -3,14 +3,12 @@
 #include "discretization/parameters/binding.hpp"
 #include "discretization/parameters/validate.hpp"
 #include "discretization/scene/load_cases.hpp"
-#include "discretization/scene/names.hpp"
 #include "discretization/scene/scene.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 namespace mixbeam {
 

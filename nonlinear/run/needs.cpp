@@ -2,13 +2,11 @@
 
 #include "discretization/linear_system/chain_structure.hpp"
 #include "discretization/mesh/row_lists.hpp"
-#include "discretization/mesh/structure.hpp"
 #include "discretization/scene/section_law.hpp"
 #include "discretization/scene/what_acts.hpp"
 #include "discretization/state/sampling.hpp"
 #include "kernels/chains/level.hpp"
 #include "kernels/vibration/vibration.hpp"
-#include "nonlinear/accuracy/error_estimate.hpp"
 #include "nonlinear/multilevel/network_solver.hpp"
 
 #include <algorithm>

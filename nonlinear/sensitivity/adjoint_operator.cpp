@@ -2,7 +2,6 @@
 
 #include "nonlinear/linear/krylov.hpp"
 #include "nonlinear/linear/linear_solver.hpp"
-#include "nonlinear/stability/block_krylov.hpp"
 #include "nonlinear/stability/thresholds.hpp"
 
 #include <algorithm>

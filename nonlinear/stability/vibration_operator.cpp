@@ -1,10 +1,8 @@
 #include "nonlinear/stability/vibration_operator.hpp"
 
-#include "discretization/text/errors.hpp"
 #include "nonlinear/linear/krylov.hpp"
 #include "nonlinear/linear/linear_solver.hpp"
 #include "nonlinear/stability/block_krylov.hpp"
-#include "nonlinear/stability/independent_unknowns.hpp"
 #include "nonlinear/stability/thresholds.hpp"
 
 #include <Teuchos_CommHelpers.hpp>

@@ -19,7 +19,6 @@
 #include <future>
 #include <iostream>
 #include <memory>
-#include <optional>
 #include <thread>
 
 namespace mixbeam {

@@ -1,6 +1,5 @@
 #include "apps/common/run/scene_gradients.hpp"
 
-#include "apps/common/run/number_path.hpp"
 #include "apps/common/run/quantity_values.hpp"
 #include "discretization/parameters/binding.hpp"
 #include "discretization/parameters/parameter_file.hpp"

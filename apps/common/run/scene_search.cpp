@@ -5,7 +5,6 @@
 #include "apps/common/tables/formatted.hpp"
 #include "discretization/parameters/binding.hpp"
 #include "discretization/parameters/parameter_file.hpp"
-#include "discretization/parameters/spec.hpp"
 #include "discretization/parameters/value.hpp"
 #include "discretization/reading/read_scene.hpp"
 #include "discretization/reading/variables.hpp"

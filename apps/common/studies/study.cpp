@@ -5,7 +5,6 @@
 #include "mixbeam/version.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstdlib>
 #include <fstream>
 #include <ostream>
