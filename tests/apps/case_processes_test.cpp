@@ -190,7 +190,7 @@ TEST_F(SideBySide, IsRefusedAsAWhole) {
 }
 
 TEST_F(SideBySide, NeedTheMemoryOfAllThatRunAtOnce) {
-  write_text(folder_ / "scene.yaml", changed(scene_of(1), "Elements: 8", "Elements: 200000"));  // 2 GB each
+  write_text(folder_ / "scene.yaml", changed(scene_of(1), "Elements: 8", "Elements: 300000"));  // 2 GB each
   const auto in_limit = [this](const std::string& command) {
     return run_process("/bin/bash", {"-c", "ulimit -v 5000000; exec \"$0\" " + command, program("mixbeam").string()},
                        folder_.path());
