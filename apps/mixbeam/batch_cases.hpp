@@ -143,7 +143,7 @@ class CaseScenes {
   /// Keeps those with imperfections by modes, which take time to find. Throws InputError, with the place of the case,
   /// for values that the scene does not permit.
   Scene scene_of(std::size_t index);
-  /// Keeps what scene_of() gave, which then gives it once more without reading; not beyond a limit of memory.
+  /// Keeps a scene of scene_of() for its next call, which reads nothing then; keeps none beyond a limit of memory.
   void keep(std::size_t index, Scene scene);
 
   /// The expected value that a case has of its own, by the name in the list "Expected".

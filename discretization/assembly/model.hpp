@@ -91,7 +91,7 @@ class Model {
   PhaseTimes& times() const { return times_; }
   /// Memory that evaluations use again. No number depends on the contents that another evaluation left there.
   Workspace& workspace() const { return *workspace_; }
-  /// Frees the memory of vectors, and maybe of tangents, that evaluations would use again.
+  /// Frees arrays of vectors, and of tangents if told so, that the next evaluation would use again.
   void release_idle_arrays(bool tangents = false) const;
 
  private:

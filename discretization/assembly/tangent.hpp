@@ -17,7 +17,7 @@ struct TangentKind {
   /// (6 * owned vertex + component): stiffness of springs from the present place of each vertex to the ground, in the
   /// matrix over all vertices alone; empty: none.
   KernelView<const double*> springs{};
-  /// Scaled; in place of the residual, where it is what condense() will be asked for.
+  /// Scaled right-hand side that condense() will be asked for next, condensed with the tangent; null: the residual.
   const MixedVector* right_hand_side = nullptr;
 };
 
@@ -47,7 +47,7 @@ class Tangent {
   void condense_residual();
   /// Increment of the interior that belongs to a vertex increment; both parts of `increment` are complete afterwards.
   void recover(MixedVector& increment) const;
-  /// Does so in the memory of the right-hand side, which is gone then: recover() would be that of zero.
+  /// Recovers in the memory of the condensed right-hand side, which a later recover() takes to be zero.
   void recover_last(MixedVector& increment);
 
   /// Adds up the elements, loads, supports and joints in a matrix over all vertices (whole_matrix). Collective.

@@ -58,7 +58,7 @@ class Linearization {
 
 /// Scales of the rows and residual of the elements, its rows scaled. Those that were taken last are not taken again.
 EvaluationPoint take_residual(BeamProblem& problem, const State& state, double load_factor, MixedVector& rows);
-/// The same without the rows.
+/// Scales and state of take_residual(), without the rows.
 EvaluationPoint take_point(BeamProblem& problem, const State& state, double load_factor);
 /// The tangent there, factorised; Linearization::failure() where that was not possible. `first`: the right-hand side
 /// that will be solved for first; null: the residual.

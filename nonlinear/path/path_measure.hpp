@@ -37,7 +37,7 @@ class PathMeasure {
   /// Of the motions alone.
   double motion(const MixedVector& a, const MixedVector& b) const;
   double motion(const MixedVector& a) const;
-  /// Of a - factor b.
+  /// Motion of a - factor b.
   double motion_beside(const MixedVector& a, double factor, const MixedVector& b) const;
   /// The same of each part of the structure that touches no other one: parts follow paths of their own.
   std::vector<double> motion_of_parts(const MixedVector& a, const MixedVector& b) const;
