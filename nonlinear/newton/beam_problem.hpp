@@ -44,7 +44,8 @@ class BeamProblem {
   /// Whether stable states are iterated with, and counted so.
   bool tries_iteration() const { return solvers_.front()->tries_iteration(); }
 
-  /// A state is never written to, and the last one is held. What formulas of loads mean depends on the piece that runs.
+  /// A state is never written to, and the last one is held, so that its address tells it, also on a rank without
+  /// elements (empty views have one, too). What formulas of loads mean depends on the piece that runs.
   bool is_last_point(const State& state, double load_factor) const {
     if (!last_point || model.clock().have_formulas()) return false;
     const State& last = last_point->state;
