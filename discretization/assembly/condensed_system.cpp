@@ -150,6 +150,7 @@ struct ChainErrorLoop {
   }
   KOKKOS_INLINE_FUNCTION void operator()(int pack, double& worst) const {
     const LaneRows lanes(pack, count);
+    fetch_elements(lanes);
     int most = 0;
     Real left[N], size[N];
     for (int lane = 0; lane < kLanes; ++lane) {
@@ -174,6 +175,14 @@ struct ChainErrorLoop {
         here[r] = eliminated(lanes.row[lane]) == 0 ? 0.0 : left[r][lane];
       }
       if (residual.extent(0) > 0) to_space<N>(axes, here, &residual(vertex_row(lanes.row[lane], 0)));
+    }
+  }
+  /// Fetches what the next pack does not share with this one.
+  KOKKOS_FORCEINLINE_FUNCTION void fetch_elements(const LaneRows& lanes) const {
+    for (const int v : lanes.next) {
+      const int entry = adjacency.start(v);
+      if (entry < adjacency.start(v + 1))
+        fetch(&tangents(adjacency.element(entry, 0), 0), static_cast<int>(tangents.extent(1)));
     }
   }
   /// The i-th element at each vertex.

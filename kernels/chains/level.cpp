@@ -163,21 +163,36 @@ KOKKOS_INLINE_FUNCTION Link<N, kind> load_link(const LinkMatrices<N>& matrices, 
     return load_full<N, kind>(links, rows);
 }
 
-/// Steps for which the processor fetches tangents in advance: lanes read them far from each other, so that it sees too
-/// late where they go on.
-constexpr int kStepsAhead = 2;
+/// Steps for which the processor fetches tangents and rows in advance: lanes read them far from each other, so that it
+/// sees too late where they go on.
+constexpr int kStepsAhead = 1;
 
 /// `step`: kStepsAhead further than where the loop is, which need not exist.
 template <int N, ChainKind kind>
 KOKKOS_FORCEINLINE_FUNCTION void fetch_links(const ChainLevel& level, const LinkMatrices<N>& matrices, int pack,
                                              int step) {
-  constexpr int numbers_of_line = 8;
   if (kind != ChainKind::free || step < level.step_start(pack) || step >= level.step_start(pack + 1)) return;
   for (int lane = 0; lane < kLanes; ++lane) {
     const int link = level.link(step, lane) / 2;
-    for (int i = 0; matrices.is_element(link) && i < TangentLayout<N>::kSymmetric; i += numbers_of_line)
-      __builtin_prefetch(&matrices.elements(link, i));
+    if (matrices.is_element(link)) fetch<const double>(&matrices.elements(link, 0), TangentLayout<N>::kSymmetric);
   }
+}
+
+/// Factors that step `step` leaves, which need not exist.
+template <int N, ChainKind kind, class Factors>
+KOKKOS_FORCEINLINE_FUNCTION void fetch_factors(const ChainLevel& level, const Factors& factors_of, int pack, int step) {
+  if (step <= level.step_start(pack) || step >= level.step_start(pack + 1)) return;
+  auto& ahead = factors_at<N, kind>(factors_of, step, pack);
+  fetch(reinterpret_cast<double*>(&ahead), sizeof(ahead) / sizeof(double));
+}
+
+/// Numbers of the vertices before links `step`, which need not exist.
+template <int N, class Number>
+KOKKOS_FORCEINLINE_FUNCTION void fetch_vertices(const ChainLevel& level, const KernelView<Number*>& numbers, int pack,
+                                                int step) {
+  if (step <= level.step_start(pack) || step >= level.step_start(pack + 1)) return;
+  for (int lane = 0; lane < kLanes; ++lane)
+    if (level.vertex(step - 1, lane) >= 0) fetch(&numbers(static_cast<size_t>(N) * level.vertex(step - 1, lane)), N);
 }
 
 template <int N>
@@ -241,6 +256,7 @@ struct CondenseLoop {
       const StepLinks links(level, step);
       auto& factors = factors_at<N, kind>(factors_of, step, pack);
       fetch_links<N, kind>(level, matrices, pack, step + kStepsAhead);
+      fetch_factors<N, kind>(level, factors_of, pack, step + kStepsAhead);
       if (any<kLanes>(links.rests)) {
         const Link<N, kind> before = chain;
         const PivotWatch<Real> seen = watch;
@@ -303,6 +319,9 @@ struct RowsLoop {
   KOKKOS_INLINE_FUNCTION void eliminate(int pack, int step, Real* at_begin, Real* passed) const {
     const auto& factors = factors_at<N, kind>(factors_of, step, pack);
     fetch_links<N, kind>(level, matrices, pack, step + kStepsAhead);
+    fetch_factors<N, kind>(level, factors_of, pack, step + kStepsAhead);
+    fetch_vertices<N>(level, rows, pack, step + kStepsAhead);
+    fetch_vertices<N>(level, x, pack, step + kStepsAhead);
     Real b[N];
     Real::Mask rests{};
     for (int lane = 0; lane < kLanes; ++lane) {
@@ -359,6 +378,8 @@ struct ExpandLoop {
     for (int step = end - 1; step > begin; --step) {
       const auto& factors = factors_at<N, kind>(factors_of, step, pack);
       fetch_links<N, kind>(level, matrices, pack, step - kStepsAhead);
+      fetch_factors<N, kind>(level, factors_of, pack, step - kStepsAhead);
+      fetch_vertices<N>(level, x, pack, step - kStepsAhead);
       Real here[N];
       load(&level.vertex(step - 1, 0), here);
       Real moved[N];

@@ -6,6 +6,7 @@
 #include <Kokkos_Core.hpp>
 
 #include <cmath>
+#include <type_traits>
 
 namespace mixbeam {
 
@@ -215,16 +216,29 @@ inline void scatter_lanes(const Pack<W>* numbers, int count, int offset, int act
     }
 }
 
+/// Fetches the cache lines of `count` numbers, to be written where they are not constant.
+template <class Number>
+KOKKOS_FORCEINLINE_FUNCTION void fetch(Number* numbers, int count) {
+#if !defined(__CUDACC__) && !defined(__HIPCC__)
+  constexpr int line = 8;
+  for (int i = 0; i < count; i += line) __builtin_prefetch(numbers + i, std::is_const_v<Number> ? 0 : 1);
+#endif
+}
+
 /// Rows (elements, vertices) that are worked on side by side, from W * pack on. Behind the last of `count` rows that
-/// one is repeated, and nothing is written for the repetitions.
+/// one is repeated, and nothing is written for the repetitions. Rows of the next pack are fetched while this one is
+/// worked on: the processor does not foresee where as many streams as there are lanes go on.
 template <int W>
 struct RowsInLanes {
   static constexpr int kCount = W > 0 ? W : 1;
   int active;  ///< lanes that are written
-  int row[kCount];
+  int row[kCount], next[kCount];
   KOKKOS_FORCEINLINE_FUNCTION RowsInLanes(int pack, int count)
       : active(count - pack * kCount < kCount ? count - pack * kCount : kCount) {
-    for (int lane = 0; lane < kCount; ++lane) row[lane] = pack * kCount + (lane < active ? lane : active - 1);
+    for (int lane = 0; lane < kCount; ++lane) {
+      row[lane] = pack * kCount + (lane < active ? lane : active - 1);
+      next[lane] = row[lane] + kCount < count ? row[lane] + kCount : row[lane];
+    }
   }
   static int packs(int count) { return (count + kCount - 1) / kCount; }
 
@@ -233,6 +247,7 @@ struct RowsInLanes {
   KOKKOS_FORCEINLINE_FUNCTION void load(const At& at, int count, Pack<W>* numbers) const {
     const double* rows[kCount];
     for (int lane = 0; lane < kCount; ++lane) rows[lane] = at(row[lane]);
+    for (int lane = 0; lane < kCount; ++lane) fetch(at(next[lane]), count);
     gather_lanes(rows, count, numbers);
   }
   /// at(row)[first + i] = numbers[i] for i < count, of the active lanes.
@@ -240,6 +255,7 @@ struct RowsInLanes {
   KOKKOS_FORCEINLINE_FUNCTION void store(const Pack<W>* numbers, int first, int count, const At& at) const {
     double* rows[kCount];
     for (int lane = 0; lane < kCount; ++lane) rows[lane] = at(row[lane]);
+    for (int lane = 0; lane < kCount; ++lane) fetch(at(next[lane]) + first, count);
     scatter_lanes(numbers, count, first, active, rows);
   }
 };

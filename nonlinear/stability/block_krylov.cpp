@@ -176,7 +176,7 @@ class KrylovSpace {
     next_.resize(static_cast<size_t>(kept) * n);
     columns_next_ = kept;
     Vector r(static_cast<size_t>(kept) * columns);
-    for (int j = 0; j < columns; ++j) std::copy_n(&factor[static_cast<size_t>(j) * columns], kept, &r[j * kept]);
+    for (int j = 0; j < columns; ++j) std::copy_n(&factor[static_cast<size_t>(j) * columns], kept, r.data() + j * kept);
     return r;
   }
 
