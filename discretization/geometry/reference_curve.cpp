@@ -189,6 +189,7 @@ ReferenceCurve make_path(const Member& member, const Vector3& start, const Vecto
 
 Vec3<double> ReferenceCurve::position(double s) const {
   if (path != nullptr) return path->position(s);
+  if (is_straight()) return origin + s * (rotation_matrix(start_triad) * Vec3<double>{{1.0, 0.0, 0.0}});
   const Vec3<double> carried = start_curvature - Vec3<double>{{twist_rate, 0.0, 0.0}};
   const Vec3<double> mean_tangent = tangent_map(s * carried) * Vec3<double>{{1.0, 0.0, 0.0}};
   return origin + s * (rotation_matrix(start_triad) * mean_tangent);
@@ -196,6 +197,7 @@ Vec3<double> ReferenceCurve::position(double s) const {
 
 // The product of two unit quaternions is a unit quaternion up to rounding, which would enter the triad fourfold.
 Quaternion<double> ReferenceCurve::triad(double s) const {
+  if (is_straight()) return normalized(start_triad);
   if (has_constant_curvature()) return normalized(start_triad * exp_quaternion(s * start_curvature));
   Quaternion<double> untwisted = carried_triad(*this, s);
   if (second_axis) {

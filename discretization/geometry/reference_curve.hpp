@@ -38,6 +38,7 @@ struct ReferenceCurve {
 
   /// Whether kappa0 is the same everywhere.
   bool has_constant_curvature() const { return path == nullptr && twist_rate == 0.0 && !second_axis; }
+  bool is_straight() const { return has_constant_curvature() && dot(start_curvature, start_curvature) == 0.0; }
 
   /// r0(s); with constant curvature r0(0) + s Lambda_0(0) T(s kappa0) e1, the integral of the tangent
   Vec3<double> position(double s) const;

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <type_traits>
 #include <vector>
 
 namespace mixbeam {
@@ -19,20 +20,25 @@ using ConstEntries = KernelView<const double*>;
 using Sources = Kokkos::View<const double*, Kokkos::LayoutRight, MemorySpace, Kokkos::MemoryTraits<Kokkos::Unmanaged>>;
 using Range = Kokkos::RangePolicy<ExecutionSpace>;
 
-/// action(i) for every entry; entries must not depend on each other.
+/// action(i) for every entry; entries must not depend on each other. The action has pointers in place of views: its
+/// copy in registers is known to change with nothing that is written, and entries are taken side by side.
 template <class Action>
 void for_each_entry(const char* label, size_t n, const Action& action) {
+  static_assert(std::is_trivially_copyable_v<Action>, "no views");
   Kokkos::parallel_for(
       label, Range(0, (n + kRun - 1) / kRun), KOKKOS_LAMBDA(size_t run) {
+        const Action own = action;
         const size_t end = (run + 1) * kRun < n ? (run + 1) * kRun : n;
 #pragma GCC ivdep
-        for (size_t i = run * kRun; i < end; ++i) action(i);
+        for (size_t i = run * kRun; i < end; ++i) own(i);
       });
 }
 
 void copy_entries(const ConstEntries& from, const Entries& to) {
+  const double* const x = from.data();
+  double* const y = to.data();
   for_each_entry(
-      "mixbeam::vector::copy", to.extent(0), KOKKOS_LAMBDA(size_t i) { to(i) = from(i); });
+      "mixbeam::vector::copy", to.extent(0), KOKKOS_LAMBDA(size_t i) { y[i] = x[i]; });
 }
 
 double largest_magnitude(const ConstEntries& x) {
@@ -94,9 +100,10 @@ Teuchos::RCP<DofVector> new_vertex_dofs(const Teuchos::RCP<const DofMap>& map, V
   return Teuchos::rcp(new DofVector(map, Values(values, values)));
 }
 
-void clear(const Entries& y) {
+void clear(const Entries& entries) {
+  double* const y = entries.data();
   for_each_entry(
-      "mixbeam::vector::clear", y.extent(0), KOKKOS_LAMBDA(size_t i) { y(i) = 0.0; });
+      "mixbeam::vector::clear", entries.extent(0), KOKKOS_LAMBDA(size_t i) { y[i] = 0.0; });
 }
 
 /// Zeros that take no memory while they are only read: the system has one page for all pages that nothing was written
@@ -175,10 +182,10 @@ void MixedVector::combine_with(const MixedVector& other, const Action& action) {
   const Sources in[2] = {other.vertex(), other.interior_}, old[2] = {std::as_const(*this).vertex(), interior_};
   const Entries out[2] = {writable_vertex(false), writable_interior(false)};
   for (int part = 0; part < 2; ++part) {
-    const Entries y = out[part];
-    const Sources x = in[part], own = old[part];
+    double* const y = out[part].data();
+    const double *const x = in[part].data(), *const own = old[part].data();
     for_each_entry(
-        "mixbeam::vector::combine", y.extent(0), KOKKOS_LAMBDA(size_t i) { y(i) = action(own(i), x(i)); });
+        "mixbeam::vector::combine", out[part].extent(0), KOKKOS_LAMBDA(size_t i) { y[i] = action(own[i], x[i]); });
   }
 }
 
@@ -213,14 +220,14 @@ void MixedVector::update(double a, const MixedVector& x, double b, const MixedVe
                 old[2] = {std::as_const(*this).vertex(), interior_};
   const Entries out[2] = {writable_vertex(false), writable_interior(false)};
   for (int part = 0; part < 2; ++part) {
-    const Entries z = out[part];
-    const Sources p = first[part], q = second[part], before = old[part];
+    double* const z = out[part].data();
+    const double *const p = first[part].data(), *const q = second[part].data(), *const before = old[part].data();
     for_each_entry(
-        "mixbeam::vector::update", z.extent(0), KOKKOS_LAMBDA(size_t i) {
-          double value = gamma == 0.0 ? 0.0 : gamma * before(i);  // a zero factor must not spread a not-a-number
-          if (a != 0.0) value += a * p(i);
-          if (b != 0.0) value += b * q(i);
-          z(i) = value;
+        "mixbeam::vector::update", out[part].extent(0), KOKKOS_LAMBDA(size_t i) {
+          double value = gamma == 0.0 ? 0.0 : gamma * before[i];  // a zero factor must not spread a not-a-number
+          if (a != 0.0) value += a * p[i];
+          if (b != 0.0) value += b * q[i];
+          z[i] = value;
         });
   }
 }

@@ -122,6 +122,7 @@ struct Pack<W, true> {
   KOKKOS_FORCEINLINE_FUNCTION static Pack gathered(const Place& place) {
     return place(0);
   }
+  KOKKOS_FORCEINLINE_FUNCTION void store(double* number) const { *number = v; }
   KOKKOS_FORCEINLINE_FUNCTION double operator[](int) const { return v; }
   KOKKOS_FORCEINLINE_FUNCTION void set(int, double x) { v = x; }
 

@@ -41,6 +41,12 @@ struct VertexLoop {
       rotation[lane] = &from_rotation(v, 0);
       spin[lane] = &increment(v, 3);
       out[lane] = &to_rotation(v, 0);
+      const int next = rows.next[lane];
+      fetch(&from_displacement(next, 0), 3);
+      fetch(&from_rotation(next, 0), 4);
+      fetch(&increment(next, 0), 6);
+      fetch(&to_displacement(next, 0), 3);
+      fetch(&to_rotation(next, 0), 4);
       for (int i = 0; lane < rows.active && i < 3; ++i)
         to_displacement(v, i) = from_displacement(v, i) + scale * increment(v, i);
     }
@@ -57,6 +63,12 @@ struct ElementLoop {
   int count, first_element, unknowns;
   size_t interior_offset, increment_offset;
 
+  // as packs: the compiler would ask for each row whether the arrays overlap
+  KOKKOS_FORCEINLINE_FUNCTION void add_row(const double* x, const double* d, double* y) const {
+    int i = 0;
+    for (; i + kLanes <= unknowns; i += kLanes) (Real::loaded(x + i) + Real(scale) * Real::loaded(d + i)).store(y + i);
+    for (; i < unknowns; ++i) y[i] = x[i] + scale * d[i];
+  }
   KOKKOS_INLINE_FUNCTION void operator()(int pack) const {
     const LaneRows rows(pack, count);
     const double *triad[kLanes], *spin[kLanes];
@@ -66,7 +78,13 @@ struct ElementLoop {
       const double* d = increment.data() + increment_offset + static_cast<size_t>(e) * (unknowns + 3);
       const double* x = from_interior.data() + interior_offset + static_cast<size_t>(e) * unknowns;
       double* y = to_interior.data() + interior_offset + static_cast<size_t>(e) * unknowns;
-      for (int i = 0; lane < rows.active && i < unknowns; ++i) y[i] = x[i] + scale * d[i];
+      const int next = rows.next[lane] - e;
+      fetch(d + next * (unknowns + 3), unknowns + 3);
+      fetch(x + next * unknowns, unknowns);
+      fetch(y + next * unknowns, unknowns);
+      fetch(&from_triad(first_element + e + next, 0), 4);
+      fetch(&to_triad(first_element + e + next, 0), 4);
+      if (lane < rows.active) add_row(x, d, y);
       triad[lane] = &from_triad(first_element + e, 0);
       spin[lane] = d + unknowns;
       out[lane] = &to_triad(first_element + e, 0);

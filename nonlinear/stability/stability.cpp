@@ -626,6 +626,7 @@ void Stability::share(Pairs& pairs) const {
 Stability::Pairs Stability::nearest(const StabilityResult& stability, int count, double tolerance) {
   Pairs pairs;
   on_root(unknowns_->root(), [&] {
+    if (unknowns_->count() == 0) return;  // nothing was factorised
     InertiaSolver& factors = solver(stability);
     const double shift = stability.shift;
     KrylovProblem problem;
