@@ -49,9 +49,10 @@ class IterationTimer {
     const EvaluationPoint point = mixed_residual(model, state_, 1.0, residual_);
     tangent_.emplace(model, point, cap_for(model, point.scales));
     const RunWatch linear;
-    solver->factorize(*tangent_);
-    tangent_->condensed_rows().scale(-1.0);
-    solver->solve(tangent_->condensed_rows(), increment_.vertex_dofs());
+    DofVector &rows = tangent_->condensed_rows(), &solution = increment_.writable_dofs(false);
+    rows.scale(-1.0);
+    solver->factorize(*tangent_, {&rows, &solution});
+    solver->solve(rows, solution);
     phases[kLinearSolver] = linear.seconds();
     tangent_->recover_last(increment_);
     State moved = model.apply(state_, increment_, is_beside_ ? -kStep : kStep);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace mixbeam {
 
@@ -249,9 +250,15 @@ class CondensedSystem::PlanarChains {
   }
 
   /// Eliminates the chains of a planar tangent, to which all that follows refers, and writes the links that remain.
-  ChainCondensation<kPlanarDofs>::Pivots condense(const PlanarTangents& tangents) {
+  /// With `rows` it does condense_rows(rows), too.
+  ChainCondensation<kPlanarDofs>::Pivots condense(const PlanarTangents& tangents,
+                                                  const KernelView<const double*>& rows) {
     tangents_ = tangents;
-    const auto pivots = chains_.factorize(tangents_);
+    const bool has_rows = rows.extent(0) > 0;
+    if (has_rows) take_from_space(rows, x_, {});
+    const auto pivots =
+        has_rows ? chains_.factorize(tangents_, ChainKind::symmetric, x_, x_) : chains_.factorize(tangents_);
+    if (has_rows) write_arrived();
     const LinkMatrices<kPlanarDofs> links = chains_.matrices(tangents_);
     const int elements = structure_.levels().elements;
     for (const RemainingLink& remaining : structure_.remaining()) {
@@ -276,11 +283,7 @@ class CondensedSystem::PlanarChains {
   void condense_rows(const KernelView<const double*>& rows) {
     take_from_space(rows, x_, {});
     chains_.condense_rows(x_, x_);  // each row is read before its x is written
-    for (const RemainingLink& remaining : structure_.remaining()) {
-      const int run = remaining.link - structure_.levels().elements;
-      for (int end = 0; run >= 0 && end < 2; ++end)
-        to_space<kPlanarDofs>(axes_, &chains_.arrived()(run, kPlanarDofs * end), &arrived_(run, kVertexDofs * end));
-    }
+    write_arrived();
   }
   /// All of x from its entries at vertices that are not eliminated.
   void expand(const KernelView<const unsigned char*>& eliminated, const KernelView<double*>& x) {
@@ -299,6 +302,13 @@ class CondensedSystem::PlanarChains {
   }
 
  private:
+  void write_arrived() const {
+    for (const RemainingLink& remaining : structure_.remaining()) {
+      const int run = remaining.link - structure_.levels().elements;
+      for (int end = 0; run >= 0 && end < 2; ++end)
+        to_space<kPlanarDofs>(axes_, &chains_.arrived()(run, kPlanarDofs * end), &arrived_(run, kVertexDofs * end));
+    }
+  }
   KOKKOS_INLINE_FUNCTION static size_t planar_row(int vertex) { return static_cast<size_t>(kPlanarDofs) * vertex; }
   /// At owned vertices, but for those to be left out, if there are any.
   void take_from_space(const KernelView<const double*>& spatial, const KernelView<double*>& planar,
@@ -355,8 +365,9 @@ const KernelView<double* [12]>& CondensedSystem::arrived() const {
 }
 
 bool CondensedSystem::condense(const Tangent& tangent, bool symmetric_part,
-                               const std::function<void(const MatrixRows&)>& add_more) {
+                               const std::function<void(const MatrixRows&)>& add_more, const FirstSolve& first) {
   tangent_ = &tangent;
+  first_ = first;
   elements_ = {};
   const auto& tangents = tangent.elements().condensed_tangent;
   planar_ = tangent.is_planar() ? planar_chains_.get() : nullptr;
@@ -367,12 +378,19 @@ bool CondensedSystem::condense(const Tangent& tangent, bool symmetric_part,
   };
   {
     PhaseTimer timer(model_.times(), "condense chains");
+    KernelView<const double*> rows;
+    KernelView<double*> half;
+    if (first.b != nullptr) {
+      rows = MixedVector::view_of(*first.b);
+      half = MixedVector::view_of(*first.x);
+    }
+    const ChainKind kind = !is_unsymmetric_ ? ChainKind::symmetric
+                           : symmetric_part ? ChainKind::symmetric_part
+                                            : ChainKind::general;
     if (planar_ != nullptr)
-      note(planar_->condense(tangent.planar_elements()));
+      note(planar_->condense(tangent.planar_elements(), rows));
     else
-      note(chains_.factorize(tangents, !is_unsymmetric_ ? ChainKind::symmetric
-                                       : symmetric_part ? ChainKind::symmetric_part
-                                                        : ChainKind::general));
+      note(chains_.factorize(tangents, kind, rows, half));
   }
   PhaseTimer timer(model_.times(), "assemble");
   tangent.gather(*remaining_, link_matrices(), add_more);
@@ -382,6 +400,7 @@ bool CondensedSystem::condense(const Tangent& tangent, bool symmetric_part,
 bool CondensedSystem::condense(const Tangent& tangent, const KernelView<const double**>& elements,
                                const std::function<void(const MatrixRows&)>& add_more) {
   tangent_ = &tangent;
+  first_ = {};
   elements_ = elements;
   planar_ = nullptr;
   const auto pivots = chains_.factorize(elements, is_unsymmetric_ ? ChainKind::general : ChainKind::symmetric);
@@ -391,6 +410,7 @@ bool CondensedSystem::condense(const Tangent& tangent, const KernelView<const do
 }
 
 void CondensedSystem::release() {
+  first_ = {};
   chains_.release();
   if (planar_chains_ != nullptr) planar_chains_->release();
 }
@@ -411,10 +431,13 @@ void CondensedSystem::condense_rows(const DofVector& b, DofVector& remaining_b, 
   PhaseTimer timer(model_.times(), "solve");
   const KernelView<const double*> rows = MixedVector::view_of(b);
   const KernelView<double*> half = MixedVector::view_of(x), out = MixedVector::view_of(remaining_b);
-  if (planar_ != nullptr)
-    planar_->condense_rows(rows);
-  else
-    chains_.condense_rows(rows, half);
+  const FirstSolve condensed = std::exchange(first_, {});
+  if (condensed.b != &b || condensed.x != &x) {
+    if (planar_ != nullptr)
+      planar_->condense_rows(rows);
+    else
+      chains_.condense_rows(rows, half);
+  }
   remaining_->sum_at_ends(arrived(), model_.structure().local_elements(), half);
   tangent_->project_on_free_motions(half);
   const KernelView<int*> vertices = remaining_->vertices();

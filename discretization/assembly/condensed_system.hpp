@@ -8,6 +8,12 @@
 
 namespace mixbeam {
 
+/// A right-hand side that a matrix is solved for first, and the vector for its solution: neither is written to before.
+struct FirstSolve {
+  const DofVector* b = nullptr;  ///< null: not known
+  DofVector* x = nullptr;
+};
+
 class CondensedSystem {
  public:
   /// Collective. The model must outlive the system. `kept`: owned local vertices that are not to be eliminated, beside
@@ -29,9 +35,10 @@ class CondensedSystem {
   bool is_unsymmetric() const { return is_unsymmetric_; }
   /// Eliminates the chains of a tangent, to which all that follows refers: it must not be gone by then. False where a
   /// pivot is so small that nothing can be relied on. `symmetric_part`: of (K + K^T) / 2 in chains without symmetry;
-  /// `add_more` as in Tangent::gather.
+  /// `add_more` as in Tangent::gather. `first`: condensed with the chains, so that condense_rows() need not read these
+  /// again.
   bool condense(const Tangent& tangent, bool symmetric_part = false,
-                const std::function<void(const MatrixRows&)>& add_more = {});
+                const std::function<void(const MatrixRows&)>& add_more = {}, const FirstSolve& first = {});
   /// Frees the factors, until condense() makes others.
   void release();
   /// Takes full matrices (local element, kFullTangent) in place of those of the tangent, in space.
@@ -72,6 +79,7 @@ class CondensedSystem {
 
   const Model& model_;
   const Tangent* tangent_ = nullptr;       ///< whose chains are eliminated
+  FirstSolve first_;                       ///< its rows are condensed in the chains, and no others since
   KernelView<const double**> elements_{};  ///< matrices in place of its own; empty: none
   bool is_unsymmetric_;
   ChainStructure structure_;

@@ -153,8 +153,11 @@ void Tangent::gather_condensed_rows(const KernelView<double* [2]>& loads, const 
     gather_rows(*model_, rows);
 }
 
-void Tangent::condense_residual() {
-  if (!holds_residual_) evaluate();
+bool Tangent::condense_residual() {
+  if (holds_residual_) return false;
+  held_.reset();
+  evaluate();
+  return true;
 }
 
 /// Rows of the vertices that the interior rows leave, spatial; `rhs` may lose these.
@@ -190,9 +193,9 @@ KernelView<double*> Tangent::condense_interior(MixedVector& rhs) {
   return rows;
 }
 
-void Tangent::condense(const MixedVector& scaled_rhs) {
+bool Tangent::condense(const MixedVector& scaled_rhs) {
   const std::optional<MixedVector> held = std::exchange(held_, std::nullopt);
-  if (held && held->shares_entries(scaled_rhs)) return;
+  if (held && held->shares_entries(scaled_rhs)) return false;
   PhaseTimer timer(model_->times(), "condense right-hand side");
   MixedVector rhs = scaled_rhs.clone(true);
   unscale_rows(*model_, point_.scales, rhs);
@@ -203,6 +206,7 @@ void Tangent::condense(const MixedVector& scaled_rhs) {
   Kokkos::parallel_for(
       "mixbeam::condense::vertex", Range(0, rows.extent(0)),
       KOKKOS_LAMBDA(size_t i) { rows(i) = fixed(i) ? given(i) : rows(i) + given(i); });
+  return true;
 }
 
 void Tangent::condense_spatial(const MixedVector& rows) {

@@ -39,12 +39,13 @@ class Tangent {
 
   /// Residual, condensed to the vertices, unscaled; or the right-hand side that was condensed last.
   DofVector& condensed_rows() const;
-  /// Condenses a scaled right-hand side (rows as mixed_residual() gives them); recover() then refers to it.
-  void condense(const MixedVector& scaled_rhs);
+  /// Condenses a scaled right-hand side (rows as mixed_residual() gives them); recover() then refers to it. False:
+  /// condensed_rows() are those of construction.
+  bool condense(const MixedVector& scaled_rhs);
   /// Condenses rows without scales; those of vertices are spatial and are projected here.
   void condense_spatial(const MixedVector& rows);
-  /// Condenses the residual again, if a right-hand side came in between.
-  void condense_residual();
+  /// Condenses the residual again, if a right-hand side came in between. False: it did not.
+  bool condense_residual();
   /// Increment of the interior that belongs to a vertex increment; both parts of `increment` are complete afterwards.
   void recover(MixedVector& increment) const;
   /// Recovers in the memory of the condensed right-hand side, which a later recover() takes to be zero.

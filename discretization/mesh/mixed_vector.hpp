@@ -58,6 +58,11 @@ class MixedVector {
   void fill(double value);
   /// Takes over the interior of another vector, which keeps it, too, or zero in its place.
   void share_interior(const MixedVector& from) { interior_ = from.interior_; }
+  /// Takes over the entries of vertices of another vector, to write them for both.
+  DofVector& share_vertices(const MixedVector& from) {
+    vertex_dofs_ = from.vertex_dofs_;
+    return *vertex_dofs_;
+  }
   void take_interior(MixedVector& from) {
     interior_ = from.interior_;
     from.interior_ = pool_->zeros;

@@ -241,52 +241,15 @@ KOKKOS_INLINE_FUNCTION void keep_resting(const Real::Mask& rests, const AnyLink&
   for (int i = 0; i < numbers; ++i) to[i] = select(rests, from[i], to[i]);
 }
 
-template <int N, ChainKind kind>
-struct CondenseLoop {
-  ChainLevel level;
-  LinkMatrices<N> matrices;
-  ChainFactors factors_of;
-  ChainPivots pivots;
-
-  KOKKOS_INLINE_FUNCTION void operator()(int pack) const {
-    const int begin = level.step_start(pack), end = level.step_start(pack + 1);
-    Link<N, kind> chain = load_link<N, kind>(matrices, StepLinks(level, begin));
-    PivotWatch<Real> watch;
-    for (int step = begin + 1; step < end; ++step) {
-      const StepLinks links(level, step);
-      auto& factors = factors_at<N, kind>(factors_of, step, pack);
-      fetch_links<N, kind>(level, matrices, pack, step + kStepsAhead);
-      fetch_factors<N, kind>(level, factors_of, pack, step + kStepsAhead);
-      if (any<kLanes>(links.rests)) {
-        const Link<N, kind> before = chain;
-        const PivotWatch<Real> seen = watch;
-        eliminate_vertex<N>(chain, load_link<N, kind>(matrices, links), factors, watch);
-        keep_resting(links.rests, before, chain);
-        watch.negative = select(links.rests, seen.negative, watch.negative);
-        watch.smallest = select(links.rests, seen.smallest, watch.smallest);
-      } else {
-        eliminate_vertex<N>(chain, load_link<N, kind>(matrices, links), factors, watch);
-      }
-    }
-    for (int lane = 0; lane < kLanes; ++lane) {
-      const int run = level.run(pack, lane);
-      if (run < 0) continue;
-      store_link<N>(chain, lane, &matrices.runs(run, 0));
-      pivots(run, 0) = watch.negative[lane];
-      pivots(run, 1) = watch.smallest[lane];
-    }
-  }
-};
-
 /// Sums the rows at the vertex between two links: the given ones and the shares of the runs on both sides.
 template <int N, ChainKind kind>
 struct RowsLoop {
   ChainLevel level;
   LinkMatrices<N> matrices;
-  KernelView<const double*> rows;
   ChainFactors factors_of;
-  KernelView<double * [2 * N]> arrived;
+  KernelView<const double*> rows;
   KernelView<double*> x;
+  KernelView<double * [2 * N]> arrived;
 
   KOKKOS_INLINE_FUNCTION void add_share(int code, bool far_end, double* sum) const {
     const int run = code / 2 - static_cast<int>(matrices.elements.extent(0));
@@ -294,32 +257,54 @@ struct RowsLoop {
     const bool second = far_end != (code % 2 == 1);
     for (int c = 0; c < N; ++c) sum[c] += arrived(run, (second ? N : 0) + c);
   }
+  /// Rows that arrive at the beginnings of runs, and at the vertex before the present link.
+  struct Shares {
+    Real at_begin[N], passed[N];
+  };
+
   KOKKOS_INLINE_FUNCTION void operator()(int pack) const {
     const int begin = level.step_start(pack), end = level.step_start(pack + 1);
-    Real at_begin[N], passed[N];
-    for (int c = 0; c < N; ++c) at_begin[c] = passed[c] = 0.0;
+    Shares shares;
+    start(pack, shares);
+    for (int step = begin + 1; step < end; ++step) {
+      fetch_links<N, kind>(level, matrices, pack, step + kStepsAhead);
+      fetch_factors<N, kind>(level, factors_of, pack, step + kStepsAhead);
+      const auto& factors = factors_at<N, kind>(factors_of, step, pack);
+      if constexpr (kind == ChainKind::free) {
+        const Link<N, kind> link = load_link<N, kind>(matrices, StepLinks(level, step));
+        eliminate(pack, step, factors, &link, shares);
+      } else {
+        eliminate(pack, step, factors, nullptr, shares);
+      }
+    }
+    finish(pack, shares);
+  }
+  KOKKOS_INLINE_FUNCTION void start(int pack, Shares& shares) const {
+    const int begin = level.step_start(pack);
+    for (int c = 0; c < N; ++c) shares.at_begin[c] = shares.passed[c] = 0.0;
     for (int lane = 0; lane < kLanes; ++lane) {
       double share[N] = {};
       if (level.run(pack, lane) >= 0) add_share(level.link(begin, lane), false, share);
-      for (int c = 0; c < N; ++c) at_begin[c].set(lane, share[c]);
+      for (int c = 0; c < N; ++c) shares.at_begin[c].set(lane, share[c]);
     }
-    for (int step = begin + 1; step < end; ++step) eliminate(pack, step, at_begin, passed);
+  }
+  KOKKOS_INLINE_FUNCTION void finish(int pack, const Shares& shares) const {
+    const int begin = level.step_start(pack);
     for (int lane = 0; lane < kLanes; ++lane) {
       const int run = level.run(pack, lane);
       if (run < 0) continue;
       double share[N] = {};
       add_share(level.link(begin + level.links(pack, lane) - 1, lane), true, share);
       for (int c = 0; c < N; ++c) {
-        arrived(run, c) = at_begin[c][lane];
-        arrived(run, N + c) = passed[c][lane] + share[c];
+        arrived(run, c) = shares.at_begin[c][lane];
+        arrived(run, N + c) = shares.passed[c][lane] + share[c];
       }
     }
   }
-  /// The vertex before link `step`.
-  KOKKOS_INLINE_FUNCTION void eliminate(int pack, int step, Real* at_begin, Real* passed) const {
-    const auto& factors = factors_at<N, kind>(factors_of, step, pack);
-    fetch_links<N, kind>(level, matrices, pack, step + kStepsAhead);
-    fetch_factors<N, kind>(level, factors_of, pack, step + kStepsAhead);
+  /// The vertex before link `step`; free chains ask for the link. One instance, so that all callers get the same bits.
+  KOKKOS_FUNCTION __attribute__((noinline)) void eliminate(int pack, int step, const Factors<N, kind>& factors,
+                                                           const Link<N, kind>* link, Shares& shares) const {
+    Real *at_begin = shares.at_begin, *passed = shares.passed;
     fetch_vertices<N>(level, rows, pack, step + kStepsAhead);
     fetch_vertices<N>(level, x, pack, step + kStepsAhead);
     Real b[N];
@@ -344,7 +329,7 @@ struct RowsLoop {
       passed[c] = 0.0;
     }
     if constexpr (kind == ChainKind::free)
-      eliminate_rows<N>(factors, load_link<N, kind>(matrices, StepLinks(level, step)), b, at_begin, passed);
+      eliminate_rows<N>(factors, *link, b, at_begin, passed);
     else
       eliminate_rows<N>(factors, b, at_begin, passed);
     for (int c = 0; c < N; ++c) {
@@ -354,6 +339,50 @@ struct RowsLoop {
     for (int lane = 0; lane < kLanes; ++lane)
       if (rests[lane] == 0)
         for (int c = 0; c < N; ++c) x(static_cast<size_t>(N) * level.vertex(step - 1, lane) + c) = b[c][lane];
+  }
+};
+
+template <int N, ChainKind kind>
+struct CondenseLoop {
+  ChainLevel level;
+  LinkMatrices<N> matrices;
+  ChainFactors factors_of;
+  ChainPivots pivots;
+  RowsLoop<N, kind> rows;
+  bool has_rows;
+
+  KOKKOS_INLINE_FUNCTION void operator()(int pack) const {
+    const int begin = level.step_start(pack), end = level.step_start(pack + 1);
+    typename RowsLoop<N, kind>::Shares shares;
+    if (has_rows) rows.start(pack, shares);
+    Link<N, kind> chain = load_link<N, kind>(matrices, StepLinks(level, begin));
+    PivotWatch<Real> watch;
+    for (int step = begin + 1; step < end; ++step) {
+      const StepLinks links(level, step);
+      auto& factors = factors_at<N, kind>(factors_of, step, pack);
+      fetch_links<N, kind>(level, matrices, pack, step + kStepsAhead);
+      fetch_factors<N, kind>(level, factors_of, pack, step + kStepsAhead);
+      const Link<N, kind> link = load_link<N, kind>(matrices, links);
+      if (any<kLanes>(links.rests)) {
+        const Link<N, kind> before = chain;
+        const PivotWatch<Real> seen = watch;
+        eliminate_vertex<N>(chain, link, factors, watch);
+        keep_resting(links.rests, before, chain);
+        watch.negative = select(links.rests, seen.negative, watch.negative);
+        watch.smallest = select(links.rests, seen.smallest, watch.smallest);
+      } else {
+        eliminate_vertex<N>(chain, link, factors, watch);
+      }
+      if (has_rows) rows.eliminate(pack, step, factors, &link, shares);
+    }
+    if (has_rows) rows.finish(pack, shares);
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const int run = level.run(pack, lane);
+      if (run < 0) continue;
+      store_link<N>(chain, lane, &matrices.runs(run, 0));
+      pivots(run, 0) = watch.negative[lane];
+      pivots(run, 1) = watch.smallest[lane];
+    }
   }
 };
 
@@ -415,23 +444,25 @@ void for_kind(ChainKind kind, const F& f) {
 
 template <int N>
 void condense_runs(ChainKind kind, const ChainLevel& level, const LinkMatrices<N>& matrices,
-                   const ChainFactors& factors, const ChainPivots& pivots) {
+                   const ChainFactors& factors, const ChainPivots& pivots, const ChainRows<N>& first) {
   static_assert(FreeVertexFactors<N, Real>::kSize == free_factor_size(N), "layout of the factors");
   static_assert(VertexFactors<N, Real>::kSize == vertex_factor_size(N), "layout of the factors");
   static_assert(GeneralVertexFactors<N, Real>::kSize == general_factor_size(N), "layout of the factors");
   for_kind<N>(kind, [&](auto of) {
-    Kokkos::parallel_for("mixbeam::chains::condense", Range(0, level.packs),
-                         CondenseLoop<N, of()>{level, matrices, factors, pivots});
+    Kokkos::parallel_for(
+        "mixbeam::chains::condense", Range(0, level.packs),
+        CondenseLoop<N, of()>{level, matrices, factors, pivots,
+                              RowsLoop<N, of()>{level, matrices, factors, first.rows, first.x, first.arrived},
+                              first.rows.extent(0) > 0});
   });
 }
 
 template <int N>
 void condense_rows(ChainKind kind, const ChainLevel& level, const LinkMatrices<N>& matrices,
-                   const KernelView<const double*>& rows, const ChainFactors& factors,
-                   const KernelView<double * [2 * N]>& arrived, const KernelView<double*>& x) {
+                   const ChainFactors& factors, const ChainRows<N>& rows) {
   for_kind<N>(kind, [&](auto of) {
     Kokkos::parallel_for("mixbeam::chains::condense_rows", Range(0, level.packs),
-                         RowsLoop<N, of()>{level, matrices, rows, factors, arrived, x});
+                         RowsLoop<N, of()>{level, matrices, factors, rows.rows, rows.x, rows.arrived});
   });
 }
 
@@ -446,10 +477,9 @@ void expand_runs(ChainKind kind, const ChainLevel& level, const LinkMatrices<N>&
 
 #define MIXBEAM_CHAINS(N)                                                                                   \
   template void condense_runs<N>(ChainKind, const ChainLevel&, const LinkMatrices<N>&, const ChainFactors&, \
-                                 const ChainPivots&);                                                       \
-  template void condense_rows<N>(ChainKind, const ChainLevel&, const LinkMatrices<N>&,                      \
-                                 const KernelView<const double*>&, const ChainFactors&,                     \
-                                 const KernelView<double * [2 * N]>&, const KernelView<double*>&);          \
+                                 const ChainPivots&, const ChainRows<N>&);                                  \
+  template void condense_rows<N>(ChainKind, const ChainLevel&, const LinkMatrices<N>&, const ChainFactors&, \
+                                 const ChainRows<N>&);                                                      \
   template void expand_runs<N>(ChainKind, const ChainLevel&, const LinkMatrices<N>&, const ChainFactors&,   \
                                const KernelView<double*>&);
 MIXBEAM_CHAINS(kSpatialDofs)

@@ -69,17 +69,24 @@ using ChainFactors = KernelView<double*>;
 /// |pivot| / |diagonal entry of its vertex block|, not a number where a pivot is zero.
 using ChainPivots = KernelView<double* [2]>;
 
-/// Eliminates the vertices inside all runs; writes LinkMatrices::runs, factors and pivots.
+/// A right-hand side `rows` (N * vertex + component): at eliminated vertices x, which may be `rows`, becomes V^-1 of
+/// the rows summed there; `arrived` (run, 2 N) is added by each run to the rows of its end vertices.
+template <int N>
+struct ChainRows {
+  KernelView<const double*> rows;
+  KernelView<double*> x;
+  KernelView<double * [2 * N]> arrived;
+};
+
+/// Eliminates the vertices inside all runs; writes LinkMatrices::runs, factors and pivots. Condenses `first` with them,
+/// where it has rows: factors and tangents need not be read for it again.
 template <int N>
 void condense_runs(ChainKind kind, const ChainLevel& level, const LinkMatrices<N>& matrices,
-                   const ChainFactors& factors, const ChainPivots& pivots);
+                   const ChainFactors& factors, const ChainPivots& pivots, const ChainRows<N>& first);
 
-/// Condenses a right-hand side `rows` (N * vertex + component): at eliminated vertices x becomes V^-1 of the rows
-/// summed there; `arrived` (run, 2 N) is added by each run to the rows of its end vertices.
 template <int N>
 void condense_rows(ChainKind kind, const ChainLevel& level, const LinkMatrices<N>& matrices,
-                   const KernelView<const double*>& rows, const ChainFactors& factors,
-                   const KernelView<double * [2 * N]>& arrived, const KernelView<double*>& x);
+                   const ChainFactors& factors, const ChainRows<N>& rows);
 
 /// Eliminated vertices from the solution at the ends of the runs, after condense_rows.
 template <int N>
@@ -108,15 +115,18 @@ class ChainCondensation {
     long negative = 0;      ///< below zero
     double smallest = 1.0;  ///< least |pivot| / |its diagonal entry|; not a number or zero: singular
   };
-  /// Eliminates; all that follows refers to it, and the matrices must be the same then.
-  Pivots factorize(const ElementMatrices& element_tangents, ChainKind kind = ChainKind::symmetric) {
+  /// Eliminates; all that follows refers to it, and the matrices must be the same then. With `rows` it does
+  /// condense_rows(rows, x), too.
+  Pivots factorize(const ElementMatrices& element_tangents, ChainKind kind = ChainKind::symmetric,
+                   const KernelView<const double*>& rows = {}, const KernelView<double*>& x = {}) {
     // not initialised: the threads that write them first get their pages, and what free links do not need takes none
     for (size_t l = factors_.size(); l < chains_.levels.size(); ++l)
       factors_.emplace_back(Kokkos::view_alloc("mixbeam::chains::factors", Kokkos::WithoutInitializing),
                             static_cast<size_t>(chains_.levels[l].eliminations()) * factor_size_);
     all_ = matrices(element_tangents);
     kind_ = kind == ChainKind::symmetric && all_.keeps_symmetric_elements() ? ChainKind::free : kind;
-    for (size_t l = 0; l < factors_.size(); ++l) condense_runs<N>(kind_, chains_.levels[l], all_, factors_[l], pivots_);
+    for (size_t l = 0; l < factors_.size(); ++l)
+      condense_runs<N>(kind_, chains_.levels[l], all_, factors_[l], pivots_, {rows, x, arrived_});
     Pivots result;
     for (int run = 0; run < chains_.runs; ++run) {
       result.negative += static_cast<long>(pivots_(run, 0));
@@ -133,7 +143,7 @@ class ChainCondensation {
   /// `rows`.
   void condense_rows(const KernelView<const double*>& rows, const KernelView<double*>& x) {
     for (size_t l = 0; l < factors_.size(); ++l)
-      mixbeam::condense_rows<N>(kind_, chains_.levels[l], all_, rows, factors_[l], arrived_, x);
+      mixbeam::condense_rows<N>(kind_, chains_.levels[l], all_, factors_[l], {rows, x, arrived_});
   }
   /// Second half: eliminated entries of x from the others.
   void expand(const KernelView<double*>& x) const {

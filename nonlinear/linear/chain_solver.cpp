@@ -37,7 +37,7 @@ class WholeSolver : public TangentSolver {
  public:
   WholeSolver(const Model& model, const std::string& method, double tolerance)
       : matrix_(whole_matrix(model)), solver_(make_direct_solver(matrix_.matrix(), method, tolerance, model.times())) {}
-  void factorize(const Tangent& tangent) override {
+  void factorize(const Tangent& tangent, const FirstSolve& /*first*/ = {}) override {
     tangent.gather(matrix_);
     solver_->factorize();
   }
@@ -74,10 +74,10 @@ void ChainSolver::factorize_whole() {
   whole_->factorize(*tangent_);
 }
 
-void ChainSolver::factorize(const Tangent& tangent) {
+void ChainSolver::factorize(const Tangent& tangent, const FirstSolve& first) {
   tangent_ = &tangent;
   uses_whole_ = false;
-  const double unreliable = system_.condense(tangent) ? 0.0 : 1.0;
+  const double unreliable = system_.condense(tangent, false, {}, first) ? 0.0 : 1.0;
   if (maximum_over_ranks(*model_.map()->getComm(), unreliable) != 0.0) return factorize_whole();
   system_.matrix()->getLocalDiagCopy(*diagonal_);
   try {

@@ -13,7 +13,7 @@ namespace mixbeam {
 class TangentSolver : public Solver {
  public:
   /// Solves are with this tangent from now on, and it must not be gone by then. Throws LinearSolverError.
-  virtual void factorize(const Tangent& tangent) = 0;
+  virtual void factorize(const Tangent& tangent, const FirstSolve& first = {}) = 0;
   /// Estimates how much the rounding of the rows left by chains may change x . K x for a motion x, where that is known.
   /// Collective.
   virtual double rounding_of_form(const DofVector&) const { return 0.0; }
@@ -33,7 +33,7 @@ class ChainSolver : public TangentSolver {
   ChainSolver(const Model& model, const std::string& method, double residual_tolerance,
               const RemainingSolver& solver = {});
 
-  void factorize(const Tangent& tangent) override;
+  void factorize(const Tangent& tangent, const FirstSolve& first = {}) override;
   double solve(const DofVector& b, DofVector& x, double energy_reduction = 0.0) override;
   bool iterates() const override { return remaining_->iterates(); }
   bool tries_iteration() const override { return remaining_->tries_iteration(); }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 namespace mixbeam {
@@ -37,8 +38,8 @@ std::unique_ptr<Linearization> linearize(BeamProblem& problem, const EvaluationP
   ++problem.work.factorizations;
   const Cap cap = cap_for(problem.model, point.scales, choice.cap_raise);
   const TangentKind kind{choice.in_space, choice.counts_interior, {}, first};
-  // tangent of the elements, each condensed to its two vertices -> chains eliminated to their ends
-  // -> junctions factorised
+  // tangent of the elements, each condensed to its two vertices -> chains eliminated to their ends, and with them the
+  // first right-hand side -> junctions factorised
   return std::make_unique<Linearization>(problem, point, cap, kind, choice.may_iterate);
 }
 
@@ -63,28 +64,32 @@ Linearization::Linearization(BeamProblem& problem, const EvaluationPoint& point,
                              const TangentKind& kind, bool may_iterate)
     : tangent_(problem.model, point, cap, kind), solver_(problem.take_solver()) {
   solver_->allow_iteration(may_iterate);
+  DofVector& rows = tangent_.condensed_rows();
+  rows.scale(-1.0);
+  first_.emplace(problem.model.create_vector());
   try {
-    solver_->factorize(tangent_);
+    solver_->factorize(tangent_, {&rows, &first_->writable_dofs(false)});
   } catch (const LinearSolverError& error) {
     failure_ = error.what();
   }
 }
 
 void Linearization::newton_increment(MixedVector& increment, double enough) {
-  tangent_.condense_residual();
-  solve_condensed(increment, enough);
+  const bool is_first = !tangent_.condense_residual();
+  solve_condensed(is_first, increment, enough);
 }
 
 void Linearization::solve(const MixedVector& scaled_rhs, MixedVector& increment, double enough) {
-  tangent_.condense(scaled_rhs);
-  solve_condensed(increment, enough);
+  const bool is_first = !tangent_.condense(scaled_rhs);
+  solve_condensed(is_first, increment, enough);
 }
 
-void Linearization::solve_condensed(MixedVector& increment, double enough) {
+void Linearization::solve_condensed(bool is_first, MixedVector& increment, double enough) {
   if (!failure_.empty()) throw LinearSolverError(failure_);
   DofVector& rhs = tangent_.condensed_rows();
-  rhs.scale(-1.0);
-  solver_->solve(rhs, increment.writable_dofs(false), enough);
+  if (!is_first) rhs.scale(-1.0);
+  const std::optional<MixedVector> first = std::exchange(first_, std::nullopt);  // its address is not used again yet
+  solver_->solve(rhs, is_first && first ? increment.share_vertices(*first) : increment.writable_dofs(false), enough);
   tangent_.recover_last(increment);
 }
 

@@ -49,9 +49,11 @@ class Linearization {
   void cap_compliance_rows(const MixedVector& increment, MixedVector& rows) const;
 
  private:
-  void solve_condensed(MixedVector& increment, double enough);
+  /// `is_first`: what stands in the tangent is still the first right-hand side.
+  void solve_condensed(bool is_first, MixedVector& increment, double enough);
 
   Tangent tangent_;
+  std::optional<MixedVector> first_;  ///< its solution, half done by the factorisation, until it is asked for
   std::shared_ptr<TangentSolver> solver_;
   std::string failure_;
 };

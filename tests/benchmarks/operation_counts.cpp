@@ -122,29 +122,32 @@ FreeLinkMatrix<N, CountedNumber> any_link() {
   return link;
 }
 
-/// Elimination of one vertex. The tree of runs eliminates all vertices but the last, whatever the lengths of the runs.
+/// Elimination of one vertex, and of its rows on the way. The tree of runs eliminates all vertices but the last,
+/// whatever the lengths of the runs.
 template <int N>
 PhaseCost condense_cost() {
   FreeLinkMatrix<N, CountedNumber> chain = any_link<N>();
   const auto next = any_link<N>();
   FreeVertexFactors<N, CountedNumber> factors;
   PivotWatch<CountedNumber> watch;
-  const double flops = operations_of([&] { eliminate_vertex<N>(chain, next, factors, watch); }).flops();
-  return {flops, bytes_of(TangentLayout<N>::kSymmetric + free_factor_size(N), 2)};
+  CountedNumber b[N], first[N], second[N];
+  const auto count = operations_of([&] {
+    eliminate_vertex<N>(chain, next, factors, watch);
+    eliminate_rows<N>(factors, next, b, first, second);
+  });
+  const int numbers = TangentLayout<N>::kSymmetric + free_factor_size(N) + 2 * N;
+  return {static_cast<double>(count.flops() + N), bytes_of(numbers + kTurnedToPlane<N>, 3)};
 }
 
-/// Right-hand side inwards, solution outwards.
+/// Solution outwards.
 template <int N>
 PhaseCost solve_cost() {
   FreeVertexFactors<N, CountedNumber> factors;
   const auto next = any_link<N>();
   CountedNumber b[N], first[N], second[N];
-  const auto count = operations_of([&] {
-    eliminate_rows<N>(factors, next, b, first, second);
-    follow_neighbours(factors, next, first, second, b);
-  });
-  const int each_way = free_factor_size(N) + TangentLayout<N>::kSymmetric + 2 * N;
-  return {static_cast<double>(count.flops() + N), bytes_of(2 * (each_way + kTurnedToPlane<N>), 5)};
+  const auto count = operations_of([&] { follow_neighbours(factors, next, first, second, b); });
+  const int numbers = free_factor_size(N) + TangentLayout<N>::kSymmetric + 2 * N;
+  return {static_cast<double>(count.flops()), bytes_of(numbers + kTurnedToPlane<N>, 3)};
 }
 
 /// b - K x and |K| X + |b| with the matrices of the elements on both sides of a vertex, N rows each over u_b - u_a and
