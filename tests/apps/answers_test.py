@@ -9,20 +9,17 @@ import json
 import math
 import re
 import resource
-import subprocess
 import sys
-import tempfile
 import unittest
-from pathlib import Path
 
-PROGRAM, PACKAGES = (str(Path(sys.argv.pop(1)).resolve()) for _ in range(2))
-sys.path.insert(0, PACKAGES)
+from support import InFolder
+
+sys.path.insert(0, sys.argv.pop(1))
 
 import numpy as np  # noqa: E402
 
 import mixbeam  # noqa: E402
 
-SECONDS = 500       # for what must not hang
 ACCURACY = 1e-4     # of a scene that names no mesh (mesh_choice.hpp)
 SLENDER = 1e-6      # EI/(EA L^2): what closed forms of inextensible columns leave out, times pi^2
 EULER = math.pi**2 / 4  # EI / L^2 of a cantilever
@@ -82,20 +79,20 @@ Analysis: {{Buckling Modes: 2}}
 {more}"""
 
 
-class Answers(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
-
-    def program(self, *words, code=0):
-        done = subprocess.run([PROGRAM, *words], cwd=self.folder, capture_output=True, text=True, timeout=SECONDS)
-        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
-        return done.stdout
-
+class Answers(InFolder):
     def solved(self, text, *words, code=0):
         (self.folder / "scene.yaml").write_text(text)
-        return self.program("run", "scene.yaml", "--output", ".", *words, code=code)
+        return self.mixbeam("run", "scene.yaml", "--output", ".", *words, code=code)
+
+    def results(self, case=""):
+        return mixbeam.open(self.folder / f"scene{case and '-'}{case}.h5")
+
+    def mesh_of(self, case=""):
+        rod = self.results(case).members["rod"]
+        return rod.order, rod.elements
+
+    def rows(self, name):
+        return list(csv.DictReader((self.folder / f"scene-{name}.csv").read_text().splitlines()))
 
 
 class MeshOfASceneWithoutOne(Answers):
@@ -103,10 +100,13 @@ class MeshOfASceneWithoutOne(Answers):
         moment = 4 * math.pi  # two turns: the tip is back at the wall
         out = self.solved(ROLLED_UP % ("", moment))
         self.assertIn("no mesh is given: chosen for an accuracy of 1.0e-04", out)
-        tip = mixbeam.open(self.folder / "scene.h5").displacement("tip")
-        self.assertLess(np.linalg.norm(tip - [-1, 0, 0]), ACCURACY)
+        self.assertLess(self.off(), ACCURACY)
         self.solved(ROLLED_UP % (", Order: 2, Elements: 1", moment))
-        self.assertGreater(np.linalg.norm(mixbeam.open(self.folder / "scene.h5").displacement("tip") - [-1, 0, 0]), 0.1)
+        self.assertGreater(self.off(), 0.1)
+
+    def off(self, case=""):
+        """Of a tip that two turns have brought back to the wall."""
+        return np.linalg.norm(self.results(case).displacement("tip") - [-1, 0, 0])
 
     def test_rigid_arms_name_none(self):
         arms = ", Start Offset: [0, 0, 0.3], End Offset: [0, 0, 0.3]"
@@ -118,12 +118,11 @@ class MeshOfASceneWithoutOne(Answers):
     def test_what_is_given_is_kept(self):
         for mesh, size in ((", Order: 3", (3, 1)), (", Elements: 5", (2, 5)), (", Stations: [0, 0.3, 1]", (2, 2))):
             self.assertNotIn("no mesh is given", self.solved(ROLLED_UP % (mesh, 0.5)))
-            rod = mixbeam.open(self.folder / "scene.h5").members["rod"]
-            self.assertEqual((rod.order, rod.elements), size)
+            self.assertEqual(self.mesh_of(), size)
 
     def test_check_says_where_it_starts(self):
         (self.folder / "scene.yaml").write_text(ROLLED_UP % ("", 0.5))
-        self.assertIn("no mesh is given: a run chooses one for an accuracy of 1.0e-04, from this one on", self.program("check", "scene.yaml"))
+        self.assertIn("no mesh is given: a run chooses one for an accuracy of 1.0e-04, from this one on", self.mixbeam("check", "scene.yaml"))
 
     def test_cases_share_the_mesh_of_the_worst(self):
         """The last case turns the rod twice, the first hardly."""
@@ -132,29 +131,21 @@ class MeshOfASceneWithoutOne(Answers):
             for name, moment in (("small", 0.01), ("middle", 1), ("large", 4 * math.pi)))
         out = self.solved(text)
         self.assertEqual(out.count("no mesh is given"), 1)
-        meshes = [self.members_of(name) for name in ("small", "middle", "large")]
-        self.assertEqual(meshes[0], meshes[1])
-        self.assertEqual(meshes[0], meshes[2])
-        tip = mixbeam.open(self.folder / "scene-large.h5").displacement("tip")
-        self.assertLess(np.linalg.norm(tip - [-1, 0, 0]), ACCURACY)
+        mesh = self.mesh_of("large")
+        self.assertEqual([self.mesh_of("small"), self.mesh_of("middle")], [mesh] * 2)
+        self.assertLess(self.off("large"), ACCURACY)
         for words in (("--jobs", "2"), ("--case", "small")):  # the same whoever solves it, alone or beside others
             self.solved(text, *words)
-            self.assertEqual(self.members_of("small"), meshes[0])
-
-    def members_of(self, case):
-        rod = mixbeam.open(self.folder / f"scene-{case}.h5").members["rod"]
-        return rod.order, rod.elements
+            self.assertEqual(self.mesh_of("small"), mesh)
 
     def test_rows_of_a_batch_share_it(self):
         (self.folder / "scene.yaml").write_text(ROLLED_UP % ("", 0.1) + """Batch:
   Vary:
     moment: {Parameter: "Point Loads/end/Moment[2]", First: 0.1, Last: 12.566370614359172, Count: 5}
 """)
-        text = self.program("batch", "scene.yaml", "--output", ".", "--summary", "sum.json")
+        text = self.mixbeam("batch", "scene.yaml", "--output", ".", "--summary", "sum.json")
         self.assertEqual(text.count("no mesh is given"), 1)
-        rows = list(csv.DictReader((self.folder / "scene-batch.csv").read_text().splitlines()))
-        tip = [float(rows[-1][name]) for name in rows[-1] if name.startswith("tip") and name.endswith((".x", ".y", ".z", "[0]", "[1]", "[2]"))]
-        self.assertLess(abs(tip[0] + 1), ACCURACY)
+        self.assertLess(abs(float(self.rows("batch")[-1]["tip.displacement.x"]) + 1), ACCURACY)
 
     def test_where_no_mesh_can_be_searched_the_run_goes_on_with_a_note(self):
         out = self.solved(ROD % "" + "  Point Loads: {end: {Point: tip, Force: [0, 0.5, 0]}}\nAnalysis: {Snap: jump}\n")
@@ -162,14 +153,10 @@ class MeshOfASceneWithoutOne(Answers):
 
     def test_a_run_goes_on_with_the_mesh_of_its_file(self):
         self.solved(ROLLED_UP % ("", 4 * math.pi) + "Solver: {Load Path: {Method: fixed, Steps: 4}}\n")
-        before = mixbeam.open(self.folder / "scene.h5")
-        mesh = before.members["rod"].order, before.members["rod"].elements
-        tip = before.displacement("tip")
-        del before
-        self.assertNotIn("no mesh is given", self.program("resume", "scene.h5", "--from", "2"))
-        after = mixbeam.open(self.folder / "scene.h5")
-        self.assertEqual((after.members["rod"].order, after.members["rod"].elements), mesh)
-        np.testing.assert_array_equal(after.displacement("tip"), tip)
+        mesh, tip = self.mesh_of(), self.results().displacement("tip")
+        self.assertNotIn("no mesh is given", self.mixbeam("resume", "scene.h5", "--from", "2"))
+        self.assertEqual(self.mesh_of(), mesh)
+        np.testing.assert_array_equal(self.results().displacement("tip"), tip)
 
     def test_a_loop_over_loads_chooses_once(self):
         scene = mixbeam.Scene.from_text(ROLLED_UP % ("", 3.0))
@@ -188,7 +175,7 @@ class MeshOfASceneWithoutOne(Answers):
 
 class BucklingAboutAState(Answers):
     def factors(self):
-        run = mixbeam.open(self.folder / "scene.h5")
+        run = self.results()
         last = max(step for step in range(len(run)) if run.load_factors[step] == 1.0)
         return ([mode.load_factor for mode in run.buckling_modes(1)], [mode.load_factor for mode in run.buckling_modes(2, step=last)])
 
@@ -221,10 +208,9 @@ class SevenCases(Answers):
         first = next(i for i, line in enumerate(lines) if line.startswith("envelope of the ends"))
         self.assertLess(first, next(i for i, line in enumerate(lines) if "largest displacement" in line))
         self.assertEqual(sum("largest displacement" in line for line in lines), 7)
-        limits = list(csv.DictReader((self.folder / "scene-second-limits.csv").read_text().splitlines()))
-        self.assertEqual([row["passed"] for row in limits], ["NO", "yes"])
+        self.assertEqual([row["passed"] for row in self.rows("second-limits")], ["NO", "yes"])
         before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-        self.program("report", "scene.h5")
+        self.mixbeam("report", "scene.h5")
         self.assertLess(resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before, 2 * LONGEST_REPORT)  # caches are shared
         page = (self.folder / "scene-report.html").read_text()
         self.assertLess(len(page), LARGEST_PAGE)
@@ -267,8 +253,7 @@ class Sections(Answers):
     def last(self, text):
         """{column of the monitor: value at the end}"""
         self.solved(text)
-        rows = list(csv.DictReader((self.folder / "scene-monitor.csv").read_text().splitlines()))
-        return {name: float(value) for name, value in rows[-1].items() if re.fullmatch(r"[-+.e\d]+", value)}
+        return {name: float(value) for name, value in self.rows("monitor")[-1].items() if re.fullmatch(r"[-+.e\d]+", value)}
 
     def test_rigid_arms_turn_with_their_points(self):
         last = self.last(ARM)

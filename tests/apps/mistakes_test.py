@@ -5,15 +5,14 @@ told at once, and none twice.
 usage: mistakes_test.py MIXBEAM FOLDER_OF_MODULE [CLASS]...
 """
 
-import os
 import re
 import subprocess
 import sys
-import tempfile
 import unittest
-from pathlib import Path
 
-PROGRAM, MODULE = (str(Path(sys.argv.pop(1)).resolve()) for _ in range(2))
+from support import PROGRAM, InFolder
+
+MODULE = sys.argv.pop(1)
 BAD_INPUT = 2
 
 SCENE = """\
@@ -143,22 +142,14 @@ scene.supports["base"] = dict(point="foot")
 """
 
 
-class Mistakes(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
-
+class Mistakes(InFolder):
     def write(self, file, text):
         (self.folder / file).write_text(text)
         return file
 
-    def mixbeam(self, *arguments):
-        return subprocess.run([PROGRAM, *arguments], cwd=self.folder, capture_output=True, text=True)
-
     def refusal(self, file, text):
         """Of a scene file, without the name of the program; empty: the scene is in order."""
-        ended = self.mixbeam("check", self.write(file, text))
+        ended = subprocess.run([PROGRAM, "check", self.write(file, text)], cwd=self.folder, capture_output=True, text=True)
         self.assertIn(ended.returncode, (0, BAD_INPUT), ended.stderr)
         return ended.stderr.removeprefix("mixbeam: bad input: ")
 
@@ -169,7 +160,7 @@ class Mistakes(unittest.TestCase):
 
     def in_xml(self):
         self.write("scene.yaml", SCENE)
-        self.assertEqual(self.mixbeam("convert", "scene.yaml", "scene.xml", "--force").returncode, 0)
+        self.mixbeam("convert", "scene.yaml", "scene.xml", "--force")
         return (self.folder / "scene.xml").read_text()
 
     def expect(self, message, file, line, column, said):
@@ -234,9 +225,7 @@ class OneByOne(Mistakes):
                 self.assertNotRegex(message, "XML|YAML|:[0-9]+:|\\^")
 
     def test_results_are_wanted_where_a_scene_or_a_batch_is_given(self):
-        batch = self.mixbeam("report", self.write("mast-batch.h5", ""))
-        self.assertEqual(batch.returncode, BAD_INPUT)
-        self.assertRegex(batch.stderr, "the table of a batch.*allowed: .*mast-batch.csv")
+        self.assertRegex(self.mixbeam("report", self.write("mast-batch.h5", ""), code=BAD_INPUT), "the table of a batch.*allowed: .*mast-batch.csv")
 
 
 class Several(Mistakes):

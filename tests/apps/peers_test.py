@@ -9,12 +9,12 @@ import os
 import shutil
 import subprocess
 import sys
-import tempfile
 import unittest
 from pathlib import Path
 
-PROGRAM, PACKAGES = (Path(sys.argv.pop(1)).resolve() for _ in range(2))
-ROOT = Path(__file__).resolve().parents[2]
+from support import PROGRAM, ROOT, InFolder
+
+BIN, PACKAGES = Path(PROGRAM).parent, Path(sys.argv.pop(1)).resolve()
 FAILED = 1  # exit code of a check that failed
 TOO_SOFT = 1e-3  # one element of order 2 is farther from the elastica than this
 
@@ -22,14 +22,13 @@ STUDY = {"Programs": ("string", "{mixbeam, EXUDYN}"), "Problems": ("string", "{a
          "Elements": ("int", "{1, 8}"), "Chain": ("int", "{100}")}
 
 
-class Peers(unittest.TestCase):
+class Peers(InFolder):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name) / "peers"
+        super().setUp()
+        self.folder = self.folder / "peers"
         self.folder.mkdir()
 
-    def study(self, program=PROGRAM.parent / "peers", **changes):
+    def study(self, program=BIN / "peers", **changes):
         """The program on a scene with a small study."""
         entries = [f'<Parameter name="{name}" type="Array({kind})" value="{value}"/>'
                    for name, (kind, value) in {**STUDY, **changes}.items()]
@@ -65,8 +64,8 @@ class Peers(unittest.TestCase):
         """Twin: a copy of the program that believes another tip of the arc, by a millionth."""
         copy = self.folder / "bin"
         copy.mkdir()
-        shutil.copy(PROGRAM.parent / "peers", copy)
-        shutil.copytree(PROGRAM.parent / "studies", copy / "studies")
+        shutil.copy(BIN / "peers", copy)
+        shutil.copytree(BIN / "studies", copy / "studies")
         (self.folder / "python").symlink_to(PACKAGES)
         problems = copy / "studies/peer_problems.py"
         text = problems.read_text()

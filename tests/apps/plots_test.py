@@ -14,9 +14,9 @@ from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 
-PROGRAM = str(Path(sys.argv.pop(1)).resolve())
-REPOSITORY = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "apps" / "plots"))
+from support import CANTILEVER, PROGRAM, ROOT, program, scene, solve
+
+sys.path.insert(0, str(ROOT / "apps" / "plots"))
 
 import matplotlib  # noqa: E402
 
@@ -38,70 +38,60 @@ import thread_scaling  # noqa: E402
 from results import InputError, Run  # noqa: E402
 from scene_marks import Marks, kind_of_support  # noqa: E402
 from tables import NothingToDraw  # noqa: E402
-from small_scenes import NUMBERS, WORDS, cantilever, entry, listed, member, scene, solve, support  # noqa: E402
 from view import Look, View  # noqa: E402
 
 ROUNDING = 1e-9
 
 
-def portal():
-    """Two posts and a deck of two members in the x-z plane; hinge, roller with a spring, line load, force and moment."""
-    return scene(
-        listed("Members", member("left", "a", "b"), member("deck 1", "b", "c"), member("deck 2", "d", "c"), member("right", "d", "e")),
-        listed("Supports", support("hinge", "a", rotation="{x, z}"),
-               support("roller", "e", "{y, z}", "{x, z}", entry("Displacement Stiffness", NUMBERS, "{50, 0, 0}"))),
-        listed("Point Loads", listed("push", entry("Point", "string", "b"), entry("Force", NUMBERS, "{0.05, 0, 0}")),
-               listed("turn", entry("Point", "string", "d"), entry("Moment", NUMBERS, "{0, 0.01, 0}"))),
-        listed("Distributed Loads", listed("snow", entry("Member", "string", "deck *"), entry("Force", NUMBERS, "{0, 0, -0.1}"))),
-        points=(("a", (0, 0, 0)), ("b", (0, 0, 1)), ("c", (1, 0, 1)), ("d", (2, 0, 1)), ("e", (2, 0, 0))))
-
-
-def wheel():
-    """A spoke with its support, 12 times by a pattern."""
-    return scene(
-        listed("Members", member("spoke", "hub", "rim")),
-        listed("Supports", support("rim", "rim*")),
-        listed("Point Loads", listed("pull", entry("Point", "string", "hub"), entry("Force", NUMBERS, "{0, 0, 0.01}"))),
-        listed("Patterns", listed("turn", entry("Kind", "string", "rotate"), entry("Center", NUMBERS, "{0, 0, 0}"),
-                                  entry("Axis", NUMBERS, "{0, 0, 1}"), entry("Count", "int", "12"))),
-        points=(("hub", (0, 0, 0)), ("rim", (1, 0, 0))))
-
-
-def bent():
-    """A support that shifts and turns along axes of its own, and a member with an eigenstrain."""
-    axes = entry("Axes", NUMBERS, "{0, 1, 0, -1, 0, 0}")
-    moves = (entry("Prescribed Displacement", NUMBERS, "{0.1, 0, 0}"), entry("Prescribed Rotation", NUMBERS, "{0, 0, 0.2}"))
-    strain = listed("heat", entry("Member", "string", "second"), entry("Curvature", NUMBERS, "{0, 0, 0.3}"))
-    return scene(listed("Members", member("first", "a", "b"), member("second", "b", "c")),
-                 listed("Supports", support("moved", "a", "{x, y, z}", "{x, y, z}", axes, *moves)),
-                 listed("Eigenstrains", strain), points=(("a", (0, 0, 0)), ("b", (1, 0, 0)), ("c", (1, 1, 0))))
-
-
-def with_list(text, more):
-    return text[:-len("</ParameterList>")] + more + "</ParameterList>"
-
-
-def asked_portal():
-    """A portal of which numbers with and without dimension are asked."""
-    of = lambda name, kind, *more: listed(name, entry("Quantity", "string", kind), *(entry(what, "string", text) for what, text in more))
-    return with_list(portal(), listed("Quantities", of("lean", "displacement", ("Point", "b"), ("Component", "x")),
-                                      of("foot", "reaction moment", ("Point", "a"), ("Component", "y")),
-                                      of("knee", "angle", ("Point", "a"), ("Corner", "b"), ("Other Point", "c")),
-                                      of("twice", "formula", ("Formula", "2*lean"))))
-
-
-def two_cases(push="0.05"):
-    """A console under a case down, one up, and both."""
-    force = lambda name, size: listed(name, entry("Point", "string", "b"), entry("Force", NUMBERS, f"{{0, 0, {size}}}"),
-                                      entry("Case", "string", name))
-    of = lambda name, kind, *more: listed(name, entry("Quantity", "string", kind), *more)
-    text = scene(entry("Load Cases", WORDS, "{down, up}"), listed("Members", member("m", "a", "b"), member("n", "b", "c")),
-                 listed("Supports", support("clamp", "a")), listed("Point Loads", force("down", "-0.1"), force("up", push)),
-                 listed("Combinations", listed("both", entry("down", "double", "1"), entry("up", "double", "1.5"))),
-                 points=(("a", (0, 0, 0)), ("b", (1, 0, 0)), ("c", (2, 0, 0))))
-    asked = listed("Quantities", of("sag", "displacement", entry("Point", "string", "c"), entry("Component", "string", "z")),
-                   of("lift", "reaction force", entry("Point", "string", "a"), entry("Component", "string", "z")))
-    return with_list(text, asked)
+# Two posts and a deck of two members in the x-z plane; hinge, roller with a spring, line load, force and moment.
+PORTAL = scene("""
+    Points: {a: [0, 0, 0], b: [0, 0, 1], c: [1, 0, 1], d: [2, 0, 1], e: [2, 0, 0]}
+    Members:
+      left: {Start: a, End: b, Elements: 4}
+      deck 1: {Start: b, End: c, Elements: 4}
+      deck 2: {Start: d, End: c, Elements: 4}
+      right: {Start: d, End: e, Elements: 4}
+    Supports:
+      hinge: {Point: a, Fixed Rotation: [x, z]}
+      roller: {Point: e, Fixed Displacement: [y, z], Fixed Rotation: [x, z], Displacement Stiffness: [50, 0, 0]}
+    Point Loads: {push: {Point: b, Force: [0.05, 0, 0]}, turn: {Point: d, Moment: [0, 0.01, 0]}}
+    Distributed Loads: {snow: {Member: deck *, Force: [0, 0, -0.1]}}
+    """)
+# Numbers with and without dimension.
+ASKED_PORTAL = PORTAL + """Quantities:
+  lean: {Quantity: displacement, Point: b, Component: x}
+  foot: {Quantity: reaction moment, Point: a, Component: y}
+  knee: {Quantity: angle, Point: a, Corner: b, Other Point: c}
+  twice: {Quantity: formula, Formula: 2*lean}
+"""
+# A spoke with its support, 12 times by a pattern.
+WHEEL = scene("""
+    Points: {hub: [0, 0, 0], rim: [1, 0, 0]}
+    Members: {spoke: {Start: hub, End: rim, Elements: 4}}
+    Supports: {rim: {Point: rim*}}
+    Point Loads: {pull: {Point: hub, Force: [0, 0, 0.01]}}
+    Patterns: {turn: {Kind: rotate, Center: [0, 0, 0], Axis: [0, 0, 1], Count: 12}}
+    """)
+# A support that shifts and turns along axes of its own, and a member with an eigenstrain.
+BENT = scene("""
+    Points: {a: [0, 0, 0], b: [1, 0, 0], c: [1, 1, 0]}
+    Members: {first: {Start: a, End: b, Elements: 4}, second: {Start: b, End: c, Elements: 4}}
+    Supports: {moved: {Point: a, Axes: [0, 1, 0, -1, 0, 0], Prescribed Displacement: [0.1, 0, 0], Prescribed Rotation: [0, 0, 0.2]}}
+    Eigenstrains: {heat: {Member: second, Curvature: [0, 0, 0.3]}}
+    """)
+# A console under a case down, one up, and both.
+TWO_CASES = scene("""
+    Points: {a: [0, 0, 0], b: [1, 0, 0], c: [2, 0, 0]}
+    Members: {m: {Start: a, End: b, Elements: 4}, n: {Start: b, End: c, Elements: 4}}
+    Supports: {clamp: {Point: a}}
+    Load Cases: [down, up]
+    Combinations: {both: {down: 1, up: 1.5}}
+    Point Loads: {down: {Point: b, Force: [0, 0, -0.1], Case: down}, up: {Point: b, Force: [0, 0, 0.05], Case: up}}
+    """, """\
+    Quantities:
+      sag: {Quantity: displacement, Point: c, Component: z}
+      lift: {Quantity: reaction force, Point: a, Component: z}
+    """)
 
 
 def named(figure, gid):
@@ -116,24 +106,22 @@ def texts(figure):
 class Plots(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.folder = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(cls.folder.cleanup)
-        for name, text in (("portal", portal()), ("asked", asked_portal()),
-                           ("bare", asked_portal().replace(entry("Units", "string", "m, kN"), "")), ("wheel", wheel()), ("bent", bent()), ("down", cantilever("{0, -1, 0}")),
-                           ("follower", cantilever("{0, -3, 0}", follower=True))):
-            solve(PROGRAM, Path(cls.folder.name), name, text)
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        cls.folder = Path(folder.name)
+        for name, text in (("portal", PORTAL), ("asked", ASKED_PORTAL), ("bare", ASKED_PORTAL.replace('  Units: "m, kN"\n', "")),
+                           ("wheel", WHEEL), ("bent", BENT), ("down", CANTILEVER),
+                           ("follower", CANTILEVER.replace("[0, -1, 0]", "[0, -3, 0], Frame: follower, Member: m"))):
+            solve(cls.folder, name, text)
 
     def tearDown(self):
         matplotlib.pyplot.close("all")
 
     def mixbeam(self, *words, folder=None, code=0):
-        """What the program prints: its output where all goes well, else its complaint."""
-        ended = subprocess.run([PROGRAM, *words], cwd=folder or self.folder.name, capture_output=True, text=True, check=False)
-        self.assertEqual(ended.returncode, code, ended.stdout + ended.stderr)
-        return ended.stderr if code else ended.stdout
+        return program(*words, folder=folder or self.folder, code=code)
 
     def run_of(self, name, members=None):
-        run = Run(Path(self.folder.name) / f"{name}.h5", members=members)
+        run = Run(self.folder / f"{name}.h5", members=members)
         self.addCleanup(run.__exit__)
         return run
 
@@ -281,7 +269,8 @@ class Plots(unittest.TestCase):
         mode[1, 1] = 1.0  # out of the x-z plane
         plane = np.eye(3)[[0, 2]]
         self.assertGreater(np.abs(critical_figures._projection(plane, mode) - plane).max(), 0.1)  # chosen by the program
-        run = Run(solve(PROGRAM, Path(self.folder.name), "snap", (REPOSITORY / "apps/gallery/snap_back.xml").read_text()))
+        self.mixbeam("run", str(ROOT / "apps/gallery/snap_back.xml"), "--output", ".", "--quiet")
+        run = Run(self.folder / "snap_back.h5")
         self.addCleanup(run.__exit__)
         points = run.critical_points()
         for look, widths in ((Look("yz"), 1), (Look("xy"), 2)):
@@ -299,15 +288,12 @@ class Plots(unittest.TestCase):
 
     def test_pictures_of_a_batch(self):
         """A cantilever of stiffness 1: the tip sinks by F/3 for small F; over force and stiffness a map of cells."""
-        grid = lambda name, low, high, count: listed(name, entry("From", "double", low), entry("To", "double", high), entry("Count", "int", count))
-        text = cantilever("{0, -0.01, 0}")
-        folder = Path(self.folder.name)
-        force, stiffness = "Point Loads/f/Force[1]", "Sections/s/EI3"
+        folder, force, stiffness = self.folder, "Point Loads/f/Force[1]", "Sections/s/EI3"
         for name, rows in (("curve", [(f"{-0.01 * i}",) for i in range(1, 5)]),
                            ("map", [(f"{-0.01 * i}", f"{j}") for i in range(1, 4) for j in range(1, 3)])):
             (folder / f"{name}.csv").write_text(",".join((force, stiffness)[:len(rows[0])]) + "\n" + "".join(",".join(row) + "\n" for row in rows))
-            (folder / f"{name}.xml").write_text(with_list(text, listed("Batch", entry("Table", "string", f"{name}.csv"))))
-            self.mixbeam("batch", f"{name}.xml", "--output", ".", "--quiet")
+            (folder / f"{name}.yaml").write_text(CANTILEVER + f"Batch: {{Table: {name}.csv}}\n")
+            self.mixbeam("batch", f"{name}.yaml", "--output", ".", "--quiet")
             self.assertEqual(self.mixbeam("plot", f"{name}-batch.h5").strip(), f"{name}-batch.png")
         figure = batch_figures.batch_figure(folder / "curve-batch.csv")
         panel = next(axes for axes in figure.axes if axes.get_ylabel() == "b.displacement.y")
@@ -320,13 +306,11 @@ class Plots(unittest.TestCase):
             batch_figures.batch_figure(folder / "map-batch.csv", ["nonsense", force])
 
     def test_a_scene_that_is_not_solved(self):
-        folder = Path(self.folder.name)
-        (folder / "loose.xml").write_text(portal().replace('"a"/><Parameter name="Fixed Displacement" type="Array(string)" value="{x, y, z}"',
-                                                           '"a"/><Parameter name="Fixed Displacement" type="Array(string)" value="{y, z}"')
-                                          .replace(entry("Displacement Stiffness", NUMBERS, "{50, 0, 0}"), ""))
-        self.assertEqual(self.mixbeam("plot", "loose.xml", "--format", "svg").strip(), "loose-shape.svg")
+        loose = PORTAL.replace("Point: a,", "Point: a, Fixed Displacement: [y, z],").replace(", Displacement Stiffness: [50, 0, 0]", "")
+        (self.folder / "loose.yaml").write_text(loose)
+        self.assertEqual(self.mixbeam("plot", "loose.yaml", "--format", "svg").strip(), "loose-shape.svg")
         for words in ("not solved", "can move without strain in 1 way", "moves without strain"):
-            self.assertIn(words, re.sub(r"<[^>]*>|\s+", " ", (folder / "loose-shape.svg").read_text()).replace("  ", " "), words)
+            self.assertIn(words, re.sub(r"<[^>]*>|\s+", " ", (self.folder / "loose-shape.svg").read_text()).replace("  ", " "), words)
 
     def test_arrows_end_inside_the_picture(self):
         figure = self.shape(*self.view("portal", view="xz"))
@@ -474,11 +458,10 @@ class Plots(unittest.TestCase):
         self.assertEqual([self.run_of("bare").unit_of(name) for name in ("lean", "knee", "b.x")], ["", "", ""])
 
     def test_envelope(self):
-        folder = Path(self.folder.name) / "cases"
+        folder = self.folder / "cases"
         folder.mkdir()
-        (folder / "two.xml").write_text(two_cases())
         mixbeam = partial(self.mixbeam, folder=folder)
-        mixbeam("run", "two.xml", "--output", ".", "--quiet")
+        solve(folder, "two", TWO_CASES)
         envelope = envelope_figures.Envelope(folder / "two.h5")
         self.assertEqual([envelope.case(i) for i in range(3)], ["down", "up", "both"])
         runs = [Run(folder / f"two-{case}.h5") for case in ("down", "up", "both")]
@@ -505,17 +488,16 @@ class Plots(unittest.TestCase):
                               (("plot", "two-up.h5", "--picture", "envelope"), "of one run")):
             self.assertIn(reason, mixbeam(*words, code=2))
         self.assertIsNotNone(envelope_figures.envelope_beside(runs[1]))
-        (folder / "two.xml").write_text(two_cases("0.06"))  # a case that changes leaves the envelope behind
-        mixbeam("run", "two.xml", "--output", ".", "--quiet", "--case", "up")
+        (folder / "two.yaml").write_text(TWO_CASES.replace("0.05", "0.06"))  # a case that changes leaves the envelope behind
+        mixbeam("run", "two.yaml", "--output", ".", "--quiet", "--case", "up")
         self.assertIsNone(envelope_figures.envelope_beside(Run(folder / "two-up.h5")))
 
     def test_nothing_foreign_and_nothing_over_an_input(self):
         """Modules of the current folder are not executed, inputs are not replaced, one number of Quantities and dollars are drawn."""
-        of = listed("b$a", entry("Quantity", "string", "displacement"), entry("Point", "string", "b"), entry("Component", "string", "z"))
-        text = with_list(cantilever("{0, -1, 0}").replace("m, kN", "$m$x, $$"), listed("Quantities", of))
+        text = CANTILEVER.replace("m, kN", "$m$x, $$") + "Quantities: {b$a: {Quantity: displacement, Point: b, Component: z}}\n"
         with tempfile.TemporaryDirectory() as name:
             folder = Path(name)
-            result = solve(PROGRAM, folder, "one", text)
+            result = solve(folder, "one", text)
             for module in ("numpy", "h5py", "matplotlib", "results"):
                 (folder / f"{module}.py").write_text(f"open({str(folder / 'executed')!r}, 'w')")
             (folder / "matplotlibrc").write_text("savefig.dpi: 7\nno.such.thing: 1\n")
@@ -529,11 +511,11 @@ class Plots(unittest.TestCase):
             self.assertGreater((folder / "pictures" / "one-shape.png").stat().st_size, 20000)  # not of 7 dots per inch
             (folder / "link.html").symlink_to("one.h5")
             before = result.read_bytes()
-            for words in (("report", "-o", "one.h5"), ("view", "-o", "one.xml"), ("view", "--output", "link.html")):
+            for words in (("report", "-o", "one.h5"), ("view", "-o", "one.yaml"), ("view", "--output", "link.html")):
                 said = run(words[0], "one.h5", *words[1:], code=2)
                 self.assertIn(words[-1], said)
                 self.assertIn("one.h5", said)
-            self.assertEqual((result.read_bytes(), (folder / "one.xml").read_text()), (before, text))
+            self.assertEqual((result.read_bytes(), (folder / "one.yaml").read_text()), (before, text))
             damaged = bytearray(before)
             with Run(result) as intact:
                 place = before.index(intact.steps[-1].field("displacement").tobytes())
@@ -544,10 +526,8 @@ class Plots(unittest.TestCase):
             self.assertEqual([file for file in folder.rglob(".*")], [])  # nothing half written
 
     def test_jumps(self):
-        folder = Path(self.folder.name)
-        arch = Path(__file__).resolve().parents[2] / "apps" / "gallery" / "snapping_arch.xml"
-        for command in (("run", str(arch), "--output", ".", "--quiet"), ("report", "snapping_arch.h5")):
-            self.mixbeam(*command)
+        self.mixbeam("run", str(ROOT / "apps/gallery/snapping_arch.xml"), "--output", ".", "--quiet")
+        self.mixbeam("report", "snapping_arch.h5")
         view, _ = self.view("snapping_arch")
         crown, = [panel for panel in path_figures.load_displacement_figure(view).axes if panel.get_title() == "crown: displacement"]
         at, = [at for at, step in enumerate(view.run.steps) if step.jump]
@@ -560,22 +540,18 @@ class Plots(unittest.TestCase):
         np.testing.assert_array_equal(star.get_xdata(), down[at - 1:at + 1])
         self.assertEqual(len(named(curve, "piece true")), 2)  # the path stops before the jump, and goes on behind it
         self.assertEqual(named(path_figures.curve_figure(self.view("portal")[0], "load_factor", "b.x"), "jump"), [])
-        page = (folder / "snapping_arch-report.html").read_text()
+        page = (self.folder / "snapping_arch-report.html").read_text()
         jump = view.run.steps[at].jump
         self.assertIn(f"<td>{jump['released']:.4g}</td>", page)
         self.assertIn("point &quot;crown&quot;", page)
 
     def test_report_tells_units_and_utilisation_above_one(self):
-        folder = Path(self.folder.name)
-        words = "is stressed beyond the strength"
+        folder, words = self.folder, "is stressed beyond the strength"
         for strength, beyond in (("1", True), ("1e9", False)):
-            material = listed("Material", entry("E", "double", "1e6"), entry("nu", "double", "0.3"), entry("Strength", "double", strength))
-            section = listed("s", entry("Shape", "string", "circle"), entry("Diameter", "double", "0.1"), material)
-            text = asked_portal()
-            first, last = text.index('<ParameterList name="Sections">'), text.index('<ParameterList name="Points">')
-            (folder / "strong.xml").write_text(text[:first] + listed("Sections", section) + text[last:])
-            for command in (("run", "strong.xml", "--output", ".", "--quiet", "--summary", "s.json"), ("report", "strong.h5")):
-                self.mixbeam(*command)
+            section = f"{{s: {{Shape: circle, Diameter: 0.1, Material: {{E: 1e6, nu: 0.3, Strength: {strength}}}}}}}"
+            (folder / "strong.yaml").write_text(re.sub("(?<=Sections: ).*", section, ASKED_PORTAL))
+            self.mixbeam("run", "strong.yaml", "--output", ".", "--quiet", "--summary", "s.json")
+            self.mixbeam("report", "strong.h5")
             page = (folder / "strong-report.html").read_text()
             self.assertEqual(words in page, beyond)
             for one in json.loads((folder / "s.json").read_text())["quantities"]:
@@ -587,12 +563,10 @@ class Plots(unittest.TestCase):
 
     def test_report(self):
         evil = "<img src=x onerror=alert(1)>"
-        text = cantilever("{0, -1, 0}").replace('"b"', f'"{evil.replace("<", "&lt;").replace(">", "&gt;")}"')
-        folder = Path(self.folder.name)
-        (folder / "evil.xml").write_text(text)
-        for command in (("run", "evil.xml", "--output", ".", "--quiet", "--summary", "sum.json"),
-                        ("report", "evil.h5", "--summary", "sum.json")):
-            self.mixbeam(*command)
+        folder = self.folder
+        (folder / "evil.yaml").write_text(re.sub(r"\bb\b", f"'{evil}'", CANTILEVER))
+        self.mixbeam("run", "evil.yaml", "--output", ".", "--quiet", "--summary", "sum.json")
+        self.mixbeam("report", "evil.h5", "--summary", "sum.json")
         page = (folder / "evil-report.html").read_text()
         self.assertNotIn(evil, page)  # names are data
         self.assertIn("&lt;img src=x onerror=alert(1)&gt;", page)

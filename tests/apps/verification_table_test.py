@@ -7,15 +7,13 @@ usage: verification_table_test.py MIXBEAM     one summary is written by the prog
 import contextlib
 import io
 import json
-import subprocess
 import sys
-import tempfile
 import unittest
 from pathlib import Path
 from unittest import mock
 
-PROGRAM = str(Path(sys.argv.pop(1)).resolve())
-ROOT = Path(__file__).resolve().parents[2]
+from support import ROOT, InFolder
+
 sys.path.insert(0, str(ROOT / "apps" / "plots"))
 
 import verification_table  # noqa: E402
@@ -31,12 +29,7 @@ def check(name, value, printed, comparison, tolerance, passed=True, source="a ta
             "comparison": comparison, "tolerance": tolerance, "pass": passed}
 
 
-class VerificationTable(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
-
+class VerificationTable(InFolder):
     def write(self, name, checks):
         file = self.folder / "results" / name / "summary.json"
         file.parent.mkdir(parents=True, exist_ok=True)
@@ -167,8 +160,7 @@ class VerificationTable(unittest.TestCase):
     def test_reads_what_the_program_writes(self):
         summary = self.folder / "results/gallery/elastica/summary.json"
         summary.parent.mkdir(parents=True)
-        subprocess.run([PROGRAM, "run", str(ROOT / "apps/gallery/elastica.xml"), "--quiet", "--summary", str(summary)],
-                       cwd=self.folder, check=True, capture_output=True)
+        self.mixbeam("run", str(ROOT / "apps/gallery/elastica.xml"), "--quiet", "--summary", str(summary))
         self.expect("| gallery/elastica | ", "| gallery | loads and reactions: sum of forces", " of the value | yes | ")
 
 
