@@ -76,13 +76,8 @@ def batch_figure(path, curve=None):
     if not panels:
         raise InputError(f"{path}: nothing that is followed changes from case to case")
     panels = panels[:MOST_PANELS]
-    columns = min(3, len(panels))
-    rows = -(-len(panels) // columns)
     bars = max(np.count_nonzero(np.isfinite(panel[2])) for panel in panels) if batch.structures else 0
-    height = max(3.7, 0.5 + 0.2 * bars) * rows + 0.5
-    canvas, all_axes = style.figure(max(4.6 * columns, 6.4), height, rows, columns, squeeze=False)
-    for axes in all_axes.flat[len(panels):]:
-        axes.set_visible(False)
+    canvas, all_axes = style.panels(len(panels), 3, 4.6 if len(panels) > 1 else 6.4, max(3.7, 0.5 + 0.2 * bars), (0.0, 0.5))
     for axes, (name, across, y, x) in zip(all_axes.flat, panels):
         if across is None:
             _draw_map(canvas, axes, batch, name, y)

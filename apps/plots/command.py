@@ -31,6 +31,22 @@ def finish(name, result, work):
     return BAD_INPUT
 
 
+def replace_part(page, name, text):
+    """Writes a text between two lines of a page, <!-- NAME:begin --> and <!-- NAME:end -->. Raises InputError."""
+    begin, end = f"<!-- {name}:begin -->", f"<!-- {name}:end -->"
+    try:
+        old = page.read_text(encoding="utf-8")
+        before, begun, rest = old.partition(begin)
+        _, ended, after = rest.partition(end)
+        if not begun or not ended:
+            raise InputError(f"{page}: no line {begin} with a line {end} after it")
+        new = f"{before}{begin}\n{text}\n{end}{after}"
+        if new != old:
+            page.write_text(new, encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"{page}: {error.strerror}") from None
+
+
 @contextmanager
 def whole_file(path):
     """The stream of a file that appears under its name once it is whole. What was read is not replaced, nor what is no file,

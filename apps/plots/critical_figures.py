@@ -14,12 +14,9 @@ TURN, TILT = 0.6, 0.5  # of that angle [rad]: about the vertical of the picture,
 def modes_figure(view, points):
     """Grey: undeformed; black: at the critical point; red: moved by the mode to one side, thin: to the other."""
     shown = points[:MOST_POINTS]
-    columns = min(3, len(shown))
-    rows = -(-len(shown) // columns)
-    canvas, panels = style.figure(4.4 * columns, 4.2 * rows + 0.5, rows, columns, squeeze=False)
-    for axes in panels.flat:
-        axes.set_axis_off()
+    canvas, panels = style.panels(len(shown), 3, 4.4, 4.2, (0.0, 0.5))
     for axes, (number, point) in zip(panels.flat, enumerate(shown, start=1)):
+        axes.set_axis_off()
         _draw_mode(axes, view, point)
         together = f", {point.modes} modes" if point.modes > 1 else ""
         axes.set_title(f"{number}: {point.kind}{together}, load factor {point.load_factor:.6g}\n"

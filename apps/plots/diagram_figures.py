@@ -11,6 +11,7 @@ from structure import RASTER_PIECES, add_lines, line_width, tangents
 NAMED_MEMBERS = 8       # lines that a legend can still tell apart
 LEGEND_COLUMNS = 5
 LETTERS_PER_INCH = 12  # of a title
+FRAME = 0.05, 0.15, 4   # margin and least half of a side, over the extent; ticks
 HEDGEHOG_SHARE = 0.14   # height of the highest diagram over the size of the structure
 MEMBER_SHARE = 0.35     # and at most over the length of a typical member
 NEARLY_ALONG_VIEW = 0.2  # below this projected length a tangent has no "side" in the picture
@@ -128,11 +129,7 @@ def on_structure_figure(view, step):
     position = view.position(step) @ view.projection.T / view.unit
     low, high = position.min(axis=0), position.max(axis=0)
     aspect = np.clip((high[1] - low[1]) / ((high[0] - low[0]) or 1.0), 0.35, 1.5)
-    columns = min(3, len(shown)) if len(shown) != 4 else 2
-    rows = -(-len(shown) // columns)
-    canvas, panels = style.figure(4.5 * columns, (3.9 * aspect + 0.7) * rows + 0.4, rows, columns, squeeze=False)
-    for axes in panels.flat[len(shown):]:
-        axes.set_visible(False)
+    canvas, panels = style.panels(len(shown), 2 if len(shown) == 4 else 3, 4.5, 3.9 * aspect + 0.7, (0.0, 0.4))
     for axes, name in zip(panels.flat, shown):
         _hedgehog(axes, view, step, values[name], side_of(view, step, name), None if view.is_plane else _axis_of(view, step, name))
         unit = fields.SECTION_FORCES[name].unit(view.run.units)
@@ -213,7 +210,7 @@ def _hedgehog(axes, view, step, values, sides, directions=None):
     add_lines(axes, np.stack([nodes[:, :-1], nodes[:, 1:]], axis=2).reshape(-1, 2, 2), color=style.BLACK,
               width=0.5 * line_width(view.structure), zorder=4)
     _name_values(axes, nodes, nodes + level[..., None] * spine, level, largest, (values.min() / largest, values.max() / largest))
-    _frame(axes, view, np.concatenate([nodes, nodes + level[..., None] * spine]).reshape(-1, 2))
+    view.frame(axes, np.concatenate([nodes, nodes + level[..., None] * spine]).reshape(-1, 2), *FRAME)
 
 
 def _name_values(axes, nodes, tips, level, largest, extremes):
@@ -243,18 +240,6 @@ def _areas(axis, tips, part, owner):
     breaks = np.flatnonzero((np.diff(numbers) > 1) | (np.diff(owner[numbers]) != 0)) + 1
     runs = np.split(numbers, breaks) if len(numbers) else []
     return [np.vstack([axis[run].reshape(-1, 2), tips[run].reshape(-1, 2)[::-1]]) for run in runs]
-
-
-def _frame(axes, view, points):
-    low, high = points.min(axis=0), points.max(axis=0)
-    margin = 0.05 * ((high - low).max() or 1.0)
-    half = np.maximum((high - low) / 2 + margin, 0.15 * ((high - low).max() or 1.0))
-    center = (low + high) / 2
-    axes.set(xlim=(center[0] - half[0], center[0] + half[0]), ylim=(center[1] - half[1], center[1] + half[1]))
-    axes.set_aspect("equal")
-    axes.locator_params(axis="x", nbins=4)
-    axes.locator_params(axis="y", nbins=4)
-    view.name_axes(axes)
 
 
 def _height(view, position):

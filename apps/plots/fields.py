@@ -142,18 +142,6 @@ def times(exponent, unit=""):
     return f"  [{' '.join(words)}]" if words else ""
 
 
-PLAIN = {r"\sqrt{M_2^2+M_3^2}": "\u221a(M\u2082\u00b2+M\u2083\u00b2)", r"\sqrt{Q_2^2+Q_3^2}": "\u221a(Q\u2082\u00b2+Q\u2083\u00b2)",
-         r"\sqrt{\kappa_2^2+\kappa_3^2}": "\u221a(\u03ba\u2082\u00b2+\u03ba\u2083\u00b2)", r"\sigma_{11}": "\u03c3\u2081\u2081",
-         r"\gamma": "\u03b3", r"\kappa": "\u03ba", r"\tau": "\u03c4", "_1": "\u2081", "_2": "\u2082", "_3": "\u2083", "$": ""}
-
-
-def plain(label):
-    """A label without mathematical markup, for pages and tables."""
-    for markup, letters in PLAIN.items():
-        label = label.replace(markup, letters)
-    return label
-
-
 def color_scale(field, values):
     """Colour map and norm: signed fields are symmetric about a grey zero, magnitudes start at zero."""
     from matplotlib.colors import LinearSegmentedColormap, Normalize

@@ -29,11 +29,7 @@ def load_displacement_figure(view):
     if view.run.critical_points() and _monitored(view):
         return _critical_path_figure(view)
     curves = (_asked_for(view) + _monitored(view))[:MOST_QUANTITIES] or _farthest(view)
-    columns = min(3, len(curves))
-    rows = -(-len(curves) // columns)
-    canvas, panels = style.figure(max(4.3 * columns, 6.2), 3.5 * rows + 0.4, rows, columns, squeeze=False)
-    for axes in panels.flat[len(curves):]:
-        axes.set_visible(False)
+    canvas, panels = style.panels(len(curves), 3, 4.3 if len(curves) > 1 else 6.2, 3.5, (0.0, 0.4))
     for axes, (name, factor, values, symbol, unit) in zip(panels.flat, curves):
         exponent = fields.power_of_ten(np.nanmax(np.abs(values), initial=0.0))
         values = values.reshape(len(values), -1) / 10.0 ** exponent
@@ -176,11 +172,7 @@ def _critical_path_figure(view):
     """The path through its critical points, dashed where the equilibrium is unstable; the title tells of the end."""
     curves = [curve for curve in _monitored(view) if curve[3] in ("u", r"\theta")] or _monitored(view)
     curves = _asked_for(view)[:MOST_ASKED] or curves  # the quantities of the scene come first
-    columns = min(3, len(curves))
-    rows = -(-len(curves) // columns)
-    canvas, panels = style.figure(max(4.6 * columns, 6.6), 4.2 * rows + 0.5, rows, columns, squeeze=False)
-    for axes in panels.flat[len(curves):]:
-        axes.set_visible(False)
+    canvas, panels = style.panels(len(curves), 3, 4.6 if len(curves) > 1 else 6.6, 4.2, (0.0, 0.5))
     for axes, (title, _, *curve) in zip(panels.flat, curves):
         _draw_critical_path(axes, view, title, *curve)
     canvas.suptitle(f"{view.scene_words}: load path of {_steps(view)}; dashed: unstable{_end(view)}", fontsize=13)

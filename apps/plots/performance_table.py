@@ -5,12 +5,14 @@
 """
 
 import argparse
-import csv
 import pathlib
-import statistics
 import sys
 
-BEGIN, END = "<!-- performance:begin -->", "<!-- performance:end -->"
+import numpy as np
+
+from command import InputError, replace_part
+from tables import read_table
+
 PHASES = [
     ("residual", "residual of the elements"),
     ("element tangent", "condensed tangent of the elements"),
@@ -26,51 +28,44 @@ PHASES = [
 ]
 
 
-def read_rows(path):
-    with open(path, newline="") as stream:
-        return list(csv.DictReader(stream))
-
-
 def table(folder):
-    machine = {row["name"]: row["value"] for row in read_rows(folder / "machine.csv")}
-    ceilings = {int(row["threads"]): row for row in read_rows(folder / "ceilings.csv")}
-    figures = {(r["kind"], int(r["elements"]), int(r["order"]), int(r["threads"]), r["phase"]): r
-               for r in read_rows(folder / "thread_scaling.csv")}
-    kinds = list(dict.fromkeys(key[0] for key in figures))
-    elements = max(key[1] for key in figures)
-    orders = sorted({key[2] for key in figures if key[1] == elements})
-    one, many = (pick(key[3] for key in figures) for pick in (min, max))
-    cases = [r for r in read_rows(folder / "cases.csv") if r["kind"] == kinds[0] and int(r["elements"]) == elements]
-    unit = statistics.median(float(r["unit_seconds"]) for r in cases)
+    machine = {row["name"]: row["value"] for row in read_table(folder / "machine.csv", ["name", "value"]).rows()}
+    whole = read_table(folder / "thread_scaling.csv", ["kind", "elements", "order", "threads", "phase", "median_seconds", "ratio_to_unit",
+                                                       "speed_up"])
+    kinds, elements, (one, many) = list(dict.fromkeys(whole["kind"])), whole["elements"].max(), whole.values("threads")[[0, -1]]
+    whole = whole.where(elements=elements)
+    orders = whole.values("order")
+    cases = read_table(folder / "cases.csv", ["kind", "elements", "unit_seconds", "memory_bytes_per_element"]).where(
+        kind=kinds[0], elements=elements)
     load = machine["load average before"]
     load = load if load == "unknown" else f"{float(load):.2f}"
-    peak, bandwidth = (1e-9 * float(ceilings[one][name]) for name in ("flops_per_second", "bytes_per_second"))
+    ceiling = read_table(folder / "ceilings.csv", ["threads", "flops_per_second", "bytes_per_second"]).where(threads=one).rows()[0]
     lines = [
-        f"One Newton iteration on a {kinds[0]} chain of {elements:,} elements of order k: milliseconds with {one} thread, the same",
-        f"as a multiple of B, and how many times as fast {many} threads are. B is the time of LAPACK's dgbtrf and dgbtrs (reference",
-        f"BLAS, one thread) for the block-tridiagonal matrix of a chain with as many vertices, {1e3 * unit:.0f} ms, measured beside",
+        f"One Newton iteration on a {kinds[0]} chain of {elements:,.0f} elements of order k: milliseconds with {one:.0f} thread, the same",
+        f"as a multiple of B, and how many times as fast {many:.0f} threads are. B is the time of LAPACK's dgbtrf and dgbtrs (reference",
+        f"BLAS, one thread) for the block-tridiagonal matrix of a chain with as many vertices, {1e3 * np.median(cases['unit_seconds']):.0f} ms, measured beside",
         f"each iteration (`thread_scaling`, medians; {machine['processor']}, {machine['cores']} cores, shared: load",
-        f"{load} before; {peak:.0f} GFlop/s, {bandwidth:.0f} GB/s on {one} core; mixbeam {machine['version']},",
+        f"{load} before; {1e-9 * ceiling['flops_per_second']:.0f} GFlop/s, {1e-9 * ceiling['bytes_per_second']:.0f} GB/s on {one:.0f} core; "
+        f"mixbeam {machine['version']},",
         f"{machine['compiler']}, `{machine['flags']}`):",
         "",
-        "| | " + " | ".join(f"k = {k}: ms | B | {many} threads" for k in orders) + " |",
+        "| | " + " | ".join(f"k = {k:.0f}: ms | B | {many:.0f} threads" for k in orders) + " |",
         "|---|" + "---:|---:|---:|" * len(orders),
     ]
 
     def add_row(label, kind, phase):
         cells = []
         for k in orders:
-            first, last = (figures.get((kind, elements, k, n, phase)) for n in (one, many))
-            cells += ["", "", ""] if first is None or last is None else [
-                rounded(1e3 * float(first["median_seconds"])), rounded(float(first["ratio_to_unit"])),
-                f"{float(last['speed_up']):.2f}"]
+            first, last = (whole.where(kind=kind, order=k, threads=n, phase=phase).rows() for n in (one, many))
+            cells += ["", "", ""] if not first or not last else [
+                rounded(1e3 * first[0]["median_seconds"]), rounded(first[0]["ratio_to_unit"]), f"{last[0]['speed_up']:.2f}"]
         lines.append(f"| {label} | " + " | ".join(cells) + " |")
 
     for phase, label in PHASES:
         add_row(label, kinds[0], phase)
     for kind in kinds[1:]:
         add_row(f"whole iteration, {kind} chain", kind, "whole iteration")
-    memory = ", ".join(f"{float(r['memory_bytes_per_element']) / 1024:.1f}" for r in cases)
+    memory = ", ".join(f"{size / 1024:.1f}" for size in cases["memory_bytes_per_element"])
     lines += ["", f"Memory: {memory} kB for each element (problem, state and one iteration)."]
     return "\n".join(lines)
 
@@ -80,14 +75,6 @@ def rounded(number):
     return f"{number:.0f}" if number >= 10 else f"{number:.1f}" if number >= 1 else f"{number:.2f}"
 
 
-def update(page, text):
-    content = page.read_text()
-    if BEGIN not in content or END not in content:
-        sys.exit(f"{page}: the markers {BEGIN} and {END} are missing")
-    head, tail = content.split(BEGIN)[0], content.split(END)[1]
-    page.write_text(f"{head}{BEGIN}\n{text}\n{END}{tail}")
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=pathlib.Path, help="results of thread_scaling")
@@ -95,10 +82,10 @@ def main():
     arguments = parser.parse_args()
     try:
         text = table(arguments.folder)
-    except (OSError, KeyError, ValueError) as error:
+        if arguments.update:
+            replace_part(arguments.update, "performance", text)
+    except (InputError, KeyError, ValueError) as error:
         sys.exit(f"performance_table.py: {error}")
-    if arguments.update:
-        update(arguments.update, text)
     print(text)
 
 

@@ -1,7 +1,7 @@
 #!/usr/bin/python3 -Es
-"""Pictures of the README (six scenes, accuracy, speed) and of the first hour.
+"""Pictures of the README (six scenes, accuracy, speed), of the first hour and of the page of verification.
 
-    readme_pictures.py RESULTS DOCS [--only scenes accuracy speed first_hour]
+    readme_pictures.py RESULTS DOCS [--only scenes accuracy speed first_hour benchmarks]
 
 scenes:   RESULTS/gallery/<scene>/ as run.sh leaves them, drawn by the pages of `mixbeam view` in Debian's
           chromium-headless-shell: true sections, coloured by von Mises stress, each scene from none (dark) to its own largest
@@ -9,6 +9,7 @@ scenes:   RESULTS/gallery/<scene>/ as run.sh leaves them, drawn by the pages of 
 accuracy: RESULTS/helix/convergence.csv
 speed:    the table of DOCS/performance.md
 first_hour: the scenes of DOCS/first_hour.md, solved by the program beside this folder
+benchmarks: four figures RESULTS/<benchmark>/*.png, two in a row
 """
 
 import argparse
@@ -37,6 +38,12 @@ SCENES = {
     "spoked_wheel/spoked_wheel": ((20, -45), False),
     "star_dome/star_dome": ((30, -50), True),
 }
+BENCHMARKS = (
+    (("superimposed_rotation/snapshots.png", "objectivity: a bent rod turned ten times"),
+     ("helix/shapes.png", "helix: exact tip with 5 and 3 elements")),
+    (("slope_discontinuity/configurations.png", "kinked frame under growing load"),
+     ("fork/shapes.png", "fork under one force and under a couple")))
+BENCHMARKS_WIDTH, BENCHMARKS_TITLE = 14.0, 0.5  # inches
 COLUMNS, WIDTH, HEIGHT, TITLE, FINENESS = 3, 400, 270, 32, 2  # of a panel [pixels], drawn this many times as fine
 FIGURE_WIDTH = 1200  # pixels
 FONT = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf"
@@ -185,17 +192,38 @@ def first_hour(_, docs):
             save(picture, pictures / f"{number}.png")
 
 
+def benchmarks(results, docs):
+    """The figures of a row have one height, and fill the width together."""
+    rows = [[(style.plt.imread(results / name), title) for name, title in row] for row in BENCHMARKS]
+    aspects = [[image.shape[1] / image.shape[0] for image, _ in row] for row in rows]
+    heights = [BENCHMARKS_WIDTH / sum(row) + BENCHMARKS_TITLE for row in aspects]
+    with style.plt.style.context("default"):
+        canvas = style.plt.figure(figsize=(BENCHMARKS_WIDTH, sum(heights)))
+        bottom = 1.0
+        for row, widths, height in zip(rows, aspects, heights):
+            bottom -= height / sum(heights)
+            left = 0.0
+            for (image, title), width in zip(row, widths):
+                share = width / sum(widths)
+                panel = canvas.add_axes([left, bottom, share, (height - BENCHMARKS_TITLE) / sum(heights)])
+                panel.imshow(image, interpolation="lanczos")
+                panel.set_title(title, fontsize=13)
+                panel.axis("off")
+                left += share
+        canvas.savefig(docs / "benchmarks.png", dpi=80)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("results", type=Path)
     parser.add_argument("docs", type=Path)
-    pictures = {"scenes": scenes, "accuracy": accuracy, "speed": speed, "first_hour": first_hour}
+    pictures = {"scenes": scenes, "accuracy": accuracy, "speed": speed, "first_hour": first_hour, "benchmarks": benchmarks}
     parser.add_argument("--only", nargs="+", choices=pictures, default=list(pictures))
     arguments = parser.parse_args()
     for name in arguments.only:
         try:
             pictures[name](arguments.results, arguments.docs)
-        except InputError as error:
+        except (InputError, OSError) as error:
             sys.exit(f"readme_pictures.py: {error}")
 
 

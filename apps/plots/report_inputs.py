@@ -135,33 +135,22 @@ def _names(names):
 
 def _drawing(shape, width, height, wall, web):
     """Of a section: axis 2 to the right, axis 3 upwards."""
+    from solid import outline
+
     if shape not in SIZES:
         return ""
     height = height if shape not in ("circle", "tube") else width
     wall, web = (min(size, 0.5 * min(width, height)) for size in (wall, web))
 
-    def rectangle(w, h, back=False):
-        corners = [(-w / 2, -h / 2), (w / 2, -h / 2), (w / 2, h / 2), (-w / 2, h / 2)][::-1 if back else 1]
+    def around(w, h):
+        if shape in ("circle", "tube", "ellipse"):
+            return f"M{-w / 2:.6g} 0A{w / 2:.6g} {h / 2:.6g} 0 1 0 {w / 2:.6g} 0A{w / 2:.6g} {h / 2:.6g} 0 1 0 {-w / 2:.6g} 0Z"
+        corners = outline(shape, np.array([w, h, wall, web]), 0) * (1, 1 if shape.endswith("mirrored") else -1)  # an SVG's y points down
         return "M" + "L".join(f"{x:.6g} {y:.6g}" for x, y in corners) + "Z"
 
-    def ellipse(w, h):
-        return f"M{-w / 2:.6g} 0A{w / 2:.6g} {h / 2:.6g} 0 1 0 {w / 2:.6g} 0A{w / 2:.6g} {h / 2:.6g} 0 1 0 {-w / 2:.6g} 0Z"
-
-    outline = ellipse if shape in ("circle", "tube", "ellipse") else rectangle
-    path = outline(width, height)
+    path = around(width, height)
     if shape in ("tube", "box"):
-        path += outline(width - 2 * wall, height - 2 * wall)
-    if shape == "I":
-        inner, half = height / 2 - wall, web / 2
-        right = [(width / 2, height / 2), (width / 2, inner), (half, inner), (half, -inner), (width / 2, -inner), (width / 2, -height / 2)]
-        path = "M" + "L".join(f"{x:.6g} {y:.6g}" for x, y in right + [(-x, y) for x, y in right[::-1]]) + "Z"
-    x, y, inner = width / 2, height / 2, height / 2 - wall
-    corners = {"T": [(-x, y), (x, y), (x, inner), (web / 2, inner), (web / 2, -y), (-web / 2, -y), (-web / 2, inner), (-x, inner)],
-               "L": [(-x, y), (wall - x, y), (wall - x, -inner), (x, -inner), (x, -y), (-x, -y)],
-               "U": [(-x, y), (x, y), (x, inner), (web - x, inner), (web - x, -inner), (x, -inner), (x, -y), (-x, -y)]}
-    if shape[0] in corners:  # an SVG's y points down
-        flip = 1 if shape.endswith("mirrored") else -1
-        path = "M" + "L".join(f"{px:.6g} {flip * py:.6g}" for px, py in corners[shape[0]]) + "Z"
+        path += around(width - 2 * wall, height - 2 * wall)
     side = 1.1 * max(width, height)
     return Cell(f"{shape} section", f"<svg width={SIDE} height={SIDE} viewBox=\"{-side / 2:.6g} {-side / 2:.6g} {side:.6g} {side:.6g}\">"
                 f"<path d=\"{path}\" fill=\"#9fbcd6\" stroke=\"#24506f\" stroke-width=\"{side / 60:.3g}\" fill-rule=\"evenodd\"/></svg>")

@@ -15,6 +15,7 @@ STRIP_STEPS = 6
 CAPTION_WIDTH = 11.0  # letters to an inch
 WIDTH, LEAST_HEIGHT = 9.0, 3.6  # of a picture [inch]
 MOST_LETTERS = 400   # of a message
+FRAME = 0.06, 0.12, 5  # margin and least half of a side, over the extent; ticks
 MOTION_SHARE = 0.1   # of a mechanism, over the size of the structure
 PART_COLORS = (style.BLUE, style.ORANGE, style.GREEN, style.PURPLE, style.SKY, "#7F6000", style.GREY)
 
@@ -119,27 +120,18 @@ def round_length(most):
 def overview_figure(view, step):
     """The fields an engineer looks at first, side by side in the best plane; those that vanish are left out."""
     position = view.position(step)
-    slopes = tangents(position, view.structure.starts)
     overview = fields.STRESS_OVERVIEW if step.has("von_mises_stress") else fields.OVERVIEW
     shown = [(field, field.values(step, view.size)) for field in (fields.FIELDS[name] for name in overview)]
     shown = [entry for entry in shown if np.any(entry[1])] or shown[:1]
     shown_points = position if view.has_shrunk(position) else view.everything
     projected = shown_points @ view.projection.T
     aspect = np.clip(np.ptp(projected[:, 1]) / (np.ptp(projected[:, 0]) or 1.0), 0.3, 1.4)
-    columns = min(3, len(shown))
-    rows = -(-len(shown) // columns)
-    canvas, panels = style.figure(4.6 * columns, (3.5 * aspect + 0.75) * rows, rows, columns, squeeze=False)
-    for axes in panels.flat[len(shown):]:
-        axes.set_visible(False)
-    grey, _ = view.lines(view.structure.reference)
+    canvas, panels = style.panels(len(shown), 3, 4.6, 3.5 * aspect + 0.75)
     for axes, (field, values) in zip(panels.flat, shown):
         exponent = fields.power_of_ten(np.nanmax(np.abs(values), initial=0.0))
         values = values / 10.0 ** exponent
-        lines, colors = view.lines(position, values, slopes)
-        width = 0.8 * line_width(view.structure)
-        add_lines(axes, grey @ view.projection.T, width=max(0.35 * width, 0.4), zorder=1)
-        pieces = add_lines(axes, lines @ view.projection.T, colors, fields.color_scale(field, values), width, zorder=3)
-        _finish_plane(axes, view, shown_points)
+        pieces = _draw_lines(axes, view, position, values, fields.color_scale(field, values))
+        view.frame(axes, shown_points @ view.projection.T / view.unit, *FRAME)
         axes.set_title(view.field_label(field, exponent) + ("" if np.any(values) else ": zero everywhere"))
         axes.label_outer()
         canvas.colorbar(pieces, ax=axes, shrink=0.8, pad=0.02, aspect=22)
@@ -156,25 +148,17 @@ def strip_figure(view, steps, field):
     scale = fields.color_scale(field, np.concatenate(values))
     projected = view.everything @ view.projection.T
     wide = np.ptp(projected[:, 0]) > 1.6 * np.ptp(projected[:, 1])
-    columns = min(3 if wide else 6, len(steps))
-    rows = -(-len(steps) // columns)
+    most = 3 if wide else 6
     aspect = np.clip(np.ptp(projected[:, 1]) / (np.ptp(projected[:, 0]) or 1.0), 0.25, 2.2)
-    panel = 13.0 / max(columns, 3)
-    canvas, panels = style.figure(panel * columns + 0.8, (panel * aspect + 0.5) * rows + 0.4, rows, columns,
-                                  squeeze=False, sharex=True, sharey=True)
+    panel = 13.0 / max(min(most, len(steps)), 3)
+    canvas, panels = style.panels(len(steps), most, panel, panel * aspect + 0.5, (0.8, 0.4), sharex=True, sharey=True)
     canvas.get_layout_engine().set(h_pad=0.1)  # inches; the title has a root, which is measured too low
-    for axes in panels.flat[len(steps):]:
-        axes.set_visible(False)
-    grey, _ = view.lines(view.structure.reference)
     for axes, step, points, value in zip(panels.flat, steps, position, values):
-        lines, colors = view.lines(points, value, tangents(points, view.structure.starts))
-        width = 0.8 * line_width(view.structure)
-        add_lines(axes, grey @ view.projection.T, width=max(0.35 * width, 0.4), zorder=1)
-        pieces = add_lines(axes, lines @ view.projection.T, colors, scale, width, zorder=3)
-        _finish_plane(axes, view)
+        pieces = _draw_lines(axes, view, points, value, scale)
+        view.frame(axes, projected / view.unit, *FRAME)
         axes.label_outer()
         axes.set_title(f"load factor {step.load_factor:.4g}")
-    canvas.colorbar(pieces, ax=list(panels.flat), shrink=0.9, pad=0.01, aspect=12 * rows)
+    canvas.colorbar(pieces, ax=list(panels.flat), shrink=0.9, pad=0.01, aspect=12 * len(panels))
     canvas.suptitle(f"{view.scene_words}: {view.field_label(field, exponent)}"
                     + ("" if any(np.any(value) for value in values) else ": zero everywhere"), fontsize=13)
     return canvas
@@ -194,16 +178,9 @@ def _draw_triads(view, axes, step, position, projection):
         add_lines(axes, np.stack([position[chosen], tips], axis=1) @ projection.T / view.unit, color=color, width=1.2, zorder=4)
 
 
-def _finish_plane(axes, view, points=None, tips=()):
-    projected = (view.everything if points is None else points) @ view.projection.T / view.unit
-    projected = np.vstack([projected, *tips])
-    low, high = projected.min(axis=0), projected.max(axis=0)
-    extent = high - low
-    margin = 0.06 * (extent.max() or 1.0)
-    half = np.maximum(extent / 2 + margin, 0.12 * (extent.max() or 1.0))
-    center = (low + high) / 2
-    axes.set(xlim=(center[0] - half[0], center[0] + half[0]), ylim=(center[1] - half[1], center[1] + half[1]))
-    axes.set_aspect("equal")
-    axes.locator_params(axis="x", nbins=5)
-    axes.locator_params(axis="y", nbins=5)
-    view.name_axes(axes)
+def _draw_lines(axes, view, points, values, scale):
+    """The structure as lines through points, coloured by values; grey: undeformed. Returns what a colour bar belongs to."""
+    width = 0.8 * line_width(view.structure)
+    lines, colors = view.lines(points, values, tangents(points, view.structure.starts))
+    add_lines(axes, view.lines(view.structure.reference)[0] @ view.projection.T, width=max(0.35 * width, 0.4), zorder=1)
+    return add_lines(axes, lines @ view.projection.T, colors, scale, width, zorder=3)

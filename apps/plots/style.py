@@ -67,6 +67,16 @@ def figure(width, height, rows=1, columns=1, **options):
     return plt.subplots(rows, columns, figsize=(width, height), **options)
 
 
+def panels(count, most, width, height, more=(0.0, 0.0), **options):
+    """A figure of so many panels of this size, at most `most` of them in a row, and its axes; `more`: inches beside and above them."""
+    columns = min(most, count)
+    rows = -(-count // columns)
+    canvas, axes = figure(width * columns + more[0], height * rows + more[1], rows, columns, squeeze=False, **options)
+    for unused in axes.flat[count:]:
+        unused.set_visible(False)
+    return canvas, axes
+
+
 def figure_as_is(width, height, rows=1, columns=1, left=0.1, right=0.98, top=0.9, bottom=0.1, wspace=0.2, hspace=0.2, **options):
     """Likewise, with the panels at these places: it is drawn once, where laying out panels takes five times as long."""
     canvas, panels = plt.subplots(rows, columns, figsize=(width, height), constrained_layout=False, **options)

@@ -27,9 +27,7 @@ def unknowns_figure(folder):
 def _panels(folder, draw, label):
     everything, kinds = trade_page.candidates(folder), [row["kind"] for row in trade_page.benchmarks(folder)]
     names = [one.name for one in everything]
-    rows = -(-len(names) // COLUMNS)
-    columns = min(COLUMNS, len(names))
-    canvas, axes = style.figure(3.5 * columns, 2.8 * rows + 0.7, rows, columns, squeeze=False, sharey=True)
+    canvas, axes = style.panels(len(names), COLUMNS, 3.5, 2.8, (0.0, 0.7), sharey=True)
     for i, (panel, one) in enumerate(zip(axes.flat, everything)):
         panel.set_xscale("log")
         panel.set_yscale("log")
@@ -41,11 +39,9 @@ def _panels(folder, draw, label):
         panel.set_title(one.name)
         panel.text(0.98, 0.98, kinds[i], transform=panel.transAxes, ha="right", va="top", fontsize=9,
                    color="#555555")
-        if i + columns >= len(names):
+        if i + axes.shape[1] >= len(names):
             panel.set_xlabel(label)
             panel.tick_params(labelbottom=True)
-    for panel in axes.flat[len(names):]:
-        panel.axis("off")
     for row in axes:
         row[0].set_ylabel("largest relative error")
     handles = {text: handle for panel in axes.flat for handle, text in zip(*panel.get_legend_handles_labels())}

@@ -11,12 +11,12 @@ import sys
 from decimal import ROUND_HALF_UP, Decimal
 from pathlib import Path
 
+from command import InputError, replace_part
 from plot_all import BENCHMARKS
 
 NOT_VERIFICATION = ("thread_scaling",)  # times, not values
 WHEN_NAMED = ("trade",)  # run.sh computes it only when it is named
 SCENE_GROUPS = ("verification", "gallery")  # folders of scenes, run by mixbeam
-BEGIN, END = "<!-- verification:begin -->", "<!-- verification:end -->"
 NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 HEADINGS = ("level", "benchmark", "quantity", "values", "worst", "allowed", "pass", "source")
 TEXT_HEADINGS = HEADINGS[:-1]  # sources are too long for a terminal
@@ -32,16 +32,11 @@ LEVELS = (
     ("relation", "", "none: equilibrium, symmetry, independence of the path, rates, statics by hand, goals"))
 
 
-class InputError(Exception):
-    """Something that was given cannot be used; the message says what and why."""
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("results", type=Path, help="folder that holds one folder for each benchmark and group of scenes")
     parser.add_argument("--markdown", action="store_true", help="print Markdown, with sources, instead of plain text")
-    parser.add_argument("--update", type=Path, metavar="FILE",
-                        help=f"replace what stands between {BEGIN} and {END} in FILE; needs what run.sh computes")
+    parser.add_argument("--update", type=Path, metavar="FILE", help="replace the table in FILE; needs what run.sh computes")
     options = parser.parse_args()
     try:
         summaries = read_summaries(options.results)
@@ -272,17 +267,7 @@ def update(file, summaries, rows):
     missing = [name for name in needed if name not in there]
     if missing:
         raise InputError(f"{file} is left as it is: no results of {', '.join(missing)}")
-    try:
-        text = file.read_text(encoding="utf-8")
-        before, begin, rest = text.partition(BEGIN)
-        _, end, after = rest.partition(END)
-        if not begin or not end:
-            raise InputError(f"{file}: no line {BEGIN} with a line {END} after it")
-        new = f"{before}{BEGIN}\n{markdown(summaries, rows)}\n{END}{after}"
-        if new != text:
-            file.write_text(new, encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"{file}: {error.strerror}") from None
+    replace_part(file, "verification", markdown(summaries, rows))
 
 
 if __name__ == "__main__":

@@ -10,9 +10,7 @@ from structure import Structure, axis_name, best_plane, best_view
 SHRUNK = 0.3  # below this share of its undeformed extent a structure gets the picture in space for itself
 FLAT = 1e-6     # a structure this thin over its size lies in a plane, which is looked at
 PLANES = {"xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
-CAMERAS = {"xy": (90.0, -90.0), "xz": (0.0, -90.0), "yz": (0.0, 0.0)}  # elevation, azimuth [degrees]
 ISO = (35.264, -45.0)  # all three axes equally short
-SIDES = ("tension", "compression", "left")
 
 
 class Look:
@@ -85,6 +83,17 @@ class View:
 
     def axis_label(self, direction):
         return axis_name(direction) + fields.times(self.exponent, self.run.units[0])
+
+    def frame(self, axes, points, margin, least, ticks):
+        """Equal axes around points of the picture, with their names; `margin`, and at least half a side, over the extent."""
+        low, high = points.min(axis=0), points.max(axis=0)
+        extent = (high - low).max() or 1.0
+        half = np.maximum((high - low) / 2 + margin * extent, least * extent)
+        center = (low + high) / 2
+        axes.set(xlim=(center[0] - half[0], center[0] + half[0]), ylim=(center[1] - half[1], center[1] + half[1]))
+        axes.set_aspect("equal")
+        axes.locator_params(nbins=ticks)
+        self.name_axes(axes)
 
     def name_axes(self, axes):
         """x, y or z with numbers where the picture is along them; else no numbers, and the directions in the picture as words."""
