@@ -62,6 +62,27 @@ class Marks {
     context.stroke();
   }
 
+  /** A filled or an open circle. */
+  circle(x, y, radius, fill, color) {
+    const { context } = this;
+    context.beginPath();
+    context.arc(x, y, radius, 0, 7);
+    this.paint(fill, color);
+  }
+
+  /** The path as it is: filled, then drawn around where there are colours for that. */
+  paint(fill, color, width = 2.2) {
+    const { context } = this;
+    Object.assign(context, { fillStyle: fill, strokeStyle: color, lineWidth: width });
+    if (fill) context.fill();
+    if (color) context.stroke();
+  }
+
+  /** How the next words are written. */
+  letters(font, color, align = "left") {
+    Object.assign(this.context, { font, fillStyle: color, textAlign: align, textBaseline: "middle" });
+  }
+
   drawSupports() {
     const { context, result } = this;
     const size = result.supports.length > MANY_SUPPORTS ? 5 : 9;
@@ -81,11 +102,7 @@ class Marks {
       context.beginPath();
       if (kind === "slider") context.rect(x - 4, y - 4, 8, 8);
       else context.arc(x, y, result.joints.length > CROWD ? 2 : 4.5, 0, 7);
-      context.fillStyle = this.ink.halo;
-      context.fill();
-      context.strokeStyle = this.ink.support;
-      context.lineWidth = 1.6;
-      context.stroke();
+      this.paint(this.ink.halo, this.ink.support, 1.6);
     }
   }
 
@@ -204,9 +221,7 @@ class Marks {
       context.moveTo(tx, ty);
       context.lineTo(tx - head * ux - 0.42 * head * uy, ty - head * uy + 0.42 * head * ux);
       context.lineTo(tx - head * ux + 0.42 * head * uy, ty - head * uy - 0.42 * head * ux);
-      context.closePath();
-      context.fillStyle = color;
-      context.fill();
+      this.paint(color);
     }
   }
 
@@ -216,26 +231,16 @@ class Marks {
       const way = toward > 0 ? -1 : 1;
       context.beginPath();
       context.arc(x, y, 13, way * 0.6, way * 5.2, way < 0);
-      context.strokeStyle = color;
-      context.lineWidth = 2.2;
-      context.stroke();
+      this.paint("", color);
       const [ex, ey] = [x + 13 * Math.cos(5.2), y + way * 13 * Math.sin(5.2)];
       const direction = [-Math.sin(5.2), way * Math.cos(5.2)];
       const tip = [ex + 7 * direction[0], ey + 7 * direction[1]];
       this.lines([[[ex - 5 * direction[1], ey + 5 * direction[0]], tip, [ex + 5 * direction[1], ey - 5 * direction[0]]]], color, 2.2);
       return;
     }
-    context.beginPath();
-    context.arc(x, y, 8, 0, 7);
-    context.strokeStyle = color;
-    context.lineWidth = 2.2;
-    context.stroke();
-    if (toward > 0) {
-      context.beginPath();
-      context.arc(x, y, 2.4, 0, 7);
-      context.fillStyle = color;
-      context.fill();
-    } else this.lines([[[x - 5, y - 5], [x + 5, y + 5]], [[x - 5, y + 5], [x + 5, y - 5]]], color, 2);
+    this.circle(x, y, 8, "", color);
+    if (toward > 0) this.circle(x, y, 2.4, color);
+    else this.lines([[[x - 5, y - 5], [x + 5, y + 5]], [[x - 5, y + 5], [x + 5, y - 5]]], color, 2);
   }
 
   drawLineLoads(acting) {
@@ -260,16 +265,9 @@ class Marks {
 
   /** A letter at the middle of a member with an eigenstrain. */
   drawStrained(member) {
-    const { context, result, ink } = this;
-    const [x, y] = this.at((result.first_sample[member] + result.lastSample(member)) >> 1);
-    context.font = "italic 600 15px Georgia, serif";
-    context.textAlign = "center";
-    context.textBaseline = "middle";
-    context.lineWidth = 4;
-    context.strokeStyle = ink.halo;
-    context.strokeText("ε", x + 9, y - 9);
-    context.fillStyle = ink.force;
-    context.fillText("ε", x + 9, y - 9);
+    const { result, ink } = this;
+    const middle = (result.first_sample[member] + result.lastSample(member)) >> 1;
+    this.word("ε", this.at(middle), ink.force, "italic 600 15px Georgia, serif", "center");
   }
 
   /** A member that the message names: along its line and by its name. */
@@ -282,15 +280,12 @@ class Marks {
     this.word(result.members[member], this.at((first + last) >> 1), ink.named);
   }
 
-  word(text, [x, y], color) {
+  word(text, [x, y], color, font = "600 13px system-ui, sans-serif", align = "left") {
     const { context, ink } = this;
-    context.font = "600 13px system-ui, sans-serif";
-    context.textAlign = "left";
-    context.textBaseline = "middle";
+    this.letters(font, color, align);
     context.lineWidth = 4;
     context.strokeStyle = ink.halo;
     context.strokeText(text, x + 9, y - 9);
-    context.fillStyle = color;
     context.fillText(text, x + 9, y - 9);
   }
 
@@ -299,13 +294,10 @@ class Marks {
     const [x, y] = [42, camera.rows - 46];
     const axes = ["x", "y", "z"].map((name, i) => ({ name, direction: [0, 1, 2].map((j) => (i === j ? 1 : 0)), color: ["#d9480f", "#2b8a3e", "#1c7ed6"][i] }));
     axes.sort((a, b) => dot(a.direction, camera.toward) - dot(b.direction, camera.toward));
-    context.font = "600 12px system-ui, sans-serif";
-    context.textAlign = "center";
-    context.textBaseline = "middle";
     for (const { name, direction, color } of axes) {
       const [dx, dy] = camera.flat(direction).map((part) => 27 * part);
       this.lines([[[x, y], [x + dx, y + dy]]], color, 2.4);
-      context.fillStyle = color;
+      this.letters("600 12px system-ui, sans-serif", color, "center");
       if (Math.hypot(dx, dy) > 5) context.fillText(name, x + 1.38 * dx, y + 1.38 * dy);
     }
   }
@@ -313,9 +305,7 @@ class Marks {
   drawScale({ field, range, colors, camera }) {
     const { context, ink } = this;
     const [x, y, width, height] = [24, 76, 14, clamp(camera.rows - 250, 90, 260)];
-    context.textAlign = "left";
-    context.textBaseline = "middle";
-    context.font = "600 12.5px system-ui, sans-serif";
+    this.letters("600 12.5px system-ui, sans-serif", ink.text);
     const words = field.label + (field.unit ? ` [${field.unit}]` : "");
     this.veil(x - 8, y - 32, context.measureText(words).width + 16, 24);
     if (!field.names) this.veil(x - 8, y - 10, 96, height + 20);
@@ -332,8 +322,7 @@ class Marks {
     context.strokeStyle = ink.soft;
     context.lineWidth = 1;
     context.strokeRect(x - 0.5, y - 0.5, width + 1, height + 1);
-    context.font = "12px system-ui, sans-serif";
-    context.fillStyle = ink.text;
+    this.letters("12px system-ui, sans-serif", ink.text);
     const [low, high] = range;
     const ticks = high > low ? ticksBetween(low, high, Math.floor(height / 42)) : [low];
     for (const tick of ticks) {
@@ -369,9 +358,7 @@ class Marks {
   drawTitle(words) {
     const { context, ink } = this;
     if (this.camera.width < NARROW) return; // the panel says it too
-    context.textAlign = "left";
-    context.textBaseline = "middle";
-    context.font = "600 15px system-ui, sans-serif";
+    this.letters("600 15px system-ui, sans-serif", ink.text);
     this.veil(16, 12, context.measureText(words[0]).width + 16, 26);
     context.fillStyle = ink.text;
     context.fillText(words[0], 24, 24);

@@ -169,13 +169,13 @@ class Panel {
   }
 }
 
-/** Numbers behind a word; a single one stands in the last columns. */
 /** Where a mode is: its load factor, or the frequency at which the structure vibrates in it. */
 function placeOfMode(mode) {
   if (mode.omega === undefined) return `λ = ${numberText(mode.factor, 6)}`;
   return `ω = ${numberText(mode.omega, 6)}, f = ${numberText(mode.omega / (2 * Math.PI), 6)}`;
 }
 
+/** Numbers behind a word; a single one stands in the last columns. */
 function tableRow(kind, cells) {
   const made = element("tr");
   cells.forEach((cell, i) => {

@@ -20,26 +20,18 @@ function rectangle(half2, half3) {
     .map(([a, b]) => corner(a, b, [0, 0]));
 }
 
-/** Counter-clockwise from the upper right corner. */
-function outlineOfI() {
-  const minus = (values) => values.map((value) => -value);
-  const [wide, web, top, under] = [[0.5, 0, 0, 0], [0, 0, 0, 0.5], [0, 0.5, 0, 0], [0, 0.5, -1, 0]];
-  const left = [[minus(wide), top], [minus(wide), under], [minus(web), under], [minus(web), minus(under)],
-    [minus(wide), minus(under)], [minus(wide), minus(top)]];
-  const right = left.map(([along2, along3]) => [minus(along2), minus(along3)]);
-  return [...left, ...right].map(([along2, along3]) => corner(along2, along3, [0, 0]));
-}
-
-/** Outlines of T, L and U, counter-clockwise, and rectangles (left, right, lower, upper) that fill them; from the middle of their
- * width and height. */
+/** Outlines, counter-clockwise, and rectangles (left, right, lower, upper) that fill them; from the middle of their width and
+ * height. */
 const RECTANGULAR = {
+  rectangle: { outline: "b+t -b+t -b-t b-t", areas: ["-b b -t t"] },
+  I: { outline: "-b+t -b+u -w+u -w-u -b-u -b-t b-t b-u w-u w+u b+u b+t", areas: ["-b b u t", "-b b -t -u", "-w w -u u"] },
   T: { outline: "-b+t -b+u -w+u -w-t w-t w+u b+u b+t", areas: ["-b b u t", "-w w -t u"] },
   U: { outline: "-b+t -b-t b-t b-u i-u i+u b+u b+t", areas: ["-b b u t", "-b b -t -u", "-b i -u u"] },
   L: { outline: "-b+t -b-t b-t b-u k-u k+t", areas: ["-b b -t -u", "-b k -u t"] },
 };
 
 function rectangularMeshes(kind) {
-  const [word, turn, ...center] = kind.split(" "); // "T upright 0 0.2": its centroid over width and height
+  const [word, turn, ...center] = [...kind.split(" "), 0, 0, 0]; // "T upright 0 0.2": its centroid over width and height
   const upwards = turn === "mirrored" ? -1 : 1;
   const along2 = { b: [0.5, 0, 0, 0], w: [0, 0, 0, 0.5], i: [-0.5, 0, 0, 1], k: [-0.5, 0, 1, 0] };
   const along3 = { t: [0, 0.5, 0, 0], u: [0, 0.5, -1, 0] };
@@ -109,14 +101,7 @@ function flatNormal(from, to) {
 /** Meshes { side, end } of a kind; `sides` of round ones. */
 function meshesOf(kind, sides) {
   const box = rectangle([0.5, 0, 0, 0], [0, 0.5, 0, 0]);
-  if (kind === "rectangle") return { side: new Mesh().side(box), end: new Mesh().area(box) };
   if (kind === "box") return { side: new Mesh().side(box), end: new Mesh().ring(box, rectangle([0.5, 0, -1, 0], [0, 0.5, -1, 0])) };
-  if (kind === "I") {
-    const flange = (sign) => [[-0.5, 0], [-0.5, -1], [0.5, -1], [0.5, 0]]
-      .map(([half, inward]) => corner([half, 0, 0, 0], [0, sign * 0.5, sign * inward, 0], [0, 0]));
-    const web = rectangle([0, 0, 0, 0.5], [0, 0.5, -1, 0]);
-    return { side: new Mesh().side(outlineOfI()), end: new Mesh().area(flange(1)).area(flange(-1)).area(web) };
-  }
   if (RECTANGULAR[kind.split(" ")[0]]) return rectangularMeshes(kind);
   const outline = round(sides);
   const end = kind === "tube" ? new Mesh().ring(outline, round(sides, 1)) : new Mesh().area(outline);
