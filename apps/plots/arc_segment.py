@@ -12,13 +12,12 @@ SLENDERNESS = (10, 100, 1000)
 
 def convergence_figure(folder):
     """Error against the finest solution for three slendernesses."""
-    table = read_table(folder / "convergence.csv", ["order", "slenderness", "elements", "l2_error"])
+    table = read_table(folder / "convergence.csv")
     chosen = table.values("slenderness")
     canvas, axes = style.figure(3.7 * len(chosen) + 0.4, 4.2, 1, len(chosen), sharey=True, squeeze=False)
     for panel, rho in zip(axes[0], chosen):
         rows = table.where(slenderness=rho)
-        convergence.panel(panel, rows, f"$\\rho={rho:g}$")
-        convergence.slope_triangles(panel, rows)
+        convergence.panel(panel, rows, f"$\\rho={rho:g}$", rate=convergence.optimal)
     axes[0, 0].set_ylabel(r"error $\mathrm{err}_{L^2}$ of the displacement, relative to $R$")
     axes[0, 0].legend(loc="lower left")
     return canvas
@@ -37,7 +36,3 @@ def shapes_figure(folder):
         axes.set_title(f"$\\rho={rho}$")
     style.legend_below_3d(canvas, panels[0], 0.08)
     return canvas
-
-
-FIGURES = {"convergence": (["convergence.csv"], convergence_figure),
-           "shapes": ([f"single_rho{rho}.h5" for rho in SLENDERNESS], shapes_figure)}

@@ -14,6 +14,10 @@ class InputError(Exception):
     """An input file is missing or is not what a figure needs; the message names file and reason."""
 
 
+class NothingToDraw(InputError):
+    """The input of a figure is not there, or is as it should be and does not have what the figure shows."""
+
+
 def finish(name, result, work):
     """Exit code of `mixbeam NAME` about a result file. Prints the paths of the files that `work()` yields."""
     try:

@@ -10,8 +10,23 @@ DISTANCE_FROM_LINE = 0.6
 ROUND_OFF_MARGIN = 50  # and where the error is well above the round-off floor
 
 
-def panel(axes, table, title, error="l2_error"):
-    """Draws every order in `table` (columns order, elements, and `error`)."""
+def optimal(order):
+    return order + 1
+
+
+def figure_of_vertices(panels, label):
+    """A panel for each (rows of a table, title), whose column `error` falls with the power 2 k."""
+    canvas, axes = style.figure(9.5, 4.6, 1, len(panels), sharey=True)
+    for each, (rows, title) in zip(axes, panels):
+        panel(each, rows, title, "error", lambda order: 2 * order)
+        each.tick_params(axis="y", labelleft=True)
+    axes[0].set_ylabel(label)
+    axes[1].legend(ncol=2, loc="lower left")
+    return canvas
+
+
+def panel(axes, table, title, error="l2_error", rate=None):
+    """Draws every order in `table` (columns order, elements, and `error`), with triangles of slope `rate(order)` where it is given."""
     for order in table.values("order"):
         line = table.where(order=order).sorted_by("elements")
         axes.loglog(line["elements"], line[error], **style.order_line(order))
@@ -21,10 +36,12 @@ def panel(axes, table, title, error="l2_error"):
     axes.xaxis.set_minor_locator(matplotlib.ticker.NullLocator())
     axes.set_xticks(table.values("elements"))
     axes.set_xlabel("number of elements")
+    if rate:
+        _slope_triangles(axes, table, error, rate)
 
 
-def slope_triangles(axes, table, error="l2_error", rate=lambda order: order + 1):
-    """Beside each line a triangle of slope `rate(order)`, by default k+1, with that number."""
+def _slope_triangles(axes, table, error, rate):
+    """Beside each line a triangle of slope `rate(order)` with that number."""
     floor = np.nanmin(table[error])
     for order in table.values("order"):
         line = table.where(order=order).sorted_by("elements")

@@ -14,12 +14,10 @@ INTRODUCTION = (
     "A rod of {elements:.0f} elements of order {order:.0f}, clamped, bent and twisted at its tip, solved from the "
     "straight rod: seconds from the\nscene to the answer (median), Newton iterations, and how far the two displacements of "
     "the tip are apart, relative.\nLeft: the scene as it is. Right: the same scene with the feature in it, at rest.")
-COLUMNS = ["name", "plain", "other", "plain_seconds", "other_seconds", "ratio", "plain_iterations", "other_iterations",
-           "difference", "order", "elements"]
 
 
 def economies_page(folder):
-    rows = read_table(folder / "economies.csv", COLUMNS).rows()
+    rows = read_table(folder / "economies.csv").rows()
     text = page.head("economies", "Only what the scene requires", INTRODUCTION.format(**rows[0]), folder)
     text += page.table(["as it is", "with the feature", "s", "s", "ratio", "iterations", "difference"],
                        [[r["plain"], r["other"], f"{r['plain_seconds']:.3f}", f"{r['other_seconds']:.3f}",
@@ -27,7 +25,3 @@ def economies_page(folder):
                          f"{r['difference']:.0e}"] for r in rows], right=5)
     remarks = [f"- {r['plain']}: {REMARKS[r['name']]}\n" for r in rows if r["name"] in REMARKS]
     return text + "\n" + "".join(remarks)
-
-
-FIGURES = {}
-PAGES = {"economies": (["economies.csv", "machine.csv"], economies_page)}

@@ -15,8 +15,7 @@ STAGES = ((0, "(0) unloaded"), (1, "(1) force at $P_1$"), (2, "(2) force couple"
 
 def load_displacement_figure(folder):
     """Displacements of both tines and of the branching point, for both orders of loading."""
-    columns = ["path", "load_factor"] + [f"{point}_u{i}" for point, _ in POINTS for i in (1, 2, 3)]
-    table = read_table(folder / "load_displacement.csv", columns)
+    table = read_table(folder / "load_displacement.csv")
     canvas, axes = style.figure(12, 4.4, 1, 3, sharey=True)
     for panel, (point, title) in zip(axes, POINTS):
         for path, dashes, width in (("forward", "-", 2.0), ("reverse", (0, (3, 2)), 1.6)):
@@ -60,19 +59,14 @@ def shapes_figure(folder):
 
 def convergence_figure(folder):
     """Mean error over the fork for each representation of the semicircle, and the error of a vertex for the exact one."""
-    table = read_table(folder / "convergence.csv", ["representation", "order", "elements", "error", "p1_error"])
+    table = read_table(folder / "convergence.csv")
     exact, polygon = (table.where(representation=name) for name in ("exact arc", "polygon"))
-    panels = ((exact, "error", "exact semicircle, mean over the fork", lambda order: order + 1),
+    panels = ((exact, "error", "exact semicircle, mean over the fork", convergence.optimal),
               (polygon, "error", "polygon, mean over the fork: slope 2", lambda order: 2),
               (exact, "p1_error", "exact semicircle, at $P_1$", lambda order: 2 * order))
     canvas, axes = style.figure(13, 4.4, 1, len(panels), sharey=True)
     for panel, (rows, error, title, rate) in zip(axes, panels):
-        convergence.panel(panel, rows, title, error=error)
-        convergence.slope_triangles(panel, rows, error=error, rate=rate)
+        convergence.panel(panel, rows, title, error, rate)
     axes[0].set_ylabel("error of the displacement, relative to $L$")
     axes[0].legend(loc="lower left")
     return canvas
-
-
-FIGURES = {"load_displacement": (["load_displacement.csv"], load_displacement_figure),
-           "shapes": (["single.h5"], shapes_figure), "convergence": (["convergence.csv"], convergence_figure)}

@@ -11,7 +11,7 @@ STRAIN_ORDERS = (1, 4)
 
 def load_displacement_figure(folder):
     """Tip position over the load factor."""
-    table = read_table(folder / "load_displacement.csv", ["load_factor", "r1", "r2", "r3"])
+    table = read_table(folder / "load_displacement.csv")
     return style.components_figure(table, "load_factor", r"load factor $\lambda$", "r", "$r_{}(L)$", "tip position", "upper right")
 
 
@@ -19,8 +19,7 @@ def strains_figure(folder):
     """Force and moment strains along the axis for the lowest and the highest order."""
     canvas, axes = style.figure(10.5, 6.4, 2, 2, sharex=True, sharey="row")
     for column, order in enumerate(STRAIN_ORDERS):
-        table = read_table(folder / f"strains_k{order}.csv",
-                           ["s"] + [f"{name}{i}" for name in ("gamma", "kappa") for i in (1, 2, 3)])
+        table = read_table(folder / f"strains_k{order}.csv")
         for row, (name, symbol) in enumerate((("gamma", r"\gamma"), ("kappa", r"\kappa"))):
             for i, (color, dashes) in enumerate(zip(style.COMPONENT_COLORS, style.COMPONENT_DASHES), start=1):
                 axes[row, column].plot(table["s"], table[f"{name}{i}"], color=color, linestyle=dashes, linewidth=1.3,
@@ -40,7 +39,7 @@ def shapes_figure(folder):
     """Final center lines for the four orders."""
     lines = {}
     for order in ORDERS:
-        table = read_table(folder / f"shape_k{order}.csv", ["s", "x", "y", "z"])
+        table = read_table(folder / f"shape_k{order}.csv")
         lines[order] = np.column_stack([table["x"], table["y"], table["z"]])
     canvas, panels = style.figure_3d(10, 8.4, columns=2, rows=2)
     for axes, order in zip(panels, ORDERS):
@@ -51,8 +50,3 @@ def shapes_figure(folder):
         axes.set_title(f"order $k={order}$")
     style.legend_below_3d(canvas, panels[0], 0.08)
     return canvas
-
-
-FIGURES = {"load_displacement": (["load_displacement.csv"], load_displacement_figure),
-           "strains": ([f"strains_k{order}.csv" for order in STRAIN_ORDERS], strains_figure),
-           "shapes": ([f"shape_k{order}.csv" for order in ORDERS], shapes_figure)}

@@ -40,12 +40,11 @@ def shapes_figure(folder):
 
 def convergence_figure(folder):
     """Error between the vertices, and of the vertices themselves, over the number of elements."""
-    table = read_table(folder / "convergence.csv", ["slenderness", "order", "elements", "l2_error", "vertex_position"])
+    table = read_table(folder / "convergence.csv")
     slenderness = table.values("slenderness")[0]
     table = table.where(slenderness=slenderness)
     canvas, axes = style.figure(9.5, 4.6, 1, 2, sharey=True)
-    convergence.panel(axes[0], table, "centerline")
-    convergence.slope_triangles(axes[0], table)
+    convergence.panel(axes[0], table, "centerline", rate=convergence.optimal)
     axes[0].set_ylabel(r"error $\mathrm{err}_{L^2}$ of the centerline, relative to $L$")
     convergence.panel(axes[1], table, "vertices, rate $2k$", "vertex_position")
     axes[1].set_ylabel("largest distance of a vertex, relative to $L$")
@@ -54,6 +53,3 @@ def convergence_figure(folder):
     axes[0].legend(ncol=2, loc="lower left")
     canvas.suptitle(f"slenderness $\\rho={slenderness:g}$", fontsize=12)
     return canvas
-
-
-FIGURES = {"shapes": (["order1.h5", "order3.h5"], shapes_figure), "convergence": (["convergence.csv"], convergence_figure)}

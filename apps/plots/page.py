@@ -14,7 +14,7 @@ def table(head, rows, right=0):
 def head(name, title, text, folder, figures=False):
     """Title, what the page is about, how to renew it, what it was measured with."""
     pictures = f" results/{name}/*.png" if figures else ""
-    facts = read_table(folder / "machine.csv", ["name", "value"])
+    facts = read_table(folder / "machine.csv")
     machine = ", ".join(value if fact == "date" else f"{fact} {value}"
                         for fact, value in zip(facts["name"], facts["value"]) if fact != "flags")
     return (f"# {title}\n\n{text}\nWritten by `apps/plots/{name}.py` from the tables of the program; to renew it:\n\n"

@@ -11,7 +11,6 @@ LOOKS = {"mixbeam": (style.BLUE, "o", "-"), "mixbeam, all answers": (style.SKY, 
          "FEniCSx, load steps alone": (style.RED, "v", ":"), "CalculiX": (style.PURPLE, "D", "-"),
          "CalculiX, defaults": (style.PURPLE, "D", ":")}
 LOWEST = 1e-13  # errors below are those of rounding and of the truths
-NUMBERS = ["order", "elements", "steps", "iterations", "error", "seconds", "stepping"]
 INTRODUCTION = """The same cantilevers by mixbeam and by programs that Debian has: a straight rod wound up to two full circles by a moment and an
 eighth of a circle under a force across its plane, at slenderness 100 and 1000, and the elastica. The truths are closed forms,
 elliptic integrals and shooting. Time is user and system time of one thread in a process that has solved before, from the
@@ -48,7 +47,7 @@ BETTER = """
 
 
 def solutions(folder):
-    rows = read_table(folder / "peers.csv", ["setting", "program", "problem", *NUMBERS, "failure"]).rows()
+    rows = read_table(folder / "peers.csv").rows()
     rows = [row for row in rows if not row["failure"]]
     return rows + [{**row, "program": "FEniCSx, load steps alone", "setting": "FEniCSx, load steps alone", "seconds": row["stepping"]}
                    for row in rows if row["setting"] == "FEniCSx"]
@@ -69,7 +68,7 @@ def front(rows):
     return times, errors
 
 
-def figure(folder):
+def peers_figure(folder):
     rows = solutions(folder)
     canvas, panels = style.figure(12.0, 4.2, 1, len(SHOWN), sharey=True)
     for panel, (problem, title) in zip(panels, SHOWN.items()):
@@ -120,7 +119,7 @@ def defaults(rows, problems, names):
 
 
 def growth(folder):
-    rows = read_table(folder / "growth.csv", ["setting", *NUMBERS, "failure"]).rows()
+    rows = read_table(folder / "growth.csv").rows()
     sizes = sorted({row["elements"] for row in rows})
     lines = []
     for name, order in dict.fromkeys((row["setting"], row["order"]) for row in rows):
@@ -135,7 +134,7 @@ def chapter(title, text, table):
 
 
 def peers_page(folder):
-    rows, programs = solutions(folder), read_table(folder / "programs.csv", ["program", "version", "package", "lines"]).rows()
+    rows, programs = solutions(folder), read_table(folder / "programs.csv").rows()
     problems = list(dict.fromkeys(row["problem"] for row in rows))
     here = [name for name in dict.fromkeys(row["program"] for row in rows) if name != "mixbeam"]
     levels = [f"error {level:.0e}" for level in LEVELS]
@@ -156,8 +155,3 @@ def peers_page(folder):
     text += chapter("Growth", "A straight cantilever, F L^2 / EI = 0.3, in one load step: time (iterations). What would take longer than "
                     "a minute and a half\nwas left out or stopped.", growth(folder))
     return text + BETTER
-
-
-INPUTS = ["peers.csv"]
-FIGURES = {"peers": (INPUTS, figure)}
-PAGES = {"peers": ([*INPUTS, "programs.csv", "growth.csv", "machine.csv"], peers_page)}

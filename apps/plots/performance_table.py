@@ -29,17 +29,15 @@ PHASES = [
 
 
 def table(folder):
-    machine = {row["name"]: row["value"] for row in read_table(folder / "machine.csv", ["name", "value"]).rows()}
-    whole = read_table(folder / "thread_scaling.csv", ["kind", "elements", "order", "threads", "phase", "median_seconds", "ratio_to_unit",
-                                                       "speed_up"])
+    machine = {row["name"]: row["value"] for row in read_table(folder / "machine.csv").rows()}
+    whole = read_table(folder / "thread_scaling.csv")
     kinds, elements, (one, many) = list(dict.fromkeys(whole["kind"])), whole["elements"].max(), whole.values("threads")[[0, -1]]
     whole = whole.where(elements=elements)
     orders = whole.values("order")
-    cases = read_table(folder / "cases.csv", ["kind", "elements", "unit_seconds", "memory_bytes_per_element"]).where(
-        kind=kinds[0], elements=elements)
+    cases = read_table(folder / "cases.csv").where(kind=kinds[0], elements=elements)
     load = machine["load average before"]
     load = load if load == "unknown" else f"{float(load):.2f}"
-    ceiling = read_table(folder / "ceilings.csv", ["threads", "flops_per_second", "bytes_per_second"]).where(threads=one).rows()[0]
+    ceiling = read_table(folder / "ceilings.csv").where(threads=one).rows()[0]
     lines = [
         f"One Newton iteration on a {kinds[0]} chain of {elements:,.0f} elements of order k: milliseconds with {one:.0f} thread, the same",
         f"as a multiple of B, and how many times as fast {many:.0f} threads are. B is the time of LAPACK's dgbtrf and dgbtrs (reference",

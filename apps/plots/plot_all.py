@@ -37,17 +37,11 @@ def main():
                 failures.append(f"{folder}: no such folder")
             continue
         module = importlib.import_module(benchmark)
-        works = [(name, inputs, lambda name=name, draw=draw: style.save(draw(folder), folder / f"{name}.png"))
-                 for name, (inputs, draw) in module.FIGURES.items() if not options.pages]
-        works += [(f"{name}.md", inputs, lambda name=name, write=write: save_page(write(folder), folder / f"{name}.md"))
-                  for name, (inputs, write) in getattr(module, "PAGES", {}).items()]
-        for name, inputs, work in works:
-            missing = [str(folder / file) for file in inputs if not (folder / file).is_file()]
-            if missing:
-                say(options, f"left out {benchmark}/{name}: no {', '.join(missing)}")
-                continue
+        for name, make in works_of(module, "_page" if options.pages else ("_figure", "_page")):
             try:
-                say(options, f"drew {work()}")
+                made = make(folder)
+                path = folder / f"{name}.{'md' if isinstance(made, str) else 'png'}"
+                say(options, f"drew {save_page(made, path) if isinstance(made, str) else style.save(made, path)}")
             except NothingToDraw as reason:
                 say(options, f"left out {benchmark}/{name}: {reason}")
                 continue
@@ -59,6 +53,11 @@ def main():
     if drawn == 0 and not failures:
         failures.append(f"{options.results}: no results of a benchmark found")
     return "\n".join(failures) or None
+
+
+def works_of(module, endings):
+    """(name, function from folder to figure or page) of its functions with these endings."""
+    return [(name.rpartition("_")[0], make) for name, make in vars(module).items() if name.endswith(endings) and not name.startswith("_")]
 
 
 def save_page(text, path):

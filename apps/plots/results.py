@@ -13,7 +13,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from command import InputError, inputs
+from command import InputError, NothingToDraw, inputs
 
 MANY_MEMBERS = 200
 # The one that has started this script, or beside which it lies.
@@ -374,7 +374,7 @@ class Run:
             path = file_of_case(path, case)
         if not path.is_file():
             beside = ", ".join(sorted(file.name for file in path.parent.glob(f"{path.stem}-*{path.suffix}"))[:6])
-            raise InputError(f"{path}: no such file" + (f"; of load cases there are {beside}" if beside else ""))
+            raise NothingToDraw(f"{path}: no such file" + (f"; of load cases there are {beside}" if beside else ""))
         self.path = path
         self._file = open_file(path)
         if self._file.attribute("format", str, "") != "mixbeam results":

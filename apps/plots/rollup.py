@@ -15,7 +15,7 @@ REDUCED = (("axial reduced", "axial strain reduced"), ("shear reduced", "shear s
 
 def convergence_figure(folder):
     """Full integration at three slendernesses (above), reduced integration at the largest one (below)."""
-    table = read_table(folder / "convergence.csv", ["integration", "order", "slenderness", "elements", "l2_error"])
+    table = read_table(folder / "convergence.csv")
     canvas, axes = style.figure(11, 7.6, 2, 3, sharey=True)
     panels = [({"integration": "full", "slenderness": rho}, f"full integration, $\\rho={rho}$")
               for rho in FULL_SLENDERNESS]
@@ -25,8 +25,7 @@ def convergence_figure(folder):
         rows = table.where(**conditions)
         if len(rows) == 0:
             raise InputError(f"{folder / 'convergence.csv'}: no rows with {conditions}")
-        convergence.panel(panel, rows, title)
-    convergence.slope_triangles(axes[1, 2], rows)
+        convergence.panel(panel, rows, title, rate=convergence.optimal if panel is axes[1, 2] else None)
     axes[0, 0].legend(*axes[1, 2].get_legend_handles_labels(), ncol=2, loc="lower left")
     for row in axes:
         row[0].set_ylabel(r"error $\mathrm{err}_{L^2}$ of the centerline, relative to $L$")
@@ -51,6 +50,3 @@ def shape_figure(folder):
         axes.set(xlabel="$x_1$", ylabel="$x_2$")
         axes.legend(loc="upper right")
         return canvas
-
-
-FIGURES = {"convergence": (["convergence.csv"], convergence_figure), "shape": (["single.h5"], shape_figure)}

@@ -12,7 +12,7 @@ PLANES = ((0, 2), (1, 2))  # of the side views: x1 x3 and x2 x3
 
 def load_displacement_figure(folder):
     """Components of the tip displacement over the force."""
-    table = read_table(folder / "load_displacement.csv", ["force", "u1", "u2", "u3"]).sorted_by("force")
+    table = read_table(folder / "load_displacement.csv").sorted_by("force")
     return style.components_figure(table, "force", "force $F$", "u", "$u_{}$", "tip displacement $u_i(3L) \\, / \\, L$", "lower left")
 
 
@@ -23,7 +23,7 @@ def configurations_figure(folder):
         shares = np.linspace(0.0, 1.0, SHAPES)
         shapes = [run.reference()] + [run.step_at(share * last).field("position") for share in shares[1:]]
         tip = run.reference()[-1]
-    table = read_table(folder / "load_displacement.csv", ["force", "u1", "u2", "u3"]).sorted_by("force")
+    table = read_table(folder / "load_displacement.csv").sorted_by("force")
     path = tip + np.column_stack([table[f"u{i}"] for i in (1, 2, 3)])
     full = table["force"].max()
     canvas = style.plt.figure(figsize=(13, 4.6), constrained_layout=False)
@@ -42,7 +42,3 @@ def configurations_figure(folder):
         flat.set(xlabel=f"$x_{first + 1}$", ylabel=f"$x_{second + 1}$")
     canvas.legend(*space.get_legend_handles_labels(), loc="center left", bbox_to_anchor=(0.87, 0.5))
     return canvas
-
-
-FIGURES = {"load_displacement": (["load_displacement.csv"], load_displacement_figure),
-           "configurations": (["single.h5", "load_displacement.csv"], configurations_figure)}

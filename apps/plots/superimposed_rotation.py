@@ -11,7 +11,7 @@ BENT = 1.0  # load factor at which the cantilever is bent and the rotation begin
 
 def deviation_figure(folder):
     """Deviation of the tip displacement and of the energy from the state before the rotation."""
-    table = read_table(folder / "deviation.csv", ["rotation", "relative_u3", "relative_energy"]).sorted_by("rotation")
+    table = read_table(folder / "deviation.csv").sorted_by("rotation")
     canvas, axes = style.figure(8.5, 4.8, 2, 1, sharex=True)
     turns = table["rotation"] / (2 * np.pi)
     labels = (r"$\Delta u_3 \, / \, L$", r"$\Delta\overline{\Phi}_\kappa \, / \, \overline{\Phi}_\kappa$")
@@ -48,6 +48,3 @@ def snapshots_figure(folder):
         style.equal_axes_3d(before, np.vstack([reference, bent.field("position")]), ticks=4)
         style.equal_axes_3d(during, np.vstack(everything), ticks=4)
         return canvas
-
-
-FIGURES = {"deviation": (["deviation.csv"], deviation_figure), "snapshots": (["single.h5"], snapshots_figure)}

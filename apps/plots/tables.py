@@ -5,18 +5,21 @@ from pathlib import Path
 
 import numpy as np
 
-from command import InputError
+from command import InputError, NothingToDraw
 
 
-class NothingToDraw(InputError):
-    """The input is as it should be, and does not have what the figure shows."""
+class Named(dict):
+    """Columns or entries of a row by the names of the file, which must have those that are asked for."""
+
+    def __missing__(self, name):
+        raise InputError(f"column {name} missing; found {', '.join(self)}")
 
 
 class Table:
     """Columns of a CSV file: arrays of float where every entry is a number, else arrays of str."""
 
     def __init__(self, columns):
-        self._columns = columns
+        self._columns = Named(columns)
 
     def __getitem__(self, name):
         return self._columns[name]
@@ -45,21 +48,18 @@ class Table:
 
     def rows(self):
         """Each row by the names of its columns."""
-        return [dict(zip(self._columns, row)) for row in zip(*self._columns.values())]
+        return [Named(zip(self._columns, row)) for row in zip(*self._columns.values())]
 
 
-def read_table(path, columns):
-    """The CSV file `path` as a Table; InputError unless it exists, has rows and has the named columns."""
+def read_table(path):
+    """The CSV file `path` as a Table; InputError unless it exists and has rows."""
     path = Path(path)
     if not path.is_file():
-        raise InputError(f"{path}: no such file")
+        raise NothingToDraw(f"no {path}")
     with open(path, newline="", encoding="utf-8") as stream:
         rows = list(csv.reader(stream))
     if len(rows) < 2:
         raise InputError(f"{path}: no rows")
-    missing = [name for name in columns if name not in rows[0]]
-    if missing:
-        raise InputError(f"{path}: column {', '.join(missing)} missing; found {', '.join(rows[0])}")
     complete = [row for row in rows[1:] if len(row) == len(rows[0])]  # a killed run may leave half a line
     if not complete:
         raise InputError(f"{path}: no complete rows")

@@ -13,8 +13,6 @@ PHASE_COLORS = {
     "numeric factorisation": style.PURPLE, "solve": style.RED, "check of the solve": "#F2B49B",
     "recover": style.GREEN, "update": "#7FCEB8", "other": style.BLACK}
 SUMS = ("element work", "linear solver", "linear solver, KLU2", "whole iteration", "run, per iteration")
-COLUMNS = ["kind", "elements", "order", "threads", "phase", "median_seconds", "speed_up", "ratio_to_unit",
-           "flops_per_element", "bytes_per_element", "flops_per_second"]
 KIND = "spatial"
 LATTICES = {"cubic": style.BLUE, "octet": style.ORANGE, "sheet": style.GREEN}
 ELEMENTS_OF_STRUT = 2
@@ -22,7 +20,7 @@ ELEMENTS_OF_STRUT = 2
 
 def _table(folder):
     """The rows of spatial chains, or of the only kind there is."""
-    table = read_table(folder / "thread_scaling.csv", COLUMNS)
+    table = read_table(folder / "thread_scaling.csv")
     kinds = list(table.values("kind"))
     return table.where(kind=KIND if KIND in kinds else kinds[0])
 
@@ -34,7 +32,7 @@ def _seconds(table, **key):
 
 def cost_figure(folder):
     """Microseconds for each element against the number of elements, phases stacked, with the unit B beside it."""
-    table, units = _table(folder), read_table(folder / "cases.csv", ["kind", "elements", "order", "unit_seconds"])
+    table, units = _table(folder), read_table(folder / "cases.csv")
     orders, sizes, threads = table.values("order"), table.values("elements"), table.values("threads")[[0, -1]]
     canvas, axes = style.figure(3.1 * len(orders) + 1.5, 4.6, 1, len(orders), squeeze=False)
     width = 0.8 / len(threads)
@@ -109,7 +107,7 @@ def ceilings_figure(folder):
     table = _table(folder)
     size = max(table["elements"])
     table = table.where(elements=size)
-    ceilings = read_table(folder / "ceilings.csv", ["threads", "flops_per_second", "bytes_per_second"])
+    ceilings = read_table(folder / "ceilings.csv")
     threads = table.values("threads")[[0, -1]]
     canvas, axes = style.figure(6.2 * len(threads) + 2, 5.0, 1, len(threads), sharey=True, squeeze=False)
     for panel, count in zip(axes[0], threads):
@@ -158,8 +156,8 @@ def _roof(panel, ceiling, shown):
 
 def lattices_figure(folder):
     """Time of an iteration and memory for each strut of lattices, against the number of struts."""
-    table = read_table(folder / "thread_scaling.csv", COLUMNS).where(phase="whole iteration")
-    cases = read_table(folder / "cases.csv", ["kind", "elements", "memory_bytes_per_element"])
+    table = read_table(folder / "thread_scaling.csv").where(phase="whole iteration")
+    cases = read_table(folder / "cases.csv")
     kinds = [kind for kind in LATTICES if kind in set(table["kind"])]
     if not kinds:
         raise NothingToDraw("thread_scaling.csv has no lattices")
@@ -181,11 +179,3 @@ def lattices_figure(folder):
         panel.set_xlabel("struts")
         panel.legend()
     return canvas
-
-
-FIGURES = {
-    "lattices": (["thread_scaling.csv", "cases.csv"], lattices_figure),
-    "cost": (["thread_scaling.csv", "cases.csv"], cost_figure),
-    "speed_up": (["thread_scaling.csv"], speed_up_figure),
-    "ceilings": (["thread_scaling.csv", "ceilings.csv"], ceilings_figure),
-}

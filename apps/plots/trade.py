@@ -5,27 +5,28 @@ import matplotlib.ticker
 import numpy as np
 
 import style
-import trade_page
+import trade_page as trade_of
 from tables import Table
 
 COLUMNS = 4
 LOWEST_ERROR = 1e-14
 HIGHEST_ERROR = 0.3  # beyond, the mesh has followed a path of its own
 SOME = {"linewidth": 0.8, "linestyle": (0, (2, 2))}  # a mean over those benchmarks on which an order is exact enough
+trade_page = trade_of.trade_page
 
 
-def time_figure(folder):
+def trade_time_figure(folder):
     """Error over time, a panel for each benchmark; what no other cell beats is joined."""
     return _panels(folder, _draw_times, "time in ms, one thread")
 
 
-def unknowns_figure(folder):
+def trade_unknowns_figure(folder):
     """Error over all unknowns, those inside the elements included."""
     return _panels(folder, _draw_unknowns, "unknowns (vertices and interior)")
 
 
 def _panels(folder, draw, label):
-    everything, kinds = trade_page.candidates(folder), [row["kind"] for row in trade_page.benchmarks(folder)]
+    everything, kinds = trade_of.candidates(folder), [row["kind"] for row in trade_of.benchmarks(folder)]
     names = [one.name for one in everything]
     canvas, axes = style.panels(len(names), COLUMNS, 3.5, 2.8, (0.0, 0.7), sharey=True)
     for i, (panel, one) in enumerate(zip(axes.flat, everything)):
@@ -60,12 +61,12 @@ def _lines(panel, cells, across):
 
 
 def _draw_times(panel, cells, floor):
-    _lines(panel, cells, lambda line: 1e3 * trade_page.seconds(line))
-    place = np.argsort(trade_page.seconds(cells))
+    _lines(panel, cells, lambda line: 1e3 * trade_of.seconds(line))
+    place = np.argsort(trade_of.seconds(cells))
     error = cells["largest_error"][place]
     place = place[error < np.concatenate(([np.inf], np.fmin.accumulate(error)[:-1]))]  # what no other cell beats
     place = place[:1 + np.count_nonzero(cells["largest_error"][place] > floor)]  # below, errors are those of rounding
-    panel.plot(1e3 * trade_page.seconds(cells)[place], np.maximum(cells["largest_error"][place], LOWEST_ERROR * 1.3),
+    panel.plot(1e3 * trade_of.seconds(cells)[place], np.maximum(cells["largest_error"][place], LOWEST_ERROR * 1.3),
                color=style.BLACK, alpha=0.25, linewidth=6, solid_capstyle="round", zorder=1, label="least time")
 
 
@@ -73,9 +74,9 @@ def _draw_unknowns(panel, cells, _floor):
     _lines(panel, cells, lambda line: line["global_unknowns"] + line["interior_unknowns"])
 
 
-def orders_figure(folder):
+def trade_orders_figure(folder):
     """The price of taking one order everywhere, by time and by operations, for all errors and for the tip alone."""
-    prices = trade_page.order_prices(folder)
+    prices = trade_of.order_prices(folder)
     canvas, axes = style.figure(11.0, 7.6, 2, 2, sharex=True, sharey=True)
     for row, (measure, error) in zip(axes, (("largest", "largest of all errors"), ("displacement", "tip alone"))):
         for panel, (cost, unit) in zip(row, (("seconds", "time"), ("flops", "operations"))):
@@ -108,11 +109,11 @@ def _draw_prices(panel, prices):
     panel.set_xlim(2e-2, 5e-13)
 
 
-def digits_figure(folder):
+def trade_digits_figure(folder):
     """What the cheapest cell costs for an accuracy, over what it costs for the first: each benchmark, and the mean."""
-    accuracies, everything = trade_page.ACCURACIES, trade_page.candidates(folder)
+    accuracies, everything = trade_of.ACCURACIES, trade_of.candidates(folder)
     canvas, axes = style.figure(11.0, 4.2, 1, 2)
-    for panel, cost, title in zip(axes, trade_page.COSTS.values(), ("time", "operations")):
+    for panel, cost, title in zip(axes, trade_of.COSTS.values(), ("time", "operations")):
         curves = []
         for one in everything:
             costs = np.array([one.cost("largest_error", cost, accuracy) for accuracy in accuracies])
@@ -134,9 +135,3 @@ def _plain_ticks(panel, highest):
     ticks = [tick for tick in (1, 2, 5, 10, 20, 50, 100, 200, 500) if tick <= 1.01 * highest]
     panel.set_yticks(ticks, [str(tick) for tick in ticks])
     panel.yaxis.set_minor_locator(matplotlib.ticker.NullLocator())
-
-
-INPUTS = ["trade.csv", "benchmarks.csv"]
-FIGURES = {"trade_digits": (INPUTS, digits_figure), "trade_time": (INPUTS, time_figure),
-           "trade_unknowns": (INPUTS, unknowns_figure), "trade_orders": (INPUTS, orders_figure)}
-PAGES = {"trade": ([*INPUTS, "accuracy.csv", "machine.csv"], trade_page.trade_page)}

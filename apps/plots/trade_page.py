@@ -18,16 +18,11 @@ ROUND_OFF = 1e-11  # of rates
 
 
 def cells(folder, kind="matrix"):
-    return read_table(folder / "trade.csv", [
-        "benchmark", "integration", "order", "elements", "status", "set", "flops", "global_unknowns",
-        "interior_unknowns", "largest_error", *(name + end for end in ("_error", "_estimate") for name in QUANTITIES),
-        "estimate_seconds"]).where(set=kind)
+    return read_table(folder / "trade.csv").where(set=kind)
 
 
 def benchmarks(folder, kind="matrix"):
-    return read_table(folder / "benchmarks.csv", [
-        "benchmark", "set", "kind", "members", "point", "floor", *(name + "_difference" for name in QUANTITIES),
-        "values_checked", "reference", "confirmation"]).where(set=kind).rows()
+    return read_table(folder / "benchmarks.csv").where(set=kind).rows()
 
 
 def seconds(table):
@@ -250,9 +245,7 @@ def _cheapest(everything, error):
 
 
 def _accuracies(folder, kind, label):
-    table = read_table(folder / "accuracy.csv", [
-        "benchmark", "set", "wanted", "meshes", "estimated_error", "displacement_error", "centerline_error",
-        "path_error", "threads", "seconds", "best_order", "best_elements", "best_seconds", "ratio"]).where(set=kind)
+    table = read_table(folder / "accuracy.csv").where(set=kind)
     floors = {about["benchmark"]: about["floor"] for about in benchmarks(folder, kind)}
     threads = list(dict.fromkeys(table["threads"]))
     first = table.where(threads=threads[0]).rows() if threads else []
