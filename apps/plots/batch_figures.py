@@ -100,8 +100,7 @@ def _draw_map(canvas, axes, batch, name, values):
     """Of a grid as its cells, of scattered cases as points."""
     (across, x), (up, y) = batch.parameters.items()
     xs, ys = np.unique(x), np.unique(y)
-    exponent = fields.power_of_ten(np.nanmax(np.abs(values), initial=0.0))
-    values = values / 10.0 ** exponent
+    exponent, values = fields.scaled(values)
     if len(xs) * len(ys) == len(values):
         cells = np.full((len(ys), len(xs)), np.nan)
         cells[np.searchsorted(ys, y), np.searchsorted(xs, x)] = values

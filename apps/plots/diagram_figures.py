@@ -56,14 +56,14 @@ def force_panels(view, panels, values, across):
     """(axes, values over their power of ten) of the six section forces; `across` stands below the lowest panels."""
     for i, (name, field) in enumerate(fields.SECTION_FORCES.items()):
         axes = panels[i % 3, i // 3]
-        exponent = fields.power_of_ten(np.abs(values[name]).max(initial=0.0))
+        exponent, level = fields.scaled(values[name])
         words, symbol = field.label.rsplit(" ", 1)
         axes.set_ylabel(symbol + fields.times(exponent, field.unit(view.run.units)))
         axes.set_title(words, fontsize=11)
         axes.axhline(0.0, color=style.BLACK, linewidth=0.7, zorder=1)
-        limits(axes, values[name] / 10.0 ** exponent)
+        limits(axes, level)
         axes.set_xlabel(across if i % 3 == 2 else "")
-        yield axes, values[name] / 10.0 ** exponent
+        yield axes, level
 
 
 def name_extremes(axes, places, values):

@@ -129,6 +129,12 @@ def power_of_ten(largest):
     return int(3 * np.floor(np.log10(largest) / 3))
 
 
+def scaled(values):
+    """(exponent of the power of ten, values over that power)."""
+    exponent = power_of_ten(np.nanmax(np.abs(values), initial=0.0))
+    return exponent, values / 10.0 ** exponent
+
+
 def number_text(value):
     """Four digits, without a power of ten where it can be read without."""
     if value == 0.0 or 1e-3 <= abs(value) < 1e6:

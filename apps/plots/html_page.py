@@ -3,6 +3,7 @@
 import base64
 import html
 import io
+from urllib.parse import quote
 
 from command import InputError, whole_file
 
@@ -61,7 +62,7 @@ class Page:
 
     def link(self, words, file_name):
         """To a file in the same folder."""
-        self._parts.append(f"<p><a href=\"{html.escape(file_address(file_name), quote=True)}\">{html.escape(words)}</a></p>")
+        self._parts.append(f"<p><a href=\"./{html.escape(quote(file_name), quote=True)}\">{html.escape(words)}</a></p>")
 
     def table(self, head, rows):
         """The first MOST_ROWS rows; entries are texts, numbers or Cells."""
@@ -105,13 +106,6 @@ class Page:
 def page_beside(file, kind):
     """Where a page (view, report) of a result file or a scene is written: `mine-view.html`."""
     return file.with_name(f"{file.stem}-{kind}.html")
-
-
-def file_address(file_name):
-    """Relative address of a file of any name in the same folder."""
-    from urllib.parse import quote
-
-    return "./" + quote(file_name)
 
 
 def cell_text(value):

@@ -31,8 +31,7 @@ def load_displacement_figure(view):
     curves = (_asked_for(view) + _monitored(view))[:MOST_QUANTITIES] or _farthest(view)
     canvas, panels = style.panels(len(curves), 3, 4.3 if len(curves) > 1 else 6.2, 3.5, (0.0, 0.4))
     for axes, (name, factor, values, symbol, unit) in zip(panels.flat, curves):
-        exponent = fields.power_of_ten(np.nanmax(np.abs(values), initial=0.0))
-        values = values.reshape(len(values), -1) / 10.0 ** exponent
+        exponent, values = fields.scaled(values.reshape(len(values), -1))
         marker = "o" if len(factor) <= 30 else None
         jumps = _jumps(view) if len(factor) == len(view.run.steps) else []
         for i in range(values.shape[1]):
@@ -54,13 +53,7 @@ def curve_figure(view, ordinate, abscissa):
     """One followed number over another, dashed where the equilibrium is not known to be stable."""
     run = view.run
     canvas, axes = style.figure(6.4, 4.6)
-    labels = []
-    values = [run.series(name) for name in (ordinate, abscissa)]
-    for name, series in zip((ordinate, abscissa), values):
-        exponent = fields.power_of_ten(np.nanmax(np.abs(series), initial=0.0))
-        series /= 10.0 ** exponent
-        labels.append(readable(name) + fields.times(exponent, run.unit_of(name)))
-    y, x = values
+    (of_y, y), (of_x, x) = (fields.scaled(run.series(name)) for name in (ordinate, abscissa))
     stable, jumps = [step.stable for step in run.steps], _jumps(view)
     for at in jumps:
         stable[at - 1] = "jump"
@@ -72,7 +65,8 @@ def curve_figure(view, ordinate, abscissa):
         _mark_jump(axes, x[at - 1:at + 1, None], y[at - 1:at + 1, None])
     if axes.get_legend_handles_labels()[1]:
         axes.legend(loc="best")
-    axes.set(xlabel=labels[1], ylabel=labels[0])
+    axes.set(xlabel=readable(abscissa) + fields.times(of_x, run.unit_of(abscissa)),
+             ylabel=readable(ordinate) + fields.times(of_y, run.unit_of(ordinate)))
     axes.axhline(0.0, color=style.GREY, linewidth=0.7, zorder=1)
     axes.axvline(0.0, color=style.GREY, linewidth=0.7, zorder=1)
     canvas.suptitle(f"{view.scene_words}: {readable(ordinate)} over {readable(abscissa)}{_end(view)}", fontsize=13)
@@ -185,8 +179,7 @@ def _draw_critical_path(axes, view, title, values, symbol, unit):
     jumps = steps[_jumps(view)]
     for at in jumps:
         stable[at - 1] = "jump"
-    exponent = fields.power_of_ten(np.nanmax(np.abs(path), initial=0.0))
-    path = path / 10.0 ** exponent
+    exponent, path = fields.scaled(path)
     moving = [i for i in range(path.shape[1]) if np.ptp(path[:, i]) > 1e-6 * np.ptp(path, axis=0).max()]
     for i in moving:
         color = style.COMPONENT_COLORS[i % 3]
@@ -286,8 +279,7 @@ def _asked_for(view):
 
 
 def _farthest(view):
-    steps = view.run.steps
-    steps = [steps[i] for i in np.unique(np.linspace(0, len(steps) - 1, min(MOST_TRACKED, len(steps))).astype(int))]
+    steps = _spread(view.run.steps, MOST_TRACKED)
     farthest = int(np.argmax(np.linalg.norm(steps[-1].field("displacement"), axis=1)))
     values = np.array([step.rows("displacement", [farthest])[0] for step in steps])
     factor = np.array([step.load_factor for step in steps])

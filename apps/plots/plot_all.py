@@ -41,7 +41,11 @@ def main():
             try:
                 made = make(folder)
                 path = folder / f"{name}.{'md' if isinstance(made, str) else 'png'}"
-                say(options, f"drew {save_page(made, path) if isinstance(made, str) else style.save(made, path)}")
+                if isinstance(made, str):
+                    path.write_text(made, encoding="utf-8")
+                else:
+                    style.save(made, path)
+                say(options, f"drew {path}")
             except NothingToDraw as reason:
                 say(options, f"left out {benchmark}/{name}: {reason}")
                 continue
@@ -58,11 +62,6 @@ def main():
 def works_of(module, endings):
     """(name, function from folder to figure or page) of its functions with these endings."""
     return [(name.rpartition("_")[0], make) for name, make in vars(module).items() if name.endswith(endings) and not name.startswith("_")]
-
-
-def save_page(text, path):
-    path.write_text(text, encoding="utf-8")
-    return path
 
 
 def say(options, text):

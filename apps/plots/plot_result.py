@@ -61,11 +61,8 @@ def options_of(words):
 
 def _draw(options):
     """Draws what is asked for, and yields the paths of the files."""
-    import batch_figures
-    import envelope_figures
     import style
-    from preview import is_scene, undeformed
-    from results import InputError, Run
+    from results import InputError
 
     formats = [name.strip() for name in options.format.split(",") if name.strip()]
     if not formats or set(formats) - {"png", "svg", "pdf"}:
@@ -73,27 +70,32 @@ def _draw(options):
     if options.dots:
         style.plt.rcParams["savefig.dpi"] = options.dots
     folder = options.output or options.result.parent
+    for name, canvas in _pictures(options):
+        folder.mkdir(parents=True, exist_ok=True)
+        yield from style.save_all(canvas, folder / name, formats)
+
+
+def _pictures(options):
+    """(name of its files, figure) of all that is asked for."""
+    import batch_figures
+    import envelope_figures
+    from preview import is_scene, undeformed
+    from results import Run
+
     if is_scene(options.result):
         with undeformed(options.result, options.case) as (files, said):
-            folder.mkdir(parents=True, exist_ok=True)
             for file in files:
                 with Run(file, members=options.members) as run:
-                    name = f"{file.stem}-shape"
-                    yield from style.save_all(preview_figure(run, options, said), folder / name, formats)
-        return
-    if batch_figures.is_batch(options.result):
-        folder.mkdir(parents=True, exist_ok=True)
-        yield from style.save_all(batch_figures.batch_figure(options.result, options.curve), folder / options.result.stem, formats)
-        return
-    if not options.case and envelope_figures.is_envelope(options.result):
-        folder.mkdir(parents=True, exist_ok=True)
+                    yield f"{file.stem}-shape", preview_figure(run, options, said)
+    elif batch_figures.is_batch(options.result):
+        yield options.result.stem, batch_figures.batch_figure(options.result, options.curve)
+    elif not options.case and envelope_figures.is_envelope(options.result):
         for name, canvas in envelope_pictures(options):
-            yield from style.save_all(canvas, folder / f"{options.result.stem}-{name.replace('_', '-')}", formats)
-        return
-    with Run(options.result, options.case, options.members) as run:
-        folder.mkdir(parents=True, exist_ok=True)
-        for name, canvas in figures(run, options):
-            yield from style.save_all(canvas, folder / f"{run.path.stem}-{name.replace('_', '-')}", formats)
+            yield f"{options.result.stem}-{name}", canvas
+    else:
+        with Run(options.result, options.case, options.members) as run:
+            for name, canvas in figures(run, options):
+                yield f"{run.path.stem}-{name.replace('_', '-')}", canvas
 
 
 def preview_figure(run, options, said):

@@ -150,6 +150,7 @@ def speed(_, docs):
 
 
 def merge(whole, more):
+    """Adds the entries of lists to those of the same names; an entry replaces one that is there."""
     for name, value in more.items():
         if isinstance(value, dict) and isinstance(whole.get(name), dict) and "Point" not in value:
             merge(whole[name], value)

@@ -55,60 +55,39 @@ class Marks:
         self.shifts, self.turns, self.strained = [], [], []
         self._triads = None
         acting = run.acting()
-        self._add_supports(acting.get("supports", {}))
-        self._add_joints(acting.get("joints", {}))
-        self._add_point_loads(acting.get("point_loads", {}))
-        self._add_line_loads(acting.get("line_loads", {}))
-        self._add_eigenstrains(acting.get("eigenstrains", {}))
+        for name, add in (("supports", self._add_supports), ("joints", self._add_joints), ("point_loads", self._add_point_loads),
+                          ("line_loads", self._add_line_loads), ("eigenstrains", self._add_eigenstrains)):
+            if name in acting:
+                add(acting[name])
 
     def _add_supports(self, table):
-        for place, fixed, stiffness in _rows(table, "place", "position", "fixed", "stiffness"):
-            self._keep(self.supports, place, kind_of_support(fixed, stiffness))
+        for sample, fixed, stiffness in self._placed(table, "fixed", "stiffness"):
+            self.supports.append((sample, kind_of_support(fixed, stiffness)))
             if np.any(stiffness > 0) and np.any(fixed):
-                self._keep(self.supports, place, "spring")
-        for sample, shift, turn, begins in self.placed_motions(table):
-            if self._has_begun(begins):
-                for vector, marks in ((shift, self.shifts), (turn, self.turns)):
-                    if np.any(vector):
-                        marks.append((sample, vector / np.linalg.norm(vector)))
-
-    def placed_motions(self, table):
-        """(sample, prescribed displacement and rotation, load factor at which they begin) of the supports that are shown."""
-        for place, axes, prescribed, begins in _rows(table, "place", "position", "axes", "prescribed", "begins"):
-            sample = self._sample(*place) if np.any(prescribed) else None
-            if sample is not None:
-                yield sample, prescribed[:3] @ axes.reshape(3, 3), prescribed[3:] @ axes.reshape(3, 3), begins
+                self.supports.append((sample, "spring"))
+        for sample, axes, prescribed, begins in self._placed(table, "axes", "prescribed", "begins"):
+            for vector, marks in ((prescribed[:3], self.shifts), (prescribed[3:], self.turns)):
+                self._mark(marks, sample, vector @ axes.reshape(3, 3), begins)
 
     def _add_joints(self, table):
-        for number, (place,) in enumerate(_rows(table, "place", "position")):
-            self._keep(self.joints, place, table["kind"][number])
-
-    def placed_point_loads(self, table):
-        """(sample, force, moment, whether they follow the triad, load factor at which they begin) of those that are shown."""
-        for place, force, moment, follows, begins in _rows(table, "place", "position", "force", "moment", "follower", "begins"):
-            sample = self._sample(*place)
-            if sample is not None:
-                yield sample, force, moment, bool(follows), begins
+        self.joints += self._placed(table, "kind")
 
     def _add_point_loads(self, table):
-        for sample, force, moment, follows, begins in self.placed_point_loads(table):
-            if not self._has_begun(begins):
-                continue
+        for sample, force, moment, follows, begins in self._placed(table, "force", "moment", "follower", "begins"):
             for vector, marks in ((force, self.forces), (moment, self.moments)):
-                if np.any(vector):
-                    marks.append((sample, self._turned(vector / np.linalg.norm(vector), follows, [sample])[0]))
+                self._mark(marks, sample, vector, begins, follows)
 
-    def placed_line_loads(self, table):
-        """(samples, forces (places, 3), whether they follow the triad, load factor at which they begin) of those that are shown."""
-        for member, force, follows, begins in _rows(table, "member", None, "force", "follower", "begins"):
-            samples = self._samples_along(int(member), len(force) // 3)
-            if samples is not None and np.any(force):
-                yield samples, force.reshape(-1, 3), bool(follows), begins
+    def _mark(self, marks, sample, vector, begins, follows=False):
+        if self._has_begun(begins) and np.any(vector):
+            marks.append((sample, self._turned(vector / np.linalg.norm(vector), follows, [sample])[0]))
 
     def _add_line_loads(self, table):
-        for samples, forces, follows, begins in self.placed_line_loads(table):
-            if self._has_begun(begins):
-                self.line_loads.append((samples, self._turned(forces, follows, samples)))
+        for index, force, follows, begins in zip(*(table[name] for name in ("member", "force", "follower", "begins"))):
+            member = self._run.member_of_index(int(index))
+            if member is not None and np.any(force) and self._has_begun(begins):
+                places = np.linspace(0.0, member.arc_length[-1], len(force) // 3)
+                samples = [member.samples.start + int(np.argmin(np.abs(member.arc_length - s))) for s in places]
+                self.line_loads.append((samples, self._turned(force.reshape(-1, 3), follows, samples)))
 
     def _add_eigenstrains(self, table):
         for number, begins in zip(table.get("member", []), table.get("begins", [])):
@@ -127,10 +106,12 @@ class Marks:
     def _has_begun(self, begins):
         return self._is_whole or not np.isfinite(begins) or begins < self._step.load_factor
 
-    def _keep(self, marks, place, what):
-        sample = self._sample(*place)
-        if sample is not None:
-            marks.append((sample, what))
+    def _placed(self, table, *names):
+        """(sample, entries of these columns) of the rows that are shown."""
+        for place, position, *entries in zip(*(table[name] for name in ("place", "position", *names))):
+            sample = self._sample(place, position)
+            if sample is not None:
+                yield sample, *entries
 
     def _sample(self, place, position):
         """Of a place (member, arc length); of its position where that member is not shown."""
@@ -142,13 +123,6 @@ class Marks:
         distance = np.linalg.norm(self._reference - position, axis=1)
         return int(distance.argmin()) if distance.min() <= self._near else None
 
-    def _samples_along(self, index, count):
-        member = self._run.member_of_index(index)
-        if member is None:
-            return None
-        places = np.linspace(0.0, member.arc_length[-1], count)
-        return [member.samples.start + int(np.argmin(np.abs(member.arc_length - s))) for s in places]
-
     def _turned(self, vectors, follows, samples):
         """Components in the triads of samples become spatial ones where the load follows them."""
         vectors = np.atleast_2d(vectors)
@@ -157,15 +131,6 @@ class Marks:
         if self._triads is None:
             self._triads = [self._step.field(f"triad_{i}") for i in (1, 2, 3)]
         return sum(vectors[:, i:i + 1] * self._triads[i][samples] for i in range(3))
-
-
-def _rows(table, place, position, *names):
-    """Rows of the columns; a place comes with its position."""
-    if not table:
-        return
-    for number in range(len(table[place])):
-        head = table[place][number]
-        yield ((head, table[position][number]) if position else head, *(table[name][number] for name in names))
 
 
 def draw_marks(axes, marks, points, projection, length):

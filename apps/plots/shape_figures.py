@@ -33,9 +33,7 @@ def shape_figure(view, step, field, triads=False, said=None):
     if said:
         words = _draw_parts(axes, view, position, directions, said)
     else:
-        values = field.values(step, view.size)
-        exponent = fields.power_of_ten(np.nanmax(np.abs(values), initial=0.0))
-        values = values / 10.0 ** exponent
+        exponent, values = fields.scaled(field.values(step, view.size))
         add_lines(axes, grey @ projection.T, width=1.0, zorder=1)
         colors, corners = draw_solid(axes, view, position, directions, projection, values, fields.color_scale(field, values))
         label = view.field_label(field, exponent) + ("" if np.any(values) else ": zero everywhere")
@@ -128,8 +126,7 @@ def overview_figure(view, step):
     aspect = np.clip(np.ptp(projected[:, 1]) / (np.ptp(projected[:, 0]) or 1.0), 0.3, 1.4)
     canvas, panels = style.panels(len(shown), 3, 4.6, 3.5 * aspect + 0.75)
     for axes, (field, values) in zip(panels.flat, shown):
-        exponent = fields.power_of_ten(np.nanmax(np.abs(values), initial=0.0))
-        values = values / 10.0 ** exponent
+        exponent, values = fields.scaled(values)
         pieces = _draw_lines(axes, view, position, values, fields.color_scale(field, values))
         view.frame(axes, shown_points @ view.projection.T / view.unit, *FRAME)
         axes.set_title(view.field_label(field, exponent) + ("" if np.any(values) else ": zero everywhere"))

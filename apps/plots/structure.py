@@ -25,27 +25,14 @@ class Structure:
         self.starts, self.ends = starts, ends
         first = np.arange(len(self.reference) - 1)
         first = first[~np.isin(first + 1, starts)]
-        self.first = self._thinned(first)
-        self.second = np.append(self.first[1:], 0)
-        last = np.isin(self.first, self._last_of_members())
-        self.second[last] = self._end_of_member(self.first[last])
+        owner = np.searchsorted(starts, first, side="right") - 1
+        stride = max(1, int(np.ceil(len(first) / MOST_PIECES)))  # where there are too many, the first of every member among them
+        kept = (first - starts[owner]) % stride == 0
+        self.first, owner = first[kept], owner[kept]
+        last = np.append(np.diff(owner) > 0, True)
+        self.second = np.where(last, ends[owner] - 1, np.append(self.first[1:], 0))
         spread = self.reference.max(axis=0) - self.reference.min(axis=0)
         self.size = float(np.linalg.norm(spread)) or 1.0
-
-    def _thinned(self, first):
-        """Every n-th piece where there are too many, the first of every member among them."""
-        stride = int(np.ceil(len(first) / MOST_PIECES))
-        if stride <= 1:
-            return first
-        position = first - self.starts[np.searchsorted(self.starts, first, side="right") - 1]
-        return first[position % stride == 0]
-
-    def _last_of_members(self):
-        owner = np.searchsorted(self.starts, self.first, side="right") - 1
-        return self.first[np.append(np.diff(owner) > 0, True)]
-
-    def _end_of_member(self, samples):
-        return self.ends[np.searchsorted(self.starts, samples, side="right") - 1] - 1
 
     def nodes(self, points, slopes=None, *levels):
         """Finely divided pieces: (m, p, dimension) nodes, their tangents, their `levels` (m, p); owner (m,) of each piece.
@@ -162,16 +149,20 @@ def axis_name(direction):
     return "(" + ", ".join(f"{component:.2f}" for component in direction) + r")$\cdot\mathbf{x}$"
 
 
+def plane_of(camera):
+    """Directions to the right and upwards in the picture; `camera`: elevation and azimuth in degrees."""
+    elevation, azimuth = np.radians(camera)
+    right = np.array([-np.sin(azimuth), np.cos(azimuth), 0.0])
+    toward = np.array([np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)])
+    return np.array([right, np.cross(toward, right)])
+
+
 def best_view(points):
     """Elevation and azimuth (degrees) under which `points` cover most of the picture."""
     centered = points - points.mean(axis=0)
 
     def covered(view):
-        elevation, azimuth = np.radians(view)
-        right = np.array([-np.sin(azimuth), np.cos(azimuth), 0.0])
-        toward = np.array([np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)])
-        flat = centered @ np.array([right, np.cross(toward, right)]).T
-        spread = np.linalg.svd(flat, compute_uv=False)
+        spread = np.linalg.svd(centered @ plane_of(view).T, compute_uv=False)
         return spread[0] * spread[-1]
 
     views = [(elevation, azimuth) for elevation in (24, 38, 52) for azimuth in (-60, -35, -120)]

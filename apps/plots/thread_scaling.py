@@ -18,6 +18,12 @@ LATTICES = {"cubic": style.BLUE, "octet": style.ORANGE, "sheet": style.GREEN}
 ELEMENTS_OF_STRUT = 2
 
 
+def _longest(folder):
+    """The rows of the longest spatial chains, and how long they are."""
+    table = _table(folder)
+    return table.where(elements=max(table["elements"])), max(table["elements"])
+
+
 def _table(folder):
     """The rows of spatial chains, or of the only kind there is."""
     table = read_table(folder / "thread_scaling.csv")
@@ -70,9 +76,7 @@ def _stack(panel, table, place, width, size):
 
 def speed_up_figure(folder):
     """Speed-up of each phase on the longest chain, a panel for each order."""
-    table = _table(folder)
-    size = max(table["elements"])
-    table = table.where(elements=size)
+    table, size = _longest(folder)
     orders = table.values("order")
     canvas, axes = style.figure(11.0, 1.0 + 2.0 * len(orders), len(orders), 1, sharex=True, squeeze=False)
     for panel, order in zip(axes[:, 0], orders):
@@ -104,9 +108,7 @@ def _speed_ups(panel, table):
 
 def ceilings_figure(folder):
     """Operations in a second over operations for each byte, with what the machine can do at most."""
-    table = _table(folder)
-    size = max(table["elements"])
-    table = table.where(elements=size)
+    table, size = _longest(folder)
     ceilings = read_table(folder / "ceilings.csv")
     threads = table.values("threads")[[0, -1]]
     canvas, axes = style.figure(6.2 * len(threads) + 2, 5.0, 1, len(threads), sharey=True, squeeze=False)

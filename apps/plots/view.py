@@ -5,7 +5,7 @@ import numpy as np
 import fields
 import style
 from results import InputError
-from structure import Structure, axis_name, best_plane, best_view
+from structure import Structure, axis_name, best_plane, best_view, plane_of
 
 SHRUNK = 0.3  # below this share of its undeformed extent a structure gets the picture in space for itself
 FLAT = 1e-6     # a structure this thin over its size lies in a plane, which is looked at
@@ -23,7 +23,7 @@ class Look:
             self.plane = np.eye(3)[list(PLANES[view])]
         elif view is not None:
             self.camera = ISO if view == "iso" else _camera(view)
-            self.plane = _plane_of(self.camera)
+            self.plane = plane_of(self.camera)
 
 
 def _camera(text):
@@ -43,14 +43,6 @@ def _way(direction):
     return "\u2192\u2197\u2191\u2196\u2190\u2199\u2193\u2198"[round(np.arctan2(direction[1], direction[0]) / (np.pi / 4)) % 8]
 
 
-def _plane_of(camera):
-    """Directions to the right and upwards in the picture."""
-    elevation, azimuth = np.radians(camera)
-    right = np.array([-np.sin(azimuth), np.cos(azimuth), 0.0])
-    toward = np.array([np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)])
-    return np.array([right, np.cross(toward, right)])
-
-
 class View:
     """Structure, plane, camera, unit of length and scale of displacements, found once for a run."""
 
@@ -66,7 +58,7 @@ class View:
         centered = self.everything - self.everything.mean(axis=0)
         across = np.abs(centered @ np.cross(self.plane[0], self.plane[1])).max()
         self.is_plane = chosen or across <= FLAT * self.size
-        self.projection = self.plane if self.is_plane else _plane_of(self.camera)  # directions to the right and upwards
+        self.projection = self.plane if self.is_plane else plane_of(self.camera)  # directions to the right and upwards
 
     def position(self, of):
         """Of all samples at a step or critical point, displacements scaled as the user wants."""

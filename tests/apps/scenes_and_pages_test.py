@@ -8,12 +8,17 @@ usage: scenes_and_pages_test.py MIXBEAM [CLASS]...
 import os
 import re
 import subprocess
+import sys
 import unittest
 from pathlib import Path
 
 import yaml
 
 from support import PROGRAM, ROOT, InFolder
+
+sys.path.insert(0, str(ROOT / "apps" / "plots"))
+
+from readme_pictures import merge  # noqa: E402
 
 APPS = ROOT / "apps"
 LARGEST_PICTURE = 150000  # bytes, so that the pages stay light
@@ -114,15 +119,6 @@ def dead_links(page, text):
 def chapter(page, heading):
     """Text below a heading of a page, up to the next one."""
     return re.search(rf"^#+ {heading}\n(.*?)(?=^#+ |\Z)", page.read_text(), re.M | re.S)[1]
-
-
-def merge(whole, more):
-    """Adds the entries of lists to those of the same names; an entry replaces one that is there."""
-    for name, value in more.items():
-        if isinstance(value, dict) and isinstance(whole.get(name), dict) and "Point" not in value:
-            merge(whole[name], value)
-        else:
-            whole[name] = value
 
 
 def agree(quoted, printed):

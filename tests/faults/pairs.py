@@ -25,26 +25,18 @@ LAUNCH = ["mpirun", "--oversubscribe", "--bind-to", "none", "--allow-run-as-root
 STEPS, CASES = 400, 4000
 REFUSED_WITHIN = 1.0  # seconds behind the start of the program, without what mpirun takes for nothing
 PATIENCE = 120
-COMMANDS = {"run": ["run", "rod.xml", "--output", "out", "--quiet"], "resume": ["resume", "out/rod.h5", "--quiet"],
-            "batch": ["batch", "rods.xml", "--output", "out", "--quiet"]}
+COMMANDS = {"run": ["run", "rod.yaml", "--output", "out", "--quiet"], "resume": ["resume", "out/rod.h5", "--quiet"],
+            "batch": ["batch", "rods.yaml", "--output", "out", "--quiet"]}
 RESULT = {"run": "out/rod.h5", "resume": "out/rod.h5", "batch": "out/rods-batch.h5"}
 
-SCENE = """<ParameterList name="{name}"><ParameterList name="Scene">
-  <ParameterList name="Sections"><ParameterList name="s"><Parameter name="Inextensible" type="bool" value="true"/>
-    <Parameter name="Shear Rigid" type="bool" value="true"/><Parameter name="GIt" type="double" value="1"/>
-    <Parameter name="EI2" type="double" value="1"/><Parameter name="EI3" type="double" value="1"/></ParameterList></ParameterList>
-  <ParameterList name="Points"><Parameter name="wall" type="Array(double)" value="{{0, 0, 0}}"/>
-    <Parameter name="tip" type="Array(double)" value="{{1, 0, 0}}"/></ParameterList>
-  <ParameterList name="Members"><ParameterList name="rod"><Parameter name="Start" type="string" value="wall"/>
-    <Parameter name="End" type="string" value="tip"/><Parameter name="Section" type="string" value="s"/>
-    <Parameter name="Order" type="int" value="3"/><Parameter name="Elements" type="int" value="8"/></ParameterList></ParameterList>
-  <ParameterList name="Supports"><ParameterList name="c"><Parameter name="Point" type="string" value="wall"/></ParameterList></ParameterList>
-  <ParameterList name="Point Loads"><ParameterList name="f"><Parameter name="Point" type="string" value="tip"/>
-    <Parameter name="Force" type="Array(double)" value="{{0, 10, 0}}"/></ParameterList></ParameterList>
-</ParameterList>
-<ParameterList name="Solver"><ParameterList name="Load Path"><Parameter name="Method" type="string" value="fixed"/>
-  <Parameter name="Steps" type="int" value="{steps}"/></ParameterList></ParameterList>{more}</ParameterList>"""
-BATCH = """<ParameterList name="Batch"><Parameter name="Table" type="string" value="loads.csv"/></ParameterList>"""
+SCENE = """Scene:
+  Sections: {{s: {{Inextensible: true, Shear Rigid: true, GIt: 1, EI2: 1, EI3: 1}}}}
+  Points: {{wall: [0, 0, 0], tip: [1, 0, 0]}}
+  Members: {{rod: {{Start: wall, End: tip, Order: 3, Elements: 8}}}}
+  Supports: {{c: {{Point: wall}}}}
+  Point Loads: {{f: {{Point: tip, Force: [0, 10, 0]}}}}
+Solver: {{Load Path: {{Method: fixed, Steps: {steps}}}}}
+"""
 
 
 class Started:
@@ -79,8 +71,7 @@ class Pairs:
         self.program, self.reader = os.path.abspath(program), Reader()
         self.work = pathlib.Path(tempfile.mkdtemp(prefix="mixbeam_pairs_"))
         loads = "".join(f"{1 + 0.002 * i}\n" for i in range(CASES))
-        self.scenes = {"rod.xml": SCENE.format(name="rod", steps=STEPS, more=""),
-                       "rods.xml": SCENE.format(name="rods", steps=1, more=BATCH),
+        self.scenes = {"rod.yaml": SCENE.format(steps=STEPS), "rods.yaml": SCENE.format(steps=1) + "Batch: {Table: loads.csv}\n",
                        "loads.csv": "Point Loads/f/Force[1]\n" + loads}
         self.refusals, self.alone, self.seconds = [], {}, {}
         self.launched = min(self.seconds_to_say_nothing() for _ in range(3))

@@ -300,9 +300,8 @@ def _entries(value):
 
 def _with_formulas(value, kind, place):
     """Numbers and formulas of an array, as a list."""
-    one = CONVERSIONS[kind[6:-1]]
     try:
-        return [each if isinstance(each, str) and each.lstrip().startswith("=") else one(each) for each in value]
+        return _read_numbers(value, CONVERSIONS[kind[6:-1]])
     except (TypeError, ValueError, OverflowError):
         raise InputError(f"{place}: {value!r}; allowed: {kind}, and formulas like \"=2*L\"") from None
 
@@ -314,16 +313,10 @@ def undeclared_kind(value):
     return KINDS_OF_XML.get(type(value), "string")
 
 
-def _text(value):
-    if not isinstance(value, str):
+def _only(value, *types):
+    if not isinstance(value, types):
         raise TypeError
-    return value
-
-
-def _boolean(value):
-    if not isinstance(value, (bool, np.bool_)):
-        raise TypeError
-    return bool(value)
+    return types[0](value)
 
 
 def _real(value):
@@ -342,19 +335,15 @@ def _integer(value):
 
 
 def _texts(value):
-    words = [_text(word) for word in ([value] if isinstance(value, str) else value)]
+    words = [_only(word, str) for word in ([value] if isinstance(value, str) else value)]
     if any(not word.strip() or "{" in word or "}" in word or "," in word and "(" not in word for word in words):
         raise ValueError
     return words
 
 
-def _reals(value):
-    return np.array(value, dtype=float).ravel()
-
-
-CONVERSIONS = {"bool": _boolean, "int": _integer, "double": _real, "string": _text,
-               "Array(int)": lambda value: [_integer(number) for number in value],
-               "Array(double)": _reals, "Array(string)": _texts}
+CONVERSIONS = {"bool": lambda value: _only(value, bool, np.bool_), "int": _integer, "double": _real,
+               "string": lambda value: _only(value, str), "Array(int)": lambda value: [_integer(number) for number in value],
+               "Array(double)": lambda value: np.array(value, dtype=float).ravel(), "Array(string)": _texts}
 
 
 def text_of(value, kind):

@@ -200,14 +200,9 @@ def _say(text):
 
 
 @cache
-def quantity_declaration():
-    return root().lists["Quantities"].free_list
-
-
-@cache
 def kinds_of_quantities():
     """{name in Python: name in scenes}: reaction_force, von_mises_stress, ..."""
-    return {word.lower().replace(" ", "_"): word for word in quantity_declaration().parameters["Quantity"]["choices"]}
+    return {word.lower().replace(" ", "_"): word for word in root().lists["Quantities"].free_list.parameters["Quantity"]["choices"]}
 
 
 class Run:
@@ -371,36 +366,28 @@ class Run:
         found = [SimpleNamespace(**one) for step in range(len(self)) for one in self._core.critical_points(step)]
         if found or not self.file:
             return found
-        fields = ("position", "displacement", "mode")
-        return [SimpleNamespace(kind=point.kind, load_factor=point.load_factor,
-                                load_factor_error=point.load_factor_error,
-                                negative_before=point.negative_before, negative_after=point.negative_after,
-                                modes=point.modes, **{name: point.field(name) for name in fields})
+        numbers = ("kind", "load_factor", "load_factor_error", "negative_before", "negative_after", "modes")
+        return [SimpleNamespace(**{name: getattr(point, name) for name in numbers},
+                                **{name: point.field(name) for name in ("position", "displacement", "mode")})
                 for point in self.results.critical_points()]
 
     def buckling_modes(self, count=1, step=0):
         """The first modes of linear buckling: load_factor, mode (samples, 3), residual, confirmed. Of the undeformed structure, or,
         where `step` is the end of a stage that another one follows, about the state there: factors of the loads of the next one."""
-        if operator.index(count) < 1:
-            raise InputError(f"buckling modes: {count}; allowed: 1, 2, ...")
-        return [SimpleNamespace(**one) for one in self._core.buckling_modes(count, self._number(step))]
+        return [SimpleNamespace(**one) for one in self._core.buckling_modes(_counted("buckling modes", count), self._number(step))]
 
     def modes(self, count=10, step=-1, in_plane=False):
         """The lowest natural modes about the state of a step: omega, frequency (omega / (2 pi)), eigenvalue (omega^2, negative
         where the state is not stable), mode (samples, 3), modal_mass, participation_x, ..._y, ..._z, residual, confirmed.
         `in_plane`: of a scene in a plane, without the modes that leave it."""
-        if operator.index(count) < 1:
-            raise InputError(f"natural modes: {count}; allowed: 1, 2, ...")
-        return [SimpleNamespace(**one) for one in self._core.natural_modes(count, self._number(step), in_plane, None)]
+        return [SimpleNamespace(**one) for one in self._core.natural_modes(_counted("natural modes", count), self._number(step), in_plane, None)]
 
     def frequencies(self, count=10, in_plane=False, follow=False):
         """Natural frequencies over the path: (load factors, omega (steps, columns)), NaN where there is none. `follow`: a column
         for each motion, which modes continue by their shape where frequencies cross; else the lowest ones in their order."""
-        if operator.index(count) < 1:
-            raise InputError(f"natural modes: {count}; allowed: 1, 2, ...")
         tracks, rows = _core.ModeTracks(), []
         for step in range(len(self)):
-            modes = self._core.natural_modes(count, step, in_plane, tracks)
+            modes = self._core.natural_modes(_counted("natural modes", count), step, in_plane, tracks)
             rows.append({mode["track"] - 1 if follow else i: mode["omega"] for i, mode in enumerate(modes)})
         table = np.full((len(self), max([count] + [column + 1 for row in rows for column in row])), np.nan)
         for row, found in zip(table, rows):
@@ -517,6 +504,12 @@ class MemberResults:
 
     def __dir__(self):
         return [*super().__dir__(), *self.FIELDS]
+
+
+def _counted(what, count):
+    if operator.index(count) < 1:
+        raise InputError(f"{what}: {count}; allowed: 1, 2, ...")
+    return count
 
 
 def _valued(name, names, rows, step, members):

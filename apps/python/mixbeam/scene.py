@@ -121,7 +121,7 @@ class Scene(Parameters):
         return [*super().__dir__(), *self._declaration.lists["Scene"].xml_names]
 
     def __reduce__(self):  # to other processes, as its text
-        return _unpickled, (self.to_xml(), self.file)
+        return Scene.from_text, (self.to_xml(), self.file)
 
     def _is_inside(self, name):
         return self._declaration.xml_name(name) is None and not name.startswith("__")
@@ -133,10 +133,6 @@ class Scene(Parameters):
                 raise UnknownName(f"scene: {name} is a function of the module: mixbeam.{name}(scene)")
             raise unknown("scene", name, [*self._declaration.xml_names, *declaration.xml_names])
         return super().__getattr__("Scene")
-
-
-def _unpickled(text, file):
-    return Scene.from_text(text, file)
 
 
 def _is_array(value, shape):
