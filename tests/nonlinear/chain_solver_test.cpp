@@ -234,17 +234,7 @@ TEST(NetworkFactors, ServeTheNextMatrix) {
 
 /// In the plane of a scene three unknowns of each vertex stand alone.
 TEST(NetworkFactors, PlanarTangentsHaveHalfTheUnknowns) {
-  Scene scene = lattice(kNetworkPoints);
-  const auto is_off = [&](const std::string& point) { return point[2] != '0'; };
-  const auto drop = [&](auto& list, const auto& point_of) {
-    list.erase(std::remove_if(list.begin(), list.end(), [&](const auto& item) { return is_off(point_of(item)); }),
-               list.end());
-  };
-  drop(scene.points, [](const Point& p) { return p.name; });
-  drop(scene.members, [](const Member& m) { return m.end_point; });
-  drop(scene.supports, [](const Support& s) { return s.point; });
-  drop(scene.point_loads, [](const PointLoad& l) { return l.point; });
-  const Model model(scene, this_rank(), {});
+  const Model model(side_of_lattice(kNetworkPoints), this_rank(), {});
   MixedVector residual = model.create_vector();
   const EvaluationPoint point = mixed_residual(model, model.reference_state(), 0.5, residual);
   for (bool in_space : {false, true}) {

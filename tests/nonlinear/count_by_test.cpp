@@ -3,8 +3,6 @@
 #include "tests/nonlinear/stability_fixture.hpp"
 #include "tests/support/buckling_scenes.hpp"
 
-#include <Teuchos_LAPACK.hpp>
-
 namespace mixbeam::test {
 namespace count_by_test {
 
@@ -43,18 +41,6 @@ struct Counted {
   StabilityFixture fixture;
 };
 
-int negative_of(const SparseMatrix& sparse) {
-  const int n = sparse.rows();
-  std::vector<double> dense(static_cast<size_t>(n) * n, 0.0), values(n), work(4 * n);
-  for (int i = 0; i < n; ++i)
-    for (int k = sparse.row_start[i]; k < sparse.row_start[i + 1]; ++k)
-      dense[i + size_t(n) * sparse.column[k]] = sparse.value[k];
-  int info = 0;
-  Teuchos::LAPACK<int, double>().SYEV('N', 'L', n, dense.data(), n, values.data(), work.data(), 4 * n, &info);
-  EXPECT_EQ(info, 0);
-  return static_cast<int>(std::count_if(values.begin(), values.end(), [](double x) { return x < 0.0; }));
-}
-
 TEST(CountBy, AgreesWithLapack) {
   Counted counted(compressed_lattice(1.0, 1));
   int largest = 0;
@@ -63,7 +49,7 @@ TEST(CountBy, AgreesWithLapack) {
     ASSERT_TRUE(result) << load;
     const Tangent tangent = counted.fixture.tangent(load);
     IndependentUnknowns unknowns(counted.fixture.problem().model);
-    const long expected = negative_of(unknowns.reduce(tangent)) + tangent.interior_count().negative;
+    const long expected = negative_by_lapack(unknowns.reduce(tangent)) + tangent.interior_count().negative;
     EXPECT_EQ(result->negative, expected) << load;
     EXPECT_EQ(result->sign, expected % 2 == 0 ? 1 : -1) << load;
     largest = std::max(largest, result->negative);

@@ -77,15 +77,7 @@ double difference(const Network& together, const Network& alone) {
 
 /// Points of one side only: a sheet in a plane, bent out of it. Braces at its free corners leave no chain there either.
 Scene sheet() {
-  Scene scene = lattice(kPoints);
-  const auto drop = [&](auto& list, const auto& point_of) {
-    list.erase(std::remove_if(list.begin(), list.end(), [&](const auto& item) { return point_of(item)[2] != '0'; }),
-               list.end());
-  };
-  drop(scene.points, [](const Point& p) { return p.name; });
-  drop(scene.members, [](const Member& m) { return m.end_point; });
-  drop(scene.supports, [](const Support& s) { return s.point; });
-  drop(scene.point_loads, [](const PointLoad& l) { return l.point; });
+  Scene scene = side_of_lattice(kPoints);
   const std::string last = std::to_string(kPoints - 1), inner = std::to_string(kPoints - 2);
   scene.members.push_back(line("left brace", "0,0," + last, "1,0," + inner, 1, 1));
   scene.members.push_back(line("right brace", last + ",0," + last, inner + ",0," + inner, 1, 1));

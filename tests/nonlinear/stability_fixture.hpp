@@ -5,7 +5,24 @@
 #include "tests/nonlinear/beam_fixture.hpp"
 #include "tests/support/scene_units.hpp"
 
+#include <Teuchos_LAPACK.hpp>
+
 namespace mixbeam::test {
+
+/// Negative eigenvalues of a symmetric matrix with a shift, by all of its eigenvalues.
+inline int negative_by_lapack(const SparseMatrix& sparse, double shift = 0.0) {
+  const int n = sparse.rows();
+  std::vector<double> dense(static_cast<size_t>(n) * n, 0.0), values(n), work(4 * n);
+  for (int i = 0; i < n; ++i) {
+    for (int k = sparse.row_start[i]; k < sparse.row_start[i + 1]; ++k)
+      dense[i + size_t(n) * sparse.column[k]] = sparse.value[k];
+    dense[i * (size_t(n) + 1)] += shift;
+  }
+  int info = 0;
+  Teuchos::LAPACK<int, double>().SYEV('N', 'L', n, dense.data(), n, values.data(), work.data(), 4 * n, &info);
+  EXPECT_EQ(info, 0);
+  return static_cast<int>(std::count_if(values.begin(), values.end(), [](double x) { return x < 0.0; }));
+}
 
 /// Equilibrium of a scene whose loads are proportional to the load factor, by Newton's method from the last one.
 class StabilityFixture {

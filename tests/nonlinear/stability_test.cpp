@@ -3,8 +3,6 @@
 #include "tests/nonlinear/stability_fixture.hpp"
 #include "tests/support/buckling_scenes.hpp"
 
-#include <Teuchos_LAPACK.hpp>
-
 #include <tuple>
 
 namespace mixbeam::test {
@@ -297,20 +295,6 @@ TEST(Stability, ManyModesComeWithTheirErrors) {
   ASSERT_EQ(spectrum.modes.size(), 40u);
   EXPECT_TRUE(spectrum.modes.front().converged);
   EXPECT_LT(spectrum.modes.front().error, 1e-6);
-}
-
-int negative_by_lapack(const SparseMatrix& sparse, double shift = 0.0) {
-  const int n = sparse.rows();
-  std::vector<double> dense(static_cast<size_t>(n) * n, 0.0), values(n), work(4 * n);
-  for (int i = 0; i < n; ++i) {
-    for (int k = sparse.row_start[i]; k < sparse.row_start[i + 1]; ++k)
-      dense[i + size_t(n) * sparse.column[k]] = sparse.value[k];
-    dense[i * (size_t(n) + 1)] += shift;
-  }
-  int info = 0;
-  Teuchos::LAPACK<int, double>().SYEV('N', 'L', n, dense.data(), n, values.data(), work.data(), 4 * n, &info);
-  EXPECT_EQ(info, 0);
-  return static_cast<int>(std::count_if(values.begin(), values.end(), [](double x) { return x < 0.0; }));
 }
 
 /// Joints and supports of every kind, conservative loads only.

@@ -132,6 +132,19 @@ inline Scene lattice(int n, int order = 1, int elements = 1) {
       }
   return scene;
 }
+/// Points of one side of it only: a square in the plane of x and z.
+inline Scene side_of_lattice(int n) {
+  Scene scene = lattice(n);
+  const auto drop = [&](auto& list, const auto& point_of) {
+    list.erase(std::remove_if(list.begin(), list.end(), [&](const auto& item) { return point_of(item)[2] != '0'; }),
+               list.end());
+  };
+  drop(scene.points, [](const Point& p) { return p.name; });
+  drop(scene.members, [](const Member& m) { return m.end_point; });
+  drop(scene.supports, [](const Support& s) { return s.point; });
+  drop(scene.point_loads, [](const PointLoad& l) { return l.point; });
+  return scene;
+}
 
 /// The same structure with its members in no order, so that neighbours are far apart in the mesh.
 inline Scene shuffled(Scene scene) {
