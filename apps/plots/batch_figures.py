@@ -8,6 +8,7 @@ import fields
 import style
 from command import inputs
 from results import InputError
+from tables import number_of
 
 MOST_PANELS = 9
 STRUCTURES = "structures"  # across a panel: a bar for each
@@ -43,7 +44,7 @@ class Batch:
             self.structures = [", ".join(filter(None, (text[name] for name in sorted(OF_STRUCTURES, reverse=True)))) for text in texts]
         for number, name in enumerate(names[1:names.index(OF_SOLVER)], 1):
             if name not in OF_STRUCTURES:
-                self.columns[name] = np.array([_number(row[number]) for row in rows[1:]])
+                self.columns[name] = np.array([number_of(row[number]) for row in rows[1:]])
         varied = {name: values for name, values in self.columns.items() if len(set(values[np.isfinite(values)])) > 1}
         self.parameters = {name: values for name, values in varied.items() if "/" in name and not name.startswith("Expected/")}
         self.followed = {name: values for name, values in varied.items() if "/" not in name}
@@ -115,10 +116,3 @@ def _draw_map(canvas, axes, batch, name, values):
 def _words(name):
     """The end of the path of a parameter says what it is."""
     return style.literal(", ".join(name.split("/")[-2:]))
-
-
-def _number(text):
-    try:
-        return float(text)
-    except ValueError:
-        return np.nan

@@ -15,6 +15,7 @@ import numpy as np
 from command import finish, inputs
 from html_page import MOST_ROWS, Page, bar, cell_text, page_beside
 from report_inputs import write_inputs, write_sections
+from tables import number_of
 
 NOISE, ROUNDING = 1e-9, 1e-12  # of the largest: forces that count as zero, as in pictures; what rounding leaves of zero
 REPORT = "report / "  # before the names of the list Report, in the properties of a run
@@ -105,14 +106,8 @@ def _write_limits(page, files):
             place = next((place for quantity, place in places if of.startswith(quantity)), "")
             rows.append((row["limit"], row["value"], row["allowed"], row["passed"], place))
 
-    def number(text):
-        try:
-            return float(text)
-        except ValueError:
-            return np.nan
-
     def used(row):
-        share = number(row[1]) / (number(row[2]) or np.nan)
+        share = number_of(row[1]) / (number_of(row[2]) or np.nan)
         return share if np.isfinite(share) else np.inf  # not known
 
     if rows:
@@ -121,7 +116,7 @@ def _write_limits(page, files):
         failed = sum(row[3] != "yes" for row in rows)
         page.text(f"{failed} of {len(rows)} limits are exceeded." if failed else f"All {len(rows)} limits are kept.", bad=failed > 0)
         page.table(("limit", "value", "allowed", "place at the end", "share", "kept"),
-                   [(name, cell_text(number(value)), cell_text(number(allowed)), place, bar(used((name, value, allowed)), kept != "yes"), kept)
+                   [(name, cell_text(number_of(value)), cell_text(number_of(allowed)), place, bar(used((name, value, allowed)), kept != "yes"), kept)
                     for name, value, allowed, kept, place in rows])
 
 

@@ -171,17 +171,8 @@ class Member:
         self.samples = slice(first, first + count)
         self._read = read
 
-    @cached_property
-    def arc_length(self):
-        return self._read("arc_length")
-
-    @cached_property
-    def element(self):
-        return self._read("element")
-
-    @cached_property
-    def reference_position(self):
-        return self._read("reference_position")
+    arc_length, element, reference_position = (cached_property(lambda self, name=name: self._read(name))
+                                               for name in ("arc_length", "element", "reference_position"))
 
     def vertices(self):
         """Numbers of the member's samples at element ends."""

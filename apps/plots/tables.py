@@ -51,6 +51,14 @@ class Table:
         return [Named(zip(self._columns, row)) for row in zip(*self._columns.values())]
 
 
+def number_of(text):
+    """Nan where a text is none."""
+    try:
+        return float(text)
+    except ValueError:
+        return np.nan
+
+
 def read_table(path):
     """The CSV file `path` as a Table; InputError unless it exists and has rows."""
     path = Path(path)

@@ -153,13 +153,6 @@ TEST_F(Mixbeam, CommandLine) {
   refused({"plot"}, {"a result file is missing"});
 }
 
-TEST_F(Mixbeam, PlotDrawsAPicture) {
-  MIXBEAM_REQUIRE_TOOL(std::system("/usr/bin/python3 -c 'import matplotlib, h5py' 2> /dev/null") == 0,
-                       "matplotlib or h5py");
-  expect_code(kOk, run_scene(scene_of("fork")));
-  expect_in(expect_code(kOk, mixbeam({"plot", "results/scene.h5"})).out, {".png"});
-}
-
 /// A run of many steps and what it writes when nobody disturbs it.
 class Disturbed : public Mixbeam {
  protected:

@@ -31,6 +31,7 @@ import critical_figures  # noqa: E402
 import diagram_figures  # noqa: E402
 import fields  # noqa: E402
 import path_figures  # noqa: E402
+import plot_result  # noqa: E402
 import scene_marks  # noqa: E402
 import shape_figures  # noqa: E402
 import solid  # noqa: E402
@@ -41,6 +42,7 @@ from tables import NothingToDraw  # noqa: E402
 from view import Look, View  # noqa: E402
 
 ROUNDING = 1e-9
+LEAST_BYTES = 4000  # an empty picture of that size takes less
 
 
 # Two posts and a deck of two members in the x-z plane; hinge, roller with a spring, line load, force and moment.
@@ -99,6 +101,13 @@ def named(figure, gid):
     return figure.findobj(lambda artist: artist.get_gid() == gid)
 
 
+def near_the_clamp(figure):
+    """The panel of M3 on a cantilever along x, and the tips of its diagram that stand there."""
+    panel = next(axes for axes in figure.axes if "M_3" in axes.get_title())
+    tips = np.vstack([path.vertices for areas in named(panel, "positive") + named(panel, "negative") for path in areas.get_paths()])
+    return panel, tips[np.abs(tips[:, 0]) < 0.2]
+
+
 def texts(figure):
     return [text.get_text() for text in figure.findobj(matplotlib.text.Text) if text.get_text()]
 
@@ -113,6 +122,7 @@ class Plots(unittest.TestCase):
                            ("wheel", WHEEL), ("bent", BENT), ("down", CANTILEVER),
                            ("follower", CANTILEVER.replace("[0, -1, 0]", "[0, -3, 0], Frame: follower, Member: m"))):
             solve(cls.folder, name, text)
+        program("run", str(ROOT / "apps/gallery/snap_back.xml"), "--output", ".", "--quiet", folder=cls.folder)
 
     def tearDown(self):
         matplotlib.pyplot.close("all")
@@ -257,10 +267,7 @@ class Plots(unittest.TestCase):
         axis = diagram_figures._axis_of(view, step, "bending_2")
         np.testing.assert_allclose(axis, step.field("triad_3"), atol=ROUNDING)
         view.is_plane, view.projection = False, np.array([[1, 0, 0], [0, 0.6, 0.8]])
-        figure = diagram_figures.on_structure_figure(view, step)
-        panel = next(axes for axes in figure.axes if "M_3" in axes.get_title())
-        tips = np.vstack([path.vertices for areas in named(panel, "positive") + named(panel, "negative") for path in areas.get_paths()])
-        near = tips[np.abs(tips[:, 0]) < 0.2]
+        panel, near = near_the_clamp(diagram_figures.on_structure_figure(view, step))
         self.assertGreater(near[:, 1].max(), 0.01)
         self.assertEqual(panel.get_xticks().tolist(), [])
 
@@ -269,9 +276,7 @@ class Plots(unittest.TestCase):
         mode[1, 1] = 1.0  # out of the x-z plane
         plane = np.eye(3)[[0, 2]]
         self.assertGreater(np.abs(critical_figures._projection(plane, mode) - plane).max(), 0.1)  # chosen by the program
-        self.mixbeam("run", str(ROOT / "apps/gallery/snap_back.xml"), "--output", ".", "--quiet")
-        run = Run(self.folder / "snap_back.h5")
-        self.addCleanup(run.__exit__)
+        run = self.run_of("snap_back")
         points = run.critical_points()
         for look, widths in ((Look("yz"), 1), (Look("xy"), 2)):
             view = View(run, run.steps[-1:], look)
@@ -361,22 +366,16 @@ class Plots(unittest.TestCase):
         """A cantilever along x under a force down is stretched above."""
         for side, sign in (("tension", 1), ("compression", -1)):
             view, step = self.view("down", view="xy", moments=side)
-            figure = diagram_figures.on_structure_figure(view, step)
-            panel = next(axes for axes in figure.axes if "M_3" in axes.get_title())
-            areas = [path.vertices for areas in panel.findobj(lambda a: a.get_gid() in ("positive", "negative"))
-                     for path in areas.get_paths()]
-            tips = np.vstack(areas)
-            near = tips[np.abs(tips[:, 0]) < 0.2]
+            _, near = near_the_clamp(diagram_figures.on_structure_figure(view, step))
             highest = near[np.argmax(np.abs(near[:, 1])), 1]
             self.assertGreater(sign * highest, 0.01, side)
 
     def test_values_stand_at_the_extremes(self):
         view, step = self.view("down", view="xy")
-        figure = diagram_figures.on_structure_figure(view, step)
-        panel = next(axes for axes in figure.axes if "M_3" in axes.get_title())
+        panel, _ = near_the_clamp(diagram_figures.on_structure_figure(view, step))
         largest = step.field("material_moment")[:, 2]
         largest = largest[np.argmax(np.abs(largest))]
-        value, = [text for text in panel.texts if text.get_gid() == "value"]
+        value, = named(panel, "value")
         self.assertEqual(value.get_text(), f"{largest:.4g}")
         self.assertLess(abs(value.xy[0]), 0.05)  # at the clamp
 
@@ -600,6 +599,60 @@ class Plots(unittest.TestCase):
             written(folder, ["spatial", "planar"])
             with self.assertRaises(NothingToDraw):
                 thread_scaling.lattices_figure(Path(folder))
+
+    # what the program writes
+
+    def pictures(self, file, *words):
+        """{name: SVG} of what `mixbeam plot` draws, without its start."""
+        options = plot_result.options_of([str(self.folder / file), "--format", "svg", "--output", str(self.folder / "pictures"), *words])
+        return {path.stem: path.read_text() for path in plot_result._draw(options)}
+
+    def test_every_kind_is_written_in_both_formats(self):
+        kinds = ("shape", "fields", "section_forces", "diagrams", "load_path", "iterations", "steps")
+        drawn = self.mixbeam("plot", "down.h5", "--format", "png,svg", "--output", "kinds", "--picture", *kinds).split()
+        self.assertEqual(sorted(drawn), sorted(f"kinds/down-{kind.replace('_', '-')}.{form}" for kind in kinds for form in ("png", "svg")))
+        for file in drawn:
+            self.assertGreater((self.folder / file).stat().st_size, LEAST_BYTES, file)
+        for kind, words in (("shape", "portal: step 1, load factor 1"), ("shape", "undeformed"), ("load-path", "b: displacement"),
+                            ("section-forces", "zero everywhere")):
+            self.assertIn(words, (self.folder / f"kinds/down-{kind}.svg").read_text())
+
+    def test_what_is_asked_for_is_drawn(self):
+        self.assertEqual(set(self.pictures("down.h5")), {"down-shape", "down-diagrams", "down-load-path"})
+        (name, text), = self.pictures("portal.h5", "--step", "0", "--picture", "shape", "--field", "moment").items()
+        self.assertEqual(name, "portal-shape-000000")
+        self.assertIn("step 0, load factor 0", text)
+
+    def test_stresses_of_the_steps_that_have_them(self):
+        """One section has a shape, the other one none."""
+        sections = "{s: {Shape: circle, Diameter: 0.1, Material: {E: 1e6, nu: 0.3}}, plain: {EA: 1e4, Shear Rigid: true, GIt: 1, EI2: 1, EI3: 1}}"
+        text = re.sub("(?<=Sections: ).*", sections, CANTILEVER).replace("b: [1, 0, 0]", "b: [1, 0, 0], c: [2, 0, 0]")
+        solve(self.folder, "stressed", text.replace("Order: 3", "Section: s}, n: {Start: b, End: c, Section: plain, Elements: 4"))
+        for field in ("von_mises", "normal_stress", "shear_stress"):
+            drawn = self.pictures("stressed.h5", "--field", field, "--picture", "shape", "fields")
+        self.assertIn("shear stress", drawn["stressed-shape"])
+        self.assertIn("von Mises stress, largest of the section", drawn["stressed-fields"])
+        with self.assertRaisesRegex(InputError, "step 0 has no stresses.*Stresses"):
+            self.pictures("stressed.h5", "--field", "von_mises", "--step", "0", "--picture", "shape")
+
+    def test_path_and_modes_of_critical_points(self):
+        drawn = self.pictures("snap_back.h5", "--picture", "load_path", "critical_modes")
+        factor = f"{self.run_of('snap_back').critical_points()[0].load_factor:.6g}"
+        for words in ("dashed: unstable", "limit point", factor):
+            self.assertIn(words, drawn["snap_back-load-path"])
+        self.assertIn(f"1: limit point, load factor {factor}", drawn["snap_back-critical-modes"])
+
+    def test_what_cannot_be_drawn_is_refused(self):
+        (self.folder / "broken.h5").write_bytes(b"\x89HDF\r\n\x1a\nand no more")
+        said = self.mixbeam("plot", "broken.h5", code=2)
+        self.assertRegex(said, "broken.h5: .*none of its steps is intact")
+        self.assertNotIn("Traceback", said)
+        for words, reason in ((("absent.h5",), "absent.h5: no such file"), (("portal.h5", "--step", "7"), "no step 7; it has steps 0 to 1"),
+                              (("portal.h5", "--field", "colour"), "--field colour: allowed are moment, bending"),
+                              (("portal.h5", "--format", "gif"), "--format gif: allowed are png, svg, pdf"),
+                              (("portal.h5", "--case", "wind"), "without load cases, and there is no portal-wind.h5")):
+            with self.assertRaisesRegex(InputError, reason):
+                self.pictures(*words)
 
     def test_command_line(self):
         plot = partial(self.mixbeam, "plot", "portal.h5", "--format", "svg")

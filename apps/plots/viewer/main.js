@@ -281,13 +281,20 @@ class App {
     return found;
   }
 
-  /** The picture with all that is drawn over it, as a data URL. */
+  /** A canvas as large as the picture, and what copies the picture with all that is drawn over it. */
+  copier(options) {
+    const canvas = document.createElement("canvas");
+    Object.assign(canvas, { width: byId("scene").width, height: byId("scene").height });
+    const context = canvas.getContext("2d", options);
+    return [canvas, () => ["scene", "marks"].forEach((id) => context.drawImage(byId(id), 0, 0))];
+  }
+
+  /** As a data URL. */
   picture() {
     this.marked = [-1, -1];
     this.draw();
-    const canvas = document.createElement("canvas");
-    Object.assign(canvas, { width: byId("scene").width, height: byId("scene").height });
-    for (const id of ["scene", "marks"]) canvas.getContext("2d").drawImage(byId(id), 0, 0);
+    const [canvas, copy] = this.copier();
+    copy();
     return canvas.toDataURL("image/png");
   }
 
@@ -306,9 +313,7 @@ class App {
   /** The steps one after the other, or a period of the motion of a mode, as a film; its frames are those of the screen. */
   film() {
     if (this.filming) return;
-    const canvas = document.createElement("canvas");
-    Object.assign(canvas, { width: byId("scene").width, height: byId("scene").height });
-    const context = canvas.getContext("2d", { willReadFrequently: true, alpha: false }); // without a graphics card nothing else is recorded
+    const [canvas, copy] = this.copier({ willReadFrequently: true, alpha: false }); // without a graphics card nothing else is recorded
     const isMode = this.shape.modeNumber >= 0;
     const recorder = new MediaRecorder(canvas.captureStream(), { mimeType: "video/webm;codecs=vp8", videoBitsPerSecond: 8e6 });
     const parts = [];
@@ -318,12 +323,9 @@ class App {
     this.stopSwing();
     this.stopPlay();
     this.filming = true;
-    const paint = () => {
-      for (const id of ["scene", "marks"]) context.drawImage(byId(id), 0, 0);
-    };
     let end = 0;
     const frame = () => {
-      paint();
+      copy();
       if (performance.now() < end && (isMode || this.playing)) requestAnimationFrame(frame);
       else setTimeout(() => { this.filming = false; this.stopSwing(); recorder.stop(); }, 400); // the last step stands
     };
@@ -332,7 +334,7 @@ class App {
       (isMode ? this.swing() : this.play());
       requestAnimationFrame(frame);
     };
-    paint(); // a recorder that has no picture at its start may stay empty
+    copy(); // a recorder that has no picture at its start may stay empty
     recorder.start();
   }
 }
