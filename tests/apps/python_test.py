@@ -7,6 +7,7 @@ usage: python_test.py MIXBEAM PACKAGES     the program, and the folder in which 
 import ast
 import doctest
 import gc
+import importlib.util
 import multiprocessing
 import os
 import re
@@ -37,6 +38,9 @@ from mixbeam.parameters import root  # noqa: E402
 
 SCENES = sorted(SOURCES.glob("apps/*/*.xml"))
 SECONDS = 120  # for what must not hang; it takes a second
+FIELDS_OF_VTK = ("displacement", "spatial_force", "spatial_moment", "triad_1", "triad_2", "triad_3")
+# Files hold the solver's own bits; components that are rotated anew round, and so do the arc lengths at which the solver is asked.
+ASKED_ANEW = 1e-12
 
 
 def cantilever(force=-10.0, elements=20):
@@ -684,6 +688,62 @@ class Guest(InFolder):
                               env=clean, capture_output=True, text=True)
         self.assertIn(str(self.folder / "own"), said.stdout, said.stderr)
         self.assertIn("auto", said.stdout)
+
+
+def vtk_readers():
+    """VTK's XDMF readers; Debian's python3-vtk9 is built without them, ParaView's VTK and most others have them."""
+    found = (("vtkIOXdmf2", "vtkXdmfReader"), ("vtkIOXdmf3", "vtkXdmf3Reader"))
+    return [getattr(importlib.import_module(f"vtkmodules.{module}"), name) for module, name in found
+            if importlib.util.find_spec("vtkmodules") and importlib.util.find_spec(f"vtkmodules.{module}")]
+
+
+def read_by_vtk(reader, file):
+    """{time: (points, columns)} of a series: the positions, then FIELDS_OF_VTK."""
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
+
+    reader.SetFileName(file)
+    reader.UpdateInformation()
+    series = {}
+    for time in reader.GetOutputInformation(0).Get(vtkStreamingDemandDrivenPipeline.TIME_STEPS()):
+        reader.UpdateTimeStep(time)
+        grid = reader.GetOutputDataObject(0)
+        while grid.IsA("vtkMultiBlockDataSet"):
+            grid = grid.GetBlock(0)
+        arrays = [grid.GetPoints().GetData(), *map(grid.GetPointData().GetArray, FIELDS_OF_VTK)]
+        series[time] = np.hstack([vtk_to_numpy(array) for array in arrays])
+    return series
+
+
+def solver_has(run, step):
+    """The same of a step of a run, from its states."""
+    parts = []
+    for member in run.results.members:
+        ends = np.append(np.diff(member.element) > 0, False)[:, None]  # an end of an element, where the next one begins
+        at = lambda name: np.where(ends, run.member(member.name).field(name, member.arc_length, step, before_vertex=True),
+                                   run.member(member.name).field(name, member.arc_length, step))
+        w, vector = at("triad")[:, :1], at("triad")[:, 1:]
+        turned = lambda v: v + 2 * np.cross(vector, np.cross(vector, v) + w * v)
+        parts.append(np.hstack([at("position"), at("displacement"), turned(at("material_force")), turned(at("material_moment")),
+                                *(turned(np.tile(axis, (len(ends), 1))) for axis in np.eye(3))]))
+    return np.vstack(parts)
+
+
+class Vtk(InFolder):
+    def test_reads_the_time_series_as_the_solver_has_it(self):
+        readers = vtk_readers()
+        if not readers:
+            self.assertFalse(os.environ.get("CI") and not os.environ.get("MIXBEAM_TOOLS_MISSING"))
+            self.skipTest("no VTK with an XDMF reader (Debian: python3-paraview)")
+        run = mixbeam.run(SOURCES / "apps/fork/fork.xml", output="fork.h5")
+        for reader in readers:
+            series = read_by_vtk(reader(), str(self.folder / "fork.xdmf"))
+            self.assertEqual(list(series), list(run.step_numbers))
+            for step, (_, found) in enumerate(series.items()):
+                meant = solver_has(run, step)
+                scale = np.maximum(np.abs(meant).max(axis=0), 1.0)
+                np.testing.assert_allclose(found / scale, meant / scale, rtol=0, atol=ASKED_ANEW)
+            self.assertGreater(np.abs(found - solver_has(run, 1)).max(), 1e-3)  # the twin: another step
 
 
 class Studies(InFolder):

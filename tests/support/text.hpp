@@ -3,18 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <string>
 #include <vector>
-
-/// Ends a test that needs a tool where this is missing. In continuous integration, which sets CI, that is a failure,
-/// but where test.sh could not install it and has said so (MIXBEAM_TOOLS_MISSING).
-#define MIXBEAM_REQUIRE_TOOL(is_there, what)                                                         \
-  do {                                                                                               \
-    if (is_there) break;                                                                             \
-    if (std::getenv("CI") && !std::getenv("MIXBEAM_TOOLS_MISSING")) FAIL() << "missing: " << (what); \
-    GTEST_SKIP() << "missing: " << (what);                                                           \
-  } while (false)
 
 namespace mixbeam {
 
