@@ -226,7 +226,7 @@ def compute(app, given, sweep, value, table):
     table.add_row([sweep.name, value, int(trial.finished), trial.steps, trial.failed_steps, trial.iterations, error,
                    sweep.allowed if is_promised else math.nan, trial.residual, trial.condition(), len(critical),
                    len(trial.critical_loads), trial.negative[-1] if trial.negative else -1, trial.seconds,
-                   trial.processor_seconds, trial.failure])
+                   trial.processor_seconds, trial.failure, sweep.source])
     if is_promised:
         what = "error of the tip" if error_of else "critical load factors"
         app.check_upper_bound(f"{sweep.name} {study.shortest(value)}: {what}", error, sweep.allowed,
@@ -235,7 +235,7 @@ def compute(app, given, sweep, value, table):
 
 def run_sweeps(app, given):
     table = app.table("extremes.csv", "sweep,value,converged,load_steps,failed_steps,iterations,error,allowed,residual,"
-                      "condition,expected_points,critical_points,negative,seconds,processor_seconds,failure", 10)
+                      "condition,expected_points,critical_points,negative,seconds,processor_seconds,failure,closed_form", 10)
     chosen, most = app.words("Sweeps"), app.number("Most Values")
     sweeps = [sweep for sweep in all_sweeps(app.number("Most Elements")) if sweep.name in chosen]
     for sweep in sweeps + (critical_sweeps() if app.switch("Critical Loads") else []):

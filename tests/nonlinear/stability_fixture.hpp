@@ -7,6 +7,8 @@
 
 #include <Teuchos_LAPACK.hpp>
 
+#include <algorithm>
+
 namespace mixbeam::test {
 
 /// Negative eigenvalues of a symmetric matrix with a shift, by all of its eigenvalues.
