@@ -19,6 +19,8 @@ class TangentSolver : public Solver {
   virtual double rounding_of_form(const DofVector&) const { return 0.0; }
   /// Its room for chains, which others may use until the next factorize(); null: it has none.
   virtual CondensedSystem* chains() { return nullptr; }
+  /// Its room while that holds the symmetric chains of the tangent, with pivots to rely on; else null.
+  virtual CondensedSystem* condensed_chains() { return nullptr; }
 };
 
 /// Solves what chains leave.
@@ -50,6 +52,7 @@ class ChainSolver : public TangentSolver {
   int fallback_factorizations() const { return fallback_factorizations_; }
   const CondensedSystem& system() const { return system_; }
   CondensedSystem* chains() override { return &system_; }
+  CondensedSystem* condensed_chains() override { return uses_whole_ || system_.is_unsymmetric() ? nullptr : &system_; }
 
  private:
   double solve_condensed(const DofVector& b, DofVector& x, double energy_reduction);

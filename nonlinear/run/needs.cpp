@@ -27,8 +27,6 @@ constexpr double kCopiesAlive = 6.0;
 constexpr double kBytesOfElement = 350.0, kBytesOfMember = 1800.0;
 /// Share of these and of the factors that every one of several ranks holds.
 constexpr double kShareEverywhere = 0.33;
-/// Numbers of each element beside its tangent and response while stability is looked at.
-constexpr double kStabilityNumbers = 130.0;
 /// Share of a run's own memory that it still holds while its error is estimated on a richer mesh.
 constexpr double kShareDuringEstimate = 0.5;
 /// Of networks: factors with the fronts from which MUMPS makes them; matrix, its copies and what gathers it; where it
@@ -195,7 +193,7 @@ Needs needs_of(const Scene& scene, const SolverParameters& parameters) {
   Needs needs;
   needs.members = static_cast<long long>(scene.members.size());
   needs.vertices = junctions.vertices;
-  double run = 0.0, estimate = 0.0, stability = 0.0, samples = 0.0, state = 0.0, search = 0.0;
+  double run = 0.0, estimate = 0.0, samples = 0.0, state = 0.0, search = 0.0;
   const ModesParameters& modes = parameters.analysis.modes;
   const bool follows = modes.every_step || !modes.load_factors.empty();
   const bool are_complex = !scene.rotating_frames.empty() ||
@@ -212,7 +210,6 @@ Needs needs_of(const Scene& scene, const SolverParameters& parameters) {
     needs.interior += elements * kind.interior().increments();
     run += n * kind.bytes();
     estimate += n * kind.estimate_bytes();
-    stability += n * sizeof(double) * (kind.tangent() + kStabilityNumbers);
     if (modes.number > 0)
       search += n * sizeof(double) *
                 kind.searched(modes.number, are_complex ? kVectorsWithVelocities : 1.0,
@@ -224,15 +221,12 @@ Needs needs_of(const Scene& scene, const SolverParameters& parameters) {
   const double vertices = static_cast<double>(needs.vertices), elements = static_cast<double>(needs.elements),
                members = static_cast<double>(needs.members), entries = iterates ? 0.0 : junctions.entries();
   if (samples > kMostSmoothSamples) samples = 2.0 * elements;
-  // critical points are looked for in smaller structures even where the stability of steps is not asked for
-  if (iterates || !(needs.vertices <= kVerticesForStability || parameters.analysis.stability.value_or(false)))
-    stability = 0.0;
   const double of_stresses = parameters.analysis.stresses == StressesOf::every_step ? kStressBytes : 0.0;
-  needs.memory = run + (kSampleBytes + of_stresses) * samples + stability;
+  needs.memory = run + (kSampleBytes + of_stresses) * samples;
   if (estimates_error(parameters.analysis, static_cast<size_t>(needs.elements)))
-    needs.memory = std::max(needs.memory, kShareDuringEstimate * run + estimate + stability);
+    needs.memory = std::max(needs.memory, kShareDuringEstimate * run + estimate);
   if (modes.number > 0)
-    needs.memory = std::max(needs.memory, kShareDuringEstimate * run + kSampleBytes * samples + search + stability);
+    needs.memory = std::max(needs.memory, kShareDuringEstimate * run + kSampleBytes * samples + search);
   needs.memory += kBytesOfMember * members +
                   (iterates ? kBytesOfIteratedEntry : kBytesOfMatrixEntry) * junctions.matrix +
                   kBytesOfFactorEntry * entries;

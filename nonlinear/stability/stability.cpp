@@ -306,27 +306,27 @@ Stability::Look Stability::evaluate_tangent(const State& state, double load_fact
 }
 
 /// Of the usual cap of counts.
-double Stability::share_of_cap(double stress, const Tangent* unloaded) {
+double Stability::share_of_cap(double stress, const Seen* unloaded) {
   if (stress >= stability_limit.small_stress) return std::min(1.0, stress);
   return std::max(stress, least_stiffness(unloaded));
 }
 
 /// The smallest eigenvalue of the unloaded structure in units of its largest EI/L, roughly, and at most one: from what
 /// chains leave. `unloaded`: its tangent with the usual cap, where that is known.
-double Stability::least_stiffness(const Tangent* unloaded) {
+double Stability::least_stiffness(const Seen* unloaded) {
   if (unloaded_) return unloaded_->stiffness;
   const Model& model = problem_.model;
-  std::optional<Tangent> own;
   if (unloaded == nullptr) {
     const EvaluationPoint point = take_point(problem_, model.reference_state(), 0.0);
-    unloaded = &own.emplace(model, point, cap_for(model, point.scales), TangentKind{true, true});
+    const Tangent own(model, point, cap_for(model, point.scales), TangentKind{true, true});
+    const Seen seen{own, own.interior_count()};
+    return least_stiffness(&seen);
   }
-  const Tangent::InteriorCount interior = unloaded->interior_count();
-  const RootResult root = factorized_beside_chains({*unloaded, interior});
+  const RootResult root = factorized_beside_chains(*unloaded);
   const StabilityResult& seen = root.result;
   const double size =
       number_of_root(unknowns_beside_chains_->root(), [&] { return root.is_reliable ? root.nearest : 0.0; });
-  const bool is_stable = root.is_reliable && !root.is_near_zero && !interior.uncertain && seen.symmetric &&
+  const bool is_stable = root.is_reliable && !root.is_near_zero && !unloaded->interior.uncertain && seen.symmetric &&
                          seen.negative == 0 && seen.null == 0;
   unloaded_ = {std::clamp(size, stability_limit.least_cap_share, 1.0), is_stable};
   return unloaded_->stiffness;
@@ -418,13 +418,18 @@ Stability::RootResult Stability::completed(RootResult root, const RootCopy& copy
   return root;
 }
 
+/// Takes the room of a solver for chains, or one of its own. Solvers are the same ones again and again, as a rule.
+void Stability::take_chains(CondensedSystem* chains) {
+  if (chains == nullptr && own_chains_ == nullptr) own_chains_ = std::make_unique<CondensedSystem>(problem_.model);
+  if (chains == nullptr) chains = own_chains_.get();
+  if (chains != std::exchange(chains_, chains))
+    unknowns_beside_chains_ = std::make_unique<IndependentUnknowns>(problem_.model, chains_->remaining());
+}
+
 /// The tangent with its chains condensed, and whether their pivots can be relied on. Without symmetry: what its
 /// symmetric part tells, but for the determinant, which is that of the whole.
 Stability::RootResult Stability::factorized_beside_chains(const Seen& look) {
-  if (chains_ == nullptr) {
-    chains_ = std::make_unique<CondensedSystem>(problem_.model);
-    unknowns_beside_chains_ = std::make_unique<IndependentUnknowns>(problem_.model, chains_->remaining());
-  }
+  take_chains(look.chains != nullptr ? look.chains : problem_.take_solver()->chains());
   const double beside = chains_->is_unsymmetric() ? asymmetry_of_chains(*chains_, look.tangent) : 0.0;
   const double asymmetry = maximum_over_ranks(*problem_.model.map()->getComm(), beside);
   RootResult root = factorized_beside_chains(look, true, asymmetry);
@@ -438,7 +443,7 @@ Stability::RootResult Stability::factorized_beside_chains(const Seen& look) {
 }
 
 Stability::RootResult Stability::factorized_beside_chains(const Seen& look, bool symmetric_part, double asymmetry) {
-  int reliable = chains_->condense(look.tangent, symmetric_part) ? 1 : 0;
+  int reliable = look.chains != nullptr || chains_->condense(look.tangent, symmetric_part) ? 1 : 0;
   const SparseMatrix& matrix = unknowns_beside_chains_->reduce(look.tangent);
   const RootCopy& copy = unknowns_beside_chains_->root();
   RootResult root;
@@ -497,9 +502,10 @@ std::optional<StabilityResult> Stability::count_by(Linearization& at) {
   if (interior.uncertain) return std::nullopt;
   const EvaluationPoint& point = tangent.point();
   const double stress = stress_of(problem_.model, magnitude_of(problem_.model, point.state, point.load_factor));
+  const Seen seen{tangent, interior, stability_limit.zero * stress, at.solver().condensed_chains()};
   if (!by_solves && !at.solver().negative_eigenvalues()) {
     if (tangent.cap().cuts_off || problem_.tries_iteration()) return std::nullopt;
-    std::optional<StabilityResult> result = inertia_with_chains({tangent, interior, stability_limit.zero * stress});
+    std::optional<StabilityResult> result = inertia_with_chains(seen);
     if (result) result->end_angle = largest_end_angle(problem_.model, point).angle;
     return result;
   }
@@ -515,7 +521,7 @@ std::optional<StabilityResult> Stability::count_by(Linearization& at) {
   if (tangent.cap().cuts_off && !by_solves) {
     const bool tells_stiffness =
         stress == 0.0 && tangent.cap().stiffness == cap_for(problem_.model, point.scales).stiffness;
-    return stable(point, share_of_cap(stress, tells_stiffness ? &tangent : nullptr));
+    return stable(point, share_of_cap(stress, tells_stiffness ? &seen : nullptr));
   }
   StabilityResult result = counted(*negative + interior.negative);
   result.inside = interior.negative;

@@ -150,26 +150,28 @@ class Stability {
   struct Seen {
     const Tangent& tangent;
     Tangent::InteriorCount interior;
-    double zero = 0.0;  ///< eigenvalues up to this size are zero
+    double zero = 0.0;                  ///< eigenvalues up to this size are zero
+    CondensedSystem* chains = nullptr;  ///< those of this tangent, condensed; null: not yet
   };
   struct Look {
     Tangent tangent;
     Tangent::InteriorCount interior;
     double zero = 0.0;
-    Seen seen() const { return {tangent, interior, zero}; }
+    Seen seen() const { return {tangent, interior, zero, nullptr}; }
     const State& state() const { return tangent.point().state; }
     double load_factor() const { return tangent.point().load_factor; }
   };
 
   Look evaluate_tangent(const State& state, double load_factor, double raise);
   Look assemble(const State& state, double load_factor);
-  double share_of_cap(double stress, const Tangent* unloaded = nullptr);
-  double least_stiffness(const Tangent* unloaded);
+  double share_of_cap(double stress, const Seen* unloaded = nullptr);
+  double least_stiffness(const Seen* unloaded);
   StabilityResult stable(const EvaluationPoint& point, double share_of_cap) const;
   RootResult factorized(const SparseMatrix& matrix, Solvers& solvers, double asymmetry_beside = 0.0) const;
   static int negative_of_symmetric_part(const SparseMatrix& matrix, Solvers& solvers);
   static void look_for_zero(const SparseMatrix& matrix, const Solvers& solvers, double zero, RootResult& root);
   static RootResult completed(RootResult root, const RootCopy& copy, const Seen& look, long of_chains);
+  void take_chains(CondensedSystem* chains);
   RootResult factorized_beside_chains(const Seen& look);
   RootResult factorized_beside_chains(const Seen& look, bool symmetric_part, double asymmetry);
   std::optional<StabilityResult> inertia_with_chains(const Seen& look);
@@ -197,7 +199,8 @@ class Stability {
   // When first needed:
   std::unique_ptr<IndependentUnknowns> unknowns_, unknowns_beside_chains_;
   Solvers all_, beside_chains_;
-  std::unique_ptr<CondensedSystem> chains_;
+  CondensedSystem* chains_ = nullptr;  ///< of the tangent that is being counted: a solver's, which it may use again
+  std::unique_ptr<CondensedSystem> own_chains_;  ///< where solvers have none
 };
 
 // Points of a path at which the tangent is singular.
