@@ -33,7 +33,10 @@ NOX::Abstract::Vector& BeamVector::abs(const NOX::Abstract::Vector& y) {
   return *this;
 }
 
-NOX::Abstract::Vector& BeamVector::operator=(const NOX::Abstract::Vector& y) { return *this = BeamVector(of(y)); }
+NOX::Abstract::Vector& BeamVector::operator=(const NOX::Abstract::Vector& y) {
+  if (const auto* beam = dynamic_cast<const BeamVector*>(&y)) return *this = *beam;  // with its sign and norm
+  return *this = BeamVector(of(y));
+}
 
 NOX::Abstract::Vector& BeamVector::reciprocal(const NOX::Abstract::Vector& y) {
   values().reciprocals_of(of(y));
@@ -229,8 +232,8 @@ NOX::Abstract::Group::ReturnType BeamGroup::computeNewton(Teuchos::ParameterList
 
 void BeamGroup::find_newton() const {
   if (valid_newton_) return;
-  newton_cap_ = find_increment(*problem_, *linearization_, f_->values(), choice_.keeps_cap, enough_for_increment(),
-                               newton_->values());
+  newton_cap_ =
+      find_increment(*problem_, *linearization_, rows(), choice_.keeps_cap, enough_for_increment(), newton_->values());
   valid_newton_ = true;
 }
 
@@ -246,7 +249,7 @@ NOX::Abstract::Group::ReturnType BeamGroup::applyJacobianInverse(Teuchos::Parame
                                                                  NOX::Abstract::Vector& result) const {
   if (!isJacobian()) return BadDependency;
   const MixedVector& rhs = BeamVector::of(input);
-  if (rhs.same_values(f_->values())) {  // what LOCA asks for in every Newton iteration
+  if (rhs.same_values(rows())) {  // what LOCA asks for in every Newton iteration
     find_newton();
     result.update(-1.0, *newton_, 0.0);
     return Ok;
@@ -273,7 +276,7 @@ const NOX::Abstract::Vector& BeamGroup::getGradient() const {
   throw std::logic_error("the beam group has no gradient: the mixed tangent is never formed");
 }
 
-double BeamGroup::equilibrium_norm() const { return mixbeam::equilibrium_norm(problem_->model, f_->values()); }
+double BeamGroup::equilibrium_norm() const { return mixbeam::equilibrium_norm(problem_->model, rows()); }
 
 double BeamGroup::left_out_since(const BeamGroup& before) const {
   if (point_.scales.amplitude == 0.0 || before.newton_cap_.stiffness == 0.0) return 0.0;

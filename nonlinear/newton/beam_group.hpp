@@ -152,6 +152,7 @@ class BeamGroup : public LOCA::Abstract::Group {
     valid_f_ = valid_newton_ = false;
     linearization_.reset();
   }
+  const MixedVector& rows() const { return BeamVector::of(*f_); }  ///< F to read, which keeps its norm
   Cap cap() const { return cap_for(problem_->model, point_.scales, choice_.cap_raise); }
   void linearize_here(bool in_space, const MixedVector* first) const;
   void find_newton() const;

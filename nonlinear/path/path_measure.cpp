@@ -84,8 +84,7 @@ bool are_one(const Model& model, const State& a, const State& b) {
 void Way::add(const PathMeasure& measure, const PathDirection& moved, const Model& model,
               const std::vector<CriticalPoint>& passed) {
   travelled_ += measure.motion(moved.x);
-  sum_ = sum_.clone(true);  // copies of this share it
-  sum_.update(1.0, moved.x, 1.0);
+  sum_.vertex_dofs().update(1.0, moved.x.vertex_dofs(), 1.0);
   for (const CriticalPoint& point : passed) {
     if (point.kind != CriticalKind::limit_point) continue;
     for (const LimitPoint& limit : limits_)

@@ -428,8 +428,9 @@ PathDirection StepJudge::tangent_of(BeamGroup& group, const MixedVector& slope) 
   BeamVector by_load(problem_->model.create_vector());
   Teuchos::ParameterList none;
   group.applyJacobianInverse(none, BeamVector(slope), by_load);
-  const PathDirection rate{by_load.values().clone(true), -1.0};
-  return scaled(rate, -1.0 / measure_.length(rate));
+  by_load.scale(-1.0);  // a sign alone
+  const PathDirection rate{by_load.values().clone(true), 1.0};
+  return scaled(rate, 1.0 / measure_.length(rate));
 }
 
 Station StepJudge::station(const State& state, double load_factor, const PathDirection* along, bool counts) const {
