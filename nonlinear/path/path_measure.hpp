@@ -60,8 +60,8 @@ struct Station {
   double load_factor = 0.0;
   PathDirection tangent;                       ///< theory (54); not finite where the tangent matrix is singular
   std::optional<StabilityResult> stability{};  ///< none: not affordable
-  /// Cap::least_ratio of the tangent that was counted, or of Newton's where none was: above zero, forces are shared by
-  /// stiffnesses that it cuts off, and a prediction shares them less well than iterations do.
+  /// Cap::least_ratio of the tangent that was counted, or would have been: above zero, forces are shared by stiffnesses
+  /// that it cuts off, and a prediction shares them less well than iterations do.
   double cap_ratio = 0.0;
 
   bool has_tangent() const { return std::isfinite(tangent.load); }

@@ -6,6 +6,7 @@
 #include "nonlinear/newton/thresholds.hpp"
 #include "nonlinear/path/critical_point_finder.hpp"
 #include "nonlinear/path/thresholds.hpp"
+#include "nonlinear/stability/thresholds.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -451,7 +452,8 @@ Station StepJudge::station(const State& state, double load_factor, const PathDir
   }
   if (along != nullptr && measure_.inner(*along, here.tangent) < 0.0) here.tangent = scaled(here.tangent, -1.0);
   if (counts && !here.stability) here.stability = count({state, load_factor}, How::inertia);
-  here.cap_ratio = here.stability ? here.stability->cap_ratio : cap_for(problem_->model, scales).least_ratio;
+  here.cap_ratio = here.stability ? here.stability->cap_ratio
+                                  : cap_for(problem_->model, scales, stability_limit.cap_of_count).least_ratio;
   return here;
 }
 

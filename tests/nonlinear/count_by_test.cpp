@@ -1,5 +1,6 @@
 // Negative eigenvalues by the factors that Newton's method has, against LAPACK and against the count that makes its
 // own.
+#include "nonlinear/path/step_judge.hpp"
 #include "tests/nonlinear/stability_fixture.hpp"
 #include "tests/support/buckling_scenes.hpp"
 
@@ -137,6 +138,25 @@ TEST(CountBy, CappedTangentsTellThatNothingIsNegative) {
   }
   ASSERT_GT(counted.fixture.count(12.0).negative, 0);
   EXPECT_FALSE(counted.by_factors(12.0));
+}
+
+/// Newton's cap cuts off both stiffnesses, that of counts the second one alone.
+TEST(CountBy, StationsThatAreNotCountedHaveTheCapOfCounts) {
+  for (double axial : {1e6, kCutOff}) {
+    Scene scene = column(2, 6);
+    scene.sections[0].axial_stiffness = axial;
+    StabilityFixture fixture(scene);
+    const double load = 0.9 * euler_columns()[0].critical;
+    const State state = fixture.equilibrium(load);
+    const auto cap_ratio = [&](Stability* counts) {
+      return StepJudge(Teuchos::rcpFromRef(fixture.problem()), SolverParameters(), counts, load)
+          .station(state, load, nullptr)
+          .cap_ratio;
+    };
+    EXPECT_GT(fixture.tangent(load).cap().least_ratio, 0.0);
+    for (Stability* counts : {static_cast<Stability*>(nullptr), &fixture.stability()})
+      EXPECT_EQ(cap_ratio(counts) > 0.0, axial == kCutOff);
+  }
 }
 
 /// KLU2 does not tell signs; the few rows that a chain leaves are factorised once more for them. With a cap zero alone
