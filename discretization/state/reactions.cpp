@@ -41,6 +41,24 @@ SpatialLoad reaction_of(const VertexSupport& support, const State& state, const 
                           rows_of(rows, support.vertex, kMomentPart));
 }
 
+/// From the rows that supports have to hold.
+std::vector<Reaction> reactions_in(const Model& model, const State& state, const KernelView<double*>& rows) {
+  const std::vector<Support>& supports = model.scene().supports;
+  std::vector<double> all(6 * supports.size(), 0.0);
+  for (const VertexSupport& support : model.conditions().supports) {
+    const SpatialLoad reaction = reaction_of(support, state, rows);
+    store_vector(reaction.force, &all[6 * support.index]);
+    store_vector(reaction.moment, &all[6 * support.index + 3]);
+  }
+  sum_over_ranks(*model.map()->getComm(), all.data(), all.size());
+  std::vector<Reaction> result;
+  for (size_t i = 0; i < supports.size(); ++i) {
+    const double* values = &all[6 * i];
+    result.push_back({supports[i].point, {values[0], values[1], values[2]}, {values[3], values[4], values[5]}});
+  }
+  return result;
+}
+
 /// Reference tangents of an element as a polynomial of degree k - 1 whose mean is the chord between the vertices: in a
 /// rigid rotation of the vertices this is what the displacements of the element can turn.
 struct TangentPolynomial {
@@ -127,14 +145,16 @@ struct PartSums {
 /// Everything that the balance adds up, of one rank, part by part.
 class BalanceSums {
  public:
-  /// Without `parts`, the structure is one.
-  BalanceSums(const Model& model, const State& state, double load_factor, const StructureParts& parts = {})
+  /// Without `parts`, the structure is one. `reactions`: null where they are not asked for.
+  BalanceSums(const Model& model, const State& state, double load_factor, const StructureParts& parts,
+              std::vector<Reaction>* reactions = nullptr)
       : model_(model), state_(state), load_factor_(load_factor), parts_(parts), sums_(parts.count) {
     find_boxes();
     MixedVector rows = model.create_vector();
     element_rows(model, state, load_factor, ElementLoads::with_centrifugal, rows);
     if (model.line_fields().has_loads() || model.rotating() != nullptr) add_line_loads(rows);
     leave_to_supports(model, state, load_factor, rows.vertex());
+    if (reactions != nullptr) *reactions = reactions_in(model, state, rows.vertex());
     add_point_loads();
     for (const VertexSupport& support : model.conditions().supports)
       add(&PartSums::reactions, support.vertex, reaction_of(support, state, rows.vertex()));
@@ -248,20 +268,7 @@ std::vector<Reaction> reactions(const Model& model, const State& state, double l
   MixedVector rows = model.create_vector();
   element_rows(model, state, load_factor, ElementLoads::with_centrifugal, rows);
   leave_to_supports(model, state, load_factor, rows.vertex());
-  const std::vector<Support>& supports = model.scene().supports;
-  std::vector<double> all(6 * supports.size(), 0.0);
-  for (const VertexSupport& support : model.conditions().supports) {
-    const SpatialLoad reaction = reaction_of(support, state, rows.vertex());
-    store_vector(reaction.force, &all[6 * support.index]);
-    store_vector(reaction.moment, &all[6 * support.index + 3]);
-  }
-  sum_over_ranks(*model.map()->getComm(), all.data(), all.size());
-  std::vector<Reaction> result;
-  for (size_t i = 0; i < supports.size(); ++i) {
-    const double* values = &all[6 * i];
-    result.push_back({supports[i].point, {values[0], values[1], values[2]}, {values[3], values[4], values[5]}});
-  }
-  return result;
+  return reactions_in(model, state, rows.vertex());
 }
 
 std::vector<Balance> balance_of_parts(const Model& model, const State& state, double load_factor,
@@ -273,8 +280,8 @@ std::vector<Balance> balance_of_parts(const Model& model, const State& state, do
   return result;
 }
 
-Balance balance(const Model& model, const State& state, double load_factor) {
-  return BalanceSums(model, state, load_factor).over_all_ranks();
+Balance balance(const Model& model, const State& state, double load_factor, std::vector<Reaction>* reactions) {
+  return BalanceSums(model, state, load_factor, {}, reactions).over_all_ranks();
 }
 
 }  // namespace mixbeam

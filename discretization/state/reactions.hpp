@@ -28,7 +28,7 @@ struct Balance {
 std::vector<Reaction> reactions(const Model& model, const State& state, double load_factor);
 
 /// Sums of loads and reactions. The total of the line loads is what the equations of the elements take of them: their
-/// virtual work in the six rigid motions. Collective.
-Balance balance(const Model& model, const State& state, double load_factor);
+/// virtual work in the six rigid motions. `reactions`: what reactions() gives, for the same sweep. Collective.
+Balance balance(const Model& model, const State& state, double load_factor, std::vector<Reaction>* reactions = nullptr);
 
 }  // namespace mixbeam

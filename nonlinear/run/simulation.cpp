@@ -161,8 +161,7 @@ StepRecord Simulation::record(const StepReport& report, int points_per_element,
   record.moment_energy = energy.moment;
   record.history = report.history;
   record.point = report.point;
-  record.reactions = reactions();
-  const Balance sums = balance();
+  const Balance sums = balance(&record.reactions);
   record.balance = {sums.applied_force,   sums.applied_moment, sums.reaction_force,
                     sums.reaction_moment, sums.force_error,    sums.moment_error};
   // state and samples come last, when memory is scarcest; a step that iterates makes new arrays for nothing, the last

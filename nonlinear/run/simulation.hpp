@@ -97,7 +97,9 @@ class Simulation {
     return mixbeam::check_parts(problem_->model, state_, load_factor_, parts);
   }
   /// Sums of loads and reactions: errors below 1e-10 in every converged state.
-  Balance balance() const { return mixbeam::balance(problem_->model, state_, load_factor_); }
+  Balance balance(std::vector<Reaction>* reactions = nullptr) const {
+    return mixbeam::balance(problem_->model, state_, load_factor_, reactions);
+  }
   std::vector<MemberSamples> samples(int points_per_element) const;
   /// All fields at relative arc length `position` in [0, 1] of a member, see sample_member.
   PointSample sample(const std::string& member, double position) const {
