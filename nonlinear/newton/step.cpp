@@ -40,7 +40,7 @@ std::unique_ptr<Linearization> linearize(BeamProblem& problem, const EvaluationP
   const TangentKind kind{choice.in_space, choice.counts_interior, {}, first};
   // tangent of the elements, each condensed to its two vertices -> chains eliminated to their ends, and with them the
   // first right-hand side -> junctions factorised
-  return std::make_unique<Linearization>(problem, point, cap, kind, choice.may_iterate);
+  return std::make_unique<Linearization>(problem, point, cap, kind, choice.may_iterate, choice.vertices_alone);
 }
 
 Cap find_increment(BeamProblem& problem, Linearization& here, const MixedVector& rows, bool keeps_cap, double enough,
@@ -61,8 +61,8 @@ State moved(const BeamProblem& problem, const State& from, const MixedVector& in
 }
 
 Linearization::Linearization(BeamProblem& problem, const EvaluationPoint& point, const Cap& cap,
-                             const TangentKind& kind, bool may_iterate)
-    : tangent_(problem.model, point, cap, kind), solver_(problem.take_solver()) {
+                             const TangentKind& kind, bool may_iterate, bool vertices_alone)
+    : tangent_(problem.model, point, cap, kind), solver_(problem.take_solver()), vertices_alone_(vertices_alone) {
   solver_->allow_iteration(may_iterate);
   DofVector& rows = tangent_.condensed_rows();
   rows.scale(-1.0);
@@ -90,7 +90,7 @@ void Linearization::solve_condensed(bool is_first, MixedVector& increment, doubl
   if (!is_first) rhs.scale(-1.0);
   const std::optional<MixedVector> first = std::exchange(first_, std::nullopt);  // its address is not used again yet
   solver_->solve(rhs, is_first && first ? increment.share_vertices(*first) : increment.writable_dofs(false), enough);
-  tangent_.recover_last(increment);
+  if (!vertices_alone_) tangent_.recover_last(increment);
 }
 
 void Linearization::cap_compliance_rows(const MixedVector& increment, MixedVector& rows) const {

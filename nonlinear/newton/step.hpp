@@ -18,7 +18,8 @@ struct TangentChoice {
   /// Relative energy error allowed in a solve. Newton increments get a tighter one where a loose one would cost an
   /// iteration.
   double enough = 0.0;
-  bool may_iterate = false;  ///< in networks where that is quicker: for states that are stable, as a rule
+  bool may_iterate = false;     ///< in networks where that is quicker: for states that are stable, as a rule
+  bool vertices_alone = false;  ///< increments leave out the interior of elements; with keeps_cap
 };
 
 /// Bordered systems next to a critical point combine several solves with a nearly singular tangent, whose errors cancel
@@ -30,7 +31,7 @@ constexpr TangentChoice near_critical(bool leaves_plane) { return {100.0, true, 
 class Linearization {
  public:
   Linearization(BeamProblem& problem, const EvaluationPoint& point, const Cap& cap, const TangentKind& kind,
-                bool may_iterate = false);
+                bool may_iterate = false, bool vertices_alone = false);
   Linearization(const Linearization&) = delete;
   Linearization& operator=(const Linearization&) = delete;
 
@@ -55,6 +56,7 @@ class Linearization {
   Tangent tangent_;
   std::optional<MixedVector> first_;  ///< its solution, half done by the factorisation, until it is asked for
   std::shared_ptr<TangentSolver> solver_;
+  bool vertices_alone_;
   std::string failure_;
 };
 

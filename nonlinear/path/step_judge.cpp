@@ -192,7 +192,7 @@ struct StepJudge::Part {
 
 /// What is seen at a guess of a point inside a step, theory (58), and Newton's correction at right angles to the chord.
 struct StepJudge::Look {
-  PathDirection corrected;  ///< the guess with that correction, as increments from the start of the step
+  PathDirection corrected;  ///< the guess, with that correction where it was asked for, from the start of the step
   double correction = 0.0;  ///< over the chord, of the part where it is largest
   double load_error = 0.0;  ///< of the cubic
   bool goes_back = false;   ///< the load factor, against its rate at the start
@@ -290,9 +290,9 @@ StepJudge::Part StepJudge::whole(const PathPiece& piece) const {
               measure_.motion(start, start), measure_.motion(end, end));
 }
 
-StepJudge::Look StepJudge::look(const PathPiece& piece, PathDirection guess) const {
+StepJudge::Look StepJudge::look(const PathPiece& piece, PathDirection guess, bool corrects) const {
   const double load_factor = piece.start.load_factor + guess.load;
-  const Linear at = linear_at(piece.start.state, guess, load_factor);
+  const Linear at = linear_at(piece.start.state, guess, load_factor, !corrects);
   const MixedVector &chord = piece.moved.x, &newton = at.newton, &rate = at.less_rate;
   const std::vector<double> cc = measure_.motion_of_parts(chord, chord), cr = measure_.motion_of_parts(chord, rate),
                             cn = measure_.motion_of_parts(chord, newton), nn = measure_.motion_of_parts(newton, newton),
@@ -310,8 +310,11 @@ StepJudge::Look StepJudge::look(const PathPiece& piece, PathDirection guess) con
   seen.load_error = std::abs(change);
   ++problem_->work.looks;
   if (!std::isfinite(seen.correction)) return seen;
-  seen.corrected.x.update(1.0, newton, -change, rate, 1.0);
-  seen.corrected.load += change;
+  if (corrects) {
+    seen.corrected.x.update(1.0, newton, -change, rate, 1.0);
+    seen.corrected.load += change;
+    return seen;
+  }
   std::optional<StabilityResult> there = at.stability;
   if (!there) there = count({at.state, load_factor + change}, How::inertia);
   if (there) seen.negative = there->negative;
@@ -358,7 +361,9 @@ std::string StepJudge::objection(const PathPiece& piece, const StepTest& test, i
     const bool is_aside = line.consequence == Consequence::look_aside, is_first = signs.looks == 0;
     signs.looks = is_aside ? std::max(signs.looks, kLooksHalfway) + 1 : signs.looks + 1;
     const double at = !is_aside ? 0.5 : (signs.looks < kLooks ? 0.25 : 0.75);
-    seen = look(piece, line.consequence == Consequence::look_closer ? std::move(seen->corrected) : cubic(piece, at));
+    PathDirection guess = cubic(piece, at);
+    if (line.consequence == Consequence::look_closer) guess = look(piece, std::move(guess), true).corrected;
+    seen = look(piece, std::move(guess));
     signs.correction = seen->correction;
     signs.count_outside = is_outside(piece, seen->negative);
     if (is_aside) continue;
@@ -472,11 +477,13 @@ PathDirection StepJudge::secant_tangent(const Station& at, double from, double t
 }
 
 /// The tangent next to a critical point, maybe, at a state moved by a guess.
-StepJudge::Linear StepJudge::linear_at(const State& start, const PathDirection& guess, double load_factor) const {
+StepJudge::Linear StepJudge::linear_at(const State& start, const PathDirection& guess, double load_factor,
+                                       bool vertices_alone) const {
   const Model& model = problem_->model;
   const bool in_plane = start.in_plane && model.is_in_plane(guess.x);
   TangentChoice choice = near_critical(!in_plane);
   choice.counts_interior = stability_ != nullptr;
+  choice.vertices_alone = vertices_alone;
   BeamGroup group(corrector_.global(), problem_, start, load_factor, {}, choice);
   group.setX(BeamVector(guess.x));
   Teuchos::ParameterList none;

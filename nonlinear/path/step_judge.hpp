@@ -142,14 +142,14 @@ class StepJudge {
     MixedVector newton, less_rate;
     std::optional<StabilityResult> stability;  ///< none: its factors do not tell
   };
-  Linear linear_at(const State& start, const PathDirection& guess, double load_factor) const;
+  Linear linear_at(const State& start, const PathDirection& guess, double load_factor, bool vertices_alone) const;
   PathDirection tangent_of(BeamGroup& group, const MixedVector& slope) const;
   PathDirection secant_tangent(const Station& at, double from, double to) const;
   std::string objection_of_halves(const PathPiece& piece, const StepTest& test, int depth);
   /// None where nothing tells. A singular tangent without symmetry has no count.
   std::optional<StabilityResult> count(const Asked& at, How how) const;
   std::vector<Part> parts_of(const PathPiece& piece) const;
-  Look look(const PathPiece& piece, PathDirection guess) const;
+  Look look(const PathPiece& piece, PathDirection guess, bool corrects = false) const;
   Part whole(const PathPiece& piece) const;
 
   Teuchos::RCP<BeamProblem> problem_;
