@@ -237,25 +237,24 @@ class Application::Recorder {
   }
 
   StepRecord record(const Simulation& running, const StepReport& report, const ErrorEstimate* estimate) {
+    const bool is_end = running.is_end_of_path(running.load_factor());
+    std::optional<ErrorEstimate> own;  // first: samples take the room that its arrays leave
+    if (estimate == nullptr && is_end && estimates_error(parameters_.analysis, running.model().mesh().elements.size()))
+      estimate = &own.emplace(running.estimate_error());
     StepRecord step = running.record(report, recording_.points_per_element, points_);
     follow_reactions(points_, step);
-    if (const ModesParameters& modes = parameters_.analysis.modes;
-        asks_for_modes(modes, running.load_factor(), running.is_end_of_path(running.load_factor())))
+    if (const ModesParameters& modes = parameters_.analysis.modes; asks_for_modes(modes, running.load_factor(), is_end))
       step.vibration = find_modes(running);
     step.stability.stable = judged_by_modes(step.stability.stable, step.vibration);
     if (recording_.quantities != nullptr) follow_quantities(running, report, step);
     if (recording_.gradients) {
       passed_.insert(passed_.end(), report.critical_points.begin(), report.critical_points.end());
-      if (running.is_end_of_path(running.load_factor())) step.gradients = recording_.gradients(running, passed_);
+      if (is_end) step.gradients = recording_.gradients(running, passed_);
     }
     if ((report.step == 0 || running.is_between_stages()) && parameters_.analysis.buckling_modes > 0)
       step.buckling = running.buckling_modes(parameters_.analysis.buckling_modes, recording_.points_per_element);
     step.buckling.insert(step.buckling.end(), recording_.motions.begin(), recording_.motions.end());
-    if (estimate != nullptr)
-      add_errors(running, *estimate, step);
-    else if (running.is_end_of_path(running.load_factor()) &&
-             estimates_error(parameters_.analysis, running.model().mesh().elements.size()))
-      add_errors(running, running.estimate_error(), step);
+    if (estimate != nullptr) add_errors(running, *estimate, step);
     return step;
   }
   void close() {
