@@ -78,10 +78,10 @@ struct NotEstimated {
 class RicherSolve {
  public:
   RicherSolve(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, const State& start,
-              double load_factor)
+              double load_factor, bool estimates = true)
       : problem_(problem),
         corrector_(problem, parameters, record_),
-        group_(Teuchos::rcp(new BeamGroup(corrector_.global(), problem, start, load_factor, {}, iterated()))) {
+        group_(Teuchos::rcp(new BeamGroup(corrector_.global(), problem, start, load_factor, {}, iterated(estimates)))) {
     group_->computeF();
   }
 
@@ -108,9 +108,10 @@ class RicherSolve {
   }
 
  private:
-  static TangentChoice iterated() {
+  static TangentChoice iterated(bool is_last) {
     TangentChoice choice;
     choice.may_iterate = true;
+    choice.is_last = is_last;
     return choice;
   }
   void move(const NOX::Abstract::Vector& increment, double step) {
@@ -272,7 +273,7 @@ ErrorEstimate estimate_in(const RicherScene& richer, BeamProblem& of, const Solv
 
 State polished(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, const State& state,
                double load_factor) {
-  RicherSolve solve(problem, parameters, state, load_factor);
+  RicherSolve solve(problem, parameters, state, load_factor, false);
   const double most = std::max(solve.residual(), parameters.newton.residual_tolerance);
   try {
     solve.correct();

@@ -232,8 +232,7 @@ NOX::Abstract::Group::ReturnType BeamGroup::computeNewton(Teuchos::ParameterList
 
 void BeamGroup::find_newton() const {
   if (valid_newton_) return;
-  newton_cap_ =
-      find_increment(*problem_, *linearization_, rows(), choice_.keeps_cap, enough_for_increment(), newton_->values());
+  newton_cap_ = find_increment(*problem_, *linearization_, rows(), choice_, enough_for_increment(), newton_->values());
   valid_newton_ = true;
 }
 

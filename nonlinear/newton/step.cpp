@@ -43,11 +43,11 @@ std::unique_ptr<Linearization> linearize(BeamProblem& problem, const EvaluationP
   return std::make_unique<Linearization>(problem, point, cap, kind, choice.may_iterate, choice.vertices_alone);
 }
 
-Cap find_increment(BeamProblem& problem, Linearization& here, const MixedVector& rows, bool keeps_cap, double enough,
-                   MixedVector& increment) {
+Cap find_increment(BeamProblem& problem, Linearization& here, const MixedVector& rows, const TangentChoice& choice,
+                   double enough, MixedVector& increment) {
   try {
     here.newton_increment(increment, enough);  // junctions solved, checked -> chains expanded -> interiors recovered
-    if (!keeps_cap && remove_cap_compliance_where_it_slows(here, rows, increment)) return {};
+    if (!choice.keeps_cap && remove_cap_compliance_where_it_slows(here, rows, increment, choice.is_last)) return {};
   } catch (const LinearSolverError& error) {
     // an increment that is NaN fails the finite-value test of this very iteration, and the step is repeated smaller
     problem.last_failure = error.what();
@@ -130,7 +130,7 @@ bool remove_cap_compliance(Linearization& linearization, double cap_ratio, Mixed
 }
 
 bool remove_cap_compliance_where_it_slows(Linearization& linearization, const MixedVector& residual,
-                                          MixedVector& increment) {
+                                          MixedVector& increment, bool is_last) {
   const Tangent& tangent = linearization.tangent();
   const Model& model = tangent.model();
   const Cap& cap = tangent.cap();
@@ -140,7 +140,8 @@ bool remove_cap_compliance_where_it_slows(Linearization& linearization, const Mi
   // Strains of the order of the squared rotation are left by the linearisation.
   const double spin = increment.largest_vertex_spin();
   const double from_rotation = spin * spin / scales.rotation;
-  const double held_anyway = std::max(model.options().residual_tolerance, from_rotation);
+  const double tolerance = model.options().residual_tolerance, held_anyway = std::max(tolerance, from_rotation);
+  if (is_last && left <= tolerance) return false;
   if (!(left > newton_limit.negligible_cap * held_anyway)) return false;
   if (!(left > newton_limit.negligible_cap * compatibility_norm(model, residual))) return false;
   try {

@@ -18,6 +18,8 @@ struct TangentChoice {
   /// Relative energy error allowed in a solve. Newton increments get a tighter one where a loose one would cost an
   /// iteration.
   double enough = 0.0;
+  /// No iteration follows: what the cap leaves out within the tolerance of the residual stays.
+  bool is_last = false;
   bool may_iterate = false;     ///< in networks where that is quicker: for states that are stable, as a rule
   bool vertices_alone = false;  ///< increments leave out the interior of elements; with keeps_cap
 };
@@ -70,8 +72,8 @@ std::unique_ptr<Linearization> linearize(BeamProblem& problem, const EvaluationP
                                          const TangentChoice& choice, const MixedVector* first = nullptr);
 /// The Newton increment for the rows at that point, NaN where the linear solver fails (BeamProblem::last_failure).
 /// Returns the cap that was left in it, of no stiffness where it was taken out.
-Cap find_increment(BeamProblem& problem, Linearization& here, const MixedVector& rows, bool keeps_cap, double enough,
-                   MixedVector& increment);
+Cap find_increment(BeamProblem& problem, Linearization& here, const MixedVector& rows, const TangentChoice& choice,
+                   double enough, MixedVector& increment);
 /// The state after a share of the increment.
 State moved(const BeamProblem& problem, const State& from, const MixedVector& increment, double share);
 
@@ -96,7 +98,7 @@ bool feels_cap(const Linearization& linearization, const MixedVector& motion, do
 
 /// The same where the cap would slow down the iteration.
 bool remove_cap_compliance_where_it_slows(Linearization& linearization, const MixedVector& residual,
-                                          MixedVector& increment);
+                                          MixedVector& increment, bool is_last = false);
 
 /// Newton steps limited by rotation instead of residual, theory (35): far from equilibrium the residual says little,
 /// but a vertex that turns by more than a fraction of a radian in one iteration leaves the range of the linearisation.
