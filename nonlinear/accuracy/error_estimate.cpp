@@ -79,10 +79,10 @@ class RicherSolve {
  public:
   RicherSolve(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, const State& start,
               double load_factor, bool estimates = true)
-      : problem_(problem),
-        corrector_(problem, parameters, record_),
-        group_(Teuchos::rcp(new BeamGroup(corrector_.global(), problem, start, load_factor, {}, iterated(estimates)))) {
-    group_->computeF();
+      : problem_(problem), corrector_(problem, parameters, record_), load_factor_(load_factor) {
+    choice_.may_iterate = true;
+    choice_.is_last = estimates;
+    stand_at(start);
   }
 
   const State& state() const { return group_->state(); }
@@ -108,17 +108,12 @@ class RicherSolve {
   }
 
  private:
-  static TangentChoice iterated(bool is_last) {
-    TangentChoice choice;
-    choice.may_iterate = true;
-    choice.is_last = is_last;
-    return choice;
+  void stand_at(const State& state) {
+    group_ = Teuchos::rcp(new BeamGroup(corrector_.global(), problem_, state, load_factor_, {}, choice_));
+    group_->computeF();
   }
   void move(const NOX::Abstract::Vector& increment, double step) {
-    const auto next = Teuchos::rcp(new BeamGroup(*group_, NOX::ShapeCopy));
-    next->computeX(*group_, increment, step);
-    next->computeF();
-    group_ = next;
+    stand_at(moved(*problem_, state(), BeamVector::of(increment), step));
     ++corrections_;
     if (!problem_->last_failure.empty()) throw NotEstimated{problem_->last_failure};
     if (!std::isfinite(residual())) throw NotEstimated{"the residual of the correction is not finite"};
@@ -127,6 +122,8 @@ class RicherSolve {
   Teuchos::RCP<BeamProblem> problem_;
   SolveRecord record_;
   Corrector corrector_;
+  double load_factor_;
+  TangentChoice choice_;
   Teuchos::RCP<BeamGroup> group_, tangent_;
   int corrections_ = 0;
 };
