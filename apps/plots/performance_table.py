@@ -16,8 +16,8 @@ from tables import read_table
 PHASES = [
     ("residual", "residual of the elements"),
     ("element tangent", "condensed tangent of the elements"),
-    ("condense chains", "condensation of the chain"),
-    ("solve", "solve"),
+    ("condense chains", "condensation of the chain and its right-hand side"),
+    ("solve", "solve, inside the chain"),
     ("check of the solve", "check of the solve"),
     ("recover", "interior of the elements"),
     ("update", "update"),

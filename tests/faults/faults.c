@@ -356,29 +356,32 @@ int remove(const char* path) {
   return status != 0 && errno == EISDIR ? (int)syscall(SYS_rmdir, path) : status;
 }
 
-/* Allocations above kSmallAllocation, made by the program's own code, by the C++ library for it, or by Kokkos. */
-static int allocation_fails(size_t size, const void* caller) {
+/* Allocations above kSmallAllocation, made by the program's own code, by the C++ library for it, or by Kokkos. Code of the
+ * program asks operator new; malloc is asked by the C libraries that are linked into it, as HDF5, and how they go on without
+ * memory is theirs (HDF5 1.10 damages its heap at some places, or crashes). */
+static int allocation_fails(size_t size, const void* caller, int is_new) {
   if (!active || size <= kSmallAllocation || inside_new == kCounted) return 0;
   if (inside_new == kFails) return inside_new = kOutside, errno = ENOMEM, 1;
   Dl_info info;
   if (!dladdr(caller, &info)) return 0;
-  if (info.dli_fbase != program_base && info.dli_fbase != kokkos_base && info.dli_fbase != cxx_base) return 0;
+  const int is_own = is_new && info.dli_fbase == program_base;
+  if (!is_own && info.dli_fbase != kokkos_base && info.dli_fbase != cxx_base) return 0;
   return hit(kAlloc, info.dli_sname);
 }
 #define CALLER __builtin_return_address(0)
-void* malloc(size_t size) { return allocation_fails(size, CALLER) ? NULL : __libc_malloc(size); }
+void* malloc(size_t size) { return allocation_fails(size, CALLER, 0) ? NULL : __libc_malloc(size); }
 void* calloc(size_t number, size_t size) {
-  return allocation_fails(number * size, CALLER) ? NULL : __libc_calloc(number, size);
+  return allocation_fails(number * size, CALLER, 0) ? NULL : __libc_calloc(number, size);
 }
-void* realloc(void* old, size_t size) { return allocation_fails(size, CALLER) ? NULL : __libc_realloc(old, size); }
+void* realloc(void* old, size_t size) { return allocation_fails(size, CALLER, 0) ? NULL : __libc_realloc(old, size); }
 void* memalign(size_t alignment, size_t size) {
-  return allocation_fails(size, CALLER) ? NULL : __libc_memalign(alignment, size);
+  return allocation_fails(size, CALLER, 0) ? NULL : __libc_memalign(alignment, size);
 }
 void* aligned_alloc(size_t alignment, size_t size) {
-  return allocation_fails(size, CALLER) ? NULL : __libc_memalign(alignment, size);
+  return allocation_fails(size, CALLER, 0) ? NULL : __libc_memalign(alignment, size);
 }
 int posix_memalign(void** memory, size_t alignment, size_t size) {
-  if (allocation_fails(size, CALLER)) return ENOMEM;
+  if (allocation_fails(size, CALLER, 0)) return ENOMEM;
   void* block = __libc_memalign(alignment, size);
   if (!block) return ENOMEM;
   *memory = block;
@@ -388,7 +391,7 @@ int posix_memalign(void** memory, size_t alignment, size_t size) {
 /* Operator new: only here it is known who called. Its own malloc is no second call; that it is to fail is told to that
  * malloc, so that operator new throws as it would without memory. */
 static void* allocated(void* (*real)(size_t), size_t size, const void* caller) {
-  inside_new = allocation_fails(size, caller) ? kFails : kCounted;
+  inside_new = allocation_fails(size, caller, 1) ? kFails : kCounted;
   void* block = real(size);
   inside_new = kOutside;
   return block;
@@ -403,12 +406,12 @@ void* _Znam(size_t size) {
 }
 void* _ZnwmSt11align_val_t(size_t size, size_t alignment) {
   REAL(void*, "_ZnwmSt11align_val_t", size_t, size_t);
-  inside_new = allocation_fails(size, CALLER) ? kFails : kCounted;
+  inside_new = allocation_fails(size, CALLER, 1) ? kFails : kCounted;
   void* block = real(size, alignment);
   inside_new = kOutside;
   return block;
 }
 void* _ZnwmRKSt9nothrow_t(size_t size, const void* tag) {
   (void)tag;
-  return allocation_fails(size, CALLER) ? NULL : __libc_malloc(size ? size : 1);
+  return allocation_fails(size, CALLER, 1) ? NULL : __libc_malloc(size ? size : 1);
 }

@@ -151,6 +151,33 @@ void expect_solution_of_the_whole(const Communicator& comm) {
 TEST(ChainSolver, SolutionOfTheWhole) { expect_solution_of_the_whole(this_rank()); }
 TEST(MpiChainSolver, SolutionOfTheWhole) { expect_solution_of_the_whole(all_ranks()); }
 
+/// A right-hand side that is known when chains are eliminated goes along with them.
+TEST(ChainSolver, FirstSolveHasTheBitsOfALaterOne) {
+  for (const Scene& scene : scenes()) {
+    const MovedScene moved(scene, this_rank());
+    ChainSolver chains(moved.model, kSparseSolver, kCheckTolerance);
+    const DofVector later = moved.solution(chains);
+    DofVector first(moved.model.map());
+    chains.factorize(moved.tangent, {moved.b.get(), &first});
+    chains.solve(*moved.b, first);
+    EXPECT_EQ(moved.difference(first, later), 0.0) << scene.name << ", " << scene.members[0].elements;
+  }
+}
+
+/// Who writes to it nevertheless is found out by the check.
+TEST(ChainSolver, AFirstSolveOfOtherRowsIsCorrected) {
+  const MovedScene moved(fork(2, 12), this_rank());
+  ChainSolver chains(moved.model, kSparseSolver, kCheckTolerance);
+  const DofVector x = moved.solution(chains);
+  DofVector twice(moved.model.map());
+  chains.factorize(moved.tangent, {moved.b.get(), &twice});
+  moved.b->scale(2.0);
+  EXPECT_LE(chains.solve(*moved.b, twice), kCheckTolerance);
+  EXPECT_GT(moved.difference(twice, x), 0.5);
+  twice.scale(0.5);
+  EXPECT_LE(moved.difference(twice, x), kAgreement);
+}
+
 bool is_factorized_as_symmetric(const Scene& scene, int* factorized = nullptr) {
   const MovedScene moved(scene, this_rank());
   CondensedSystem system(moved.model);
