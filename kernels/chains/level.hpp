@@ -84,6 +84,7 @@ template <int N>
 void condense_runs(ChainKind kind, const ChainLevel& level, const LinkMatrices<N>& matrices,
                    const ChainFactors& factors, const ChainPivots& pivots, const ChainRows<N>& first);
 
+/// Condenses another right-hand side with these factors.
 template <int N>
 void condense_rows(ChainKind kind, const ChainLevel& level, const LinkMatrices<N>& matrices,
                    const ChainFactors& factors, const ChainRows<N>& rows);

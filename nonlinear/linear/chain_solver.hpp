@@ -12,7 +12,8 @@ namespace mixbeam {
 /// Solves with the tangents of one model.
 class TangentSolver : public Solver {
  public:
-  /// Solves are with this tangent from now on, and it must not be gone by then. Throws LinearSolverError.
+  /// Solves are with this tangent from now on, and it must not be gone by then. `first`: taken along where that is
+  /// cheaper. Throws LinearSolverError.
   virtual void factorize(const Tangent& tangent, const FirstSolve& first = {}) = 0;
   /// Estimates how much the rounding of the rows left by chains may change x . K x for a motion x, where that is known.
   /// Collective.
