@@ -2,6 +2,7 @@
 
 #include "apps/common/run/scene_file.hpp"
 #include "apps/common/session/interrupt.hpp"
+#include "apps/common/session/machine_room.hpp"
 #include "apps/common/session/mpi_session.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "apps/mixbeam/found_scene.hpp"
@@ -123,6 +124,7 @@ std::unique_ptr<SolvedRun> SolvedRun::from_file(const std::filesystem::path& fil
 
 void SolvedRun::solve(const std::string& load_case, const std::filesystem::path& file, const WritingOptions& writing,
                       const StoredRun* resume) {
+  const GuestHeap heap;
   require_reachable(app_, {load_case});
   app_.output = file.parent_path();
   app_.watch = [this](const Simulation& simulation, const StepReport& report) { keep(simulation, report); };

@@ -576,6 +576,25 @@ class Guest(InFolder):
             """, __file__)
         self.assertEqual(said, "True")  # and nothing else was printed
 
+    @unittest.skipIf("[never]" in Path("/sys/kernel/mm/transparent_hugepage/enabled").read_text(), "no large pages here")
+    def test_the_heap_has_large_pages_during_a_large_run_and_returns_blocks_after_it(self):
+        said = in_python("""
+            import numpy as np, os, resource
+            def usage(): return resource.getrusage(resource.RUSAGE_SELF)
+            def resident(): return int(open("/proc/self/statm").read().split()[1]) * os.sysconf("SC_PAGESIZE")
+            mixbeam.run(python_test.cantilever())
+            before = usage()
+            run = mixbeam.run(python_test.cantilever(elements=20000))
+            after = usage()
+            small_pages = (after.ru_maxrss - before.ru_maxrss) * 1024 / os.sysconf("SC_PAGESIZE")
+            free = resident()
+            block = np.ones(10_000_000)
+            held = resident()
+            del block
+            print(after.ru_minflt - before.ru_minflt < 0.5 * small_pages, held - free > 7e7, resident() - free < 1e7)
+            """, helped=True)
+        self.assertEqual(said, "True True True")
+
     def test_under_mpirun_it_refuses_to_be_several(self):
         with self.assertRaisesRegex(AssertionError, "mpirun"):
             in_python("""

@@ -3,6 +3,7 @@
 #include "apps/common/tables/formatted.hpp"
 #include "nonlinear/linear/blas_setup.hpp"
 
+#include <malloc.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/statvfs.h>
@@ -15,6 +16,7 @@
 #include <limits>
 #include <optional>
 #include <sstream>
+#include <utility>
 
 namespace mixbeam {
 
@@ -122,11 +124,37 @@ std::string bytes_text(double bytes) {
   return formatted("%.3g %s", bytes, kUnits[unit]);
 }
 
+#ifdef __GLIBC__
+namespace {
+bool has_large_pages = false;
+}  // namespace
+#endif
+
+void keep_freed_memory() {
+#ifdef __GLIBC__
+  constexpr int kNever = 2'000'000'000;
+  mallopt(M_MMAP_THRESHOLD, kNever);
+  mallopt(M_TRIM_THRESHOLD, kNever);
+#endif
+}
+
+GuestHeap::~GuestHeap() {
+#ifdef __GLIBC__
+  constexpr int kLargestOfGlibc = 32 << 20;  // DEFAULT_MMAP_THRESHOLD_MAX, and twice as much is trimmed
+  if (!std::exchange(has_large_pages, false)) return;
+  mallopt(M_MMAP_THRESHOLD, kLargestOfGlibc);
+  mallopt(M_TRIM_THRESHOLD, 2 * kLargestOfGlibc);
+  malloc_trim(0);
+#endif
+}
+
 void take_large_pages(double bytes) {
 #ifdef __GLIBC__
   constexpr double kWorthwhile = 3e7;
   constexpr std::uintptr_t kPage = std::uintptr_t{1} << 21;
   if (!(bytes >= kWorthwhile && bytes <= memory_left().bytes)) return;
+  keep_freed_memory();
+  has_large_pages = true;
   void* const block = std::malloc(static_cast<std::size_t>(bytes));
   const auto address = reinterpret_cast<std::uintptr_t>(block);
   const std::uintptr_t begin = (address + kPage - 1) / kPage * kPage;

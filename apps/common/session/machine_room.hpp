@@ -21,10 +21,23 @@ double memory_of_process(const std::string& word);
 /// Bytes that may be written to a file in this folder.
 double disk_left(const std::filesystem::path& folder);
 
-/// Large pages for what a run is about to allocate: with small ones a long rod spends a third of its time in page
-/// faults on virtual machines. The heap grows by so much address space at once, untouched. For programs, whose heap
-/// keeps what is freed; nothing happens where there is less room.
+/// Keeps freed blocks in the heap. Vectors and states of large models come and go in every iteration; by default glibc
+/// returns such blocks to the system, and the page faults of getting them back cost as much as the arithmetic.
+void keep_freed_memory();
+
+/// Extends the heap by `bytes` of untouched address space with large pages, for what a run is about to allocate, and
+/// keeps freed blocks: with small pages a long rod spends a third of its time in page faults on virtual machines.
+/// Nothing happens for small runs and where there is less room.
 void take_large_pages(double bytes);
+
+/// Work of a library in another program: its end returns to the system what take_large_pages() has kept, and restores
+/// the thresholds that glibc arrives at by itself.
+struct GuestHeap {
+  GuestHeap() = default;
+  ~GuestHeap();
+  GuestHeap(const GuestHeap&) = delete;
+  GuestHeap& operator=(const GuestHeap&) = delete;
+};
 
 /// "1.53 GB", "12.4 MB".
 std::string bytes_text(double bytes);

@@ -1,11 +1,11 @@
 #include "apps/common/session/mpi_session.hpp"
 
+#include "apps/common/session/machine_room.hpp"
 #include "discretization/mesh/mpi_at_need.hpp"
 #include "discretization/results/result_file.hpp"
 #include "discretization/text/errors.hpp"
 #include "kernels/execution/execution_space.hpp"
 
-#include <malloc.h>
 #include <mpi.h>
 
 #include <Kokkos_Core.hpp>
@@ -19,16 +19,6 @@
 namespace mixbeam {
 
 namespace {
-
-/// Vectors and states of large models come and go in every iteration. By default glibc returns such blocks to the
-/// system, and the page faults of getting them back cost as much as the arithmetic.
-void keep_freed_memory() {
-#ifdef __GLIBC__
-  constexpr int kNever = 2'000'000'000;
-  mallopt(M_MMAP_THRESHOLD, kNever);
-  mallopt(M_TRIM_THRESHOLD, kNever);
-#endif
-}
 
 /// Several ranks on one node share its cores; OpenMP would give all of them to each rank, and waiting threads spin.
 void share_cores_between_ranks() {

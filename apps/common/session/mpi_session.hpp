@@ -21,7 +21,7 @@ class MpiSession {
 };
 
 /// For a library in the process of another program: Kokkos for a process alone, once, and to the end of the
-/// process. Environment, signals and the allocator of the host stay as they were. Where the host has started MPI, this
+/// process. Environment and signals of the host stay as they were. Where the host has started MPI, this
 /// process is alone all the same. Throws InputError under mpirun with several ranks.
 Communicator start_as_guest();
 
