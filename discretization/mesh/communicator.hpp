@@ -1,4 +1,4 @@
-/// The ranks that work on a structure together.
+/// Ranks that work on a structure together.
 #pragma once
 
 #include <Teuchos_Comm.hpp>
@@ -11,7 +11,7 @@ namespace mixbeam {
 
 using Communicator = Teuchos::RCP<const Teuchos::Comm<int>>;
 
-/// Adds up numbers that every rank has its part of.
+/// Sums the contributions of all ranks.
 inline void sum_over_ranks(const Teuchos::Comm<int>& comm, double* numbers, size_t count) {
   if (comm.getSize() == 1) return;
   const std::vector<double> mine(numbers, numbers + count);

@@ -1,8 +1,8 @@
-/// Elimination of one vertex from a chain, theory (45): the arithmetic of chains/level.hpp, on `Real` numbers (lanes of
-/// a Pack work on different chains). N unknowns for each vertex: 6 in space, 3 in a plane.
+/// Elimination of one vertex from a chain, theory (45): the arithmetic of chains/level.hpp on `Real` numbers (lanes of
+/// a Pack hold different chains). N unknowns per vertex: 6 in space, 3 in a plane.
 ///
-/// A link is a matrix over two vertices, [[K00, K01], [K10, K11]], symmetric or not. The pivot V holds a vertex between
-/// its neighbours: it is as stiff as one link, however long the chain is.
+/// A link is a matrix over two vertices, [[K00, K01], [K10, K11]], symmetric or not. The pivot block V holds a vertex
+/// between its neighbours: it is as stiff as one link, however long the chain is.
 #pragma once
 
 #include "kernels/condensation/condensed_layout.hpp"
@@ -16,8 +16,8 @@ struct LinkMatrix {
   Real first[triangle_size(N)], coupling[N][N], second[triangle_size(N)];
 };
 
-/// Numbers of such a link that the others follow from where it sees displacements as differences between its ends: K00
-/// over spins alone, of K10 the columns of spins; those of displacements are the negative of K11's.
+/// Independent entries of such a link if it depends on displacements only through their difference: K00 of the spins,
+/// and of K10 the columns of the spins; the columns of displacements are the negative of those of K11.
 template <int N, class Real>
 struct FreeLinkMatrix {
   static constexpr int kMoved = TangentLayout<N>::kMoved, kTurned = TangentLayout<N>::kTurned;
@@ -48,7 +48,7 @@ struct FreeLinkMatrix {
   }
 };
 
-/// A link without symmetry; `back` has rows at the first vertex.
+/// Unsymmetric link; `back` has rows at the first vertex.
 template <int N, class Real>
 struct GeneralLinkMatrix {
   Real first[N][N], coupling[N][N], back[N][N], second[N][N];
@@ -62,18 +62,18 @@ struct VertexFactors {
   Real left[N][N], right[N][N];   ///< X, Y
 };
 
-/// Factors between links that see displacements as differences. All else follows from V and the link behind the vertex,
-/// which is kept anyway: a chain that is displaced as a whole works on nothing, so that K_v0 of displacements is what
-/// that link has of V, less V.
+/// Factors between links that depend on displacement differences. The rest follows from V and the link behind the
+/// vertex, which is kept anyway: a rigid displacement of the chain does no work, so the columns of displacements in
+/// K_v0 are those of that link in V, minus V.
 template <int N, class Real>
 struct FreeVertexFactors {
   static constexpr int kTurned = TangentLayout<N>::kTurned;
   static constexpr int kSize = triangle_size(N) + N * kTurned;
   Real factor[triangle_size(N)];
-  Real by_first[N][kTurned];  ///< K_v0 of the spins where the chain begins
+  Real by_first[N][kTurned];  ///< K_v0 of the spins at the start of the chain
 };
 
-/// L U of V without symmetry, its coupling to the neighbours, and their rows that couple them to it.
+/// L U of an unsymmetric V, its coupling to the neighbours, and the rows of the neighbours that couple to it.
 template <int N, class Real>
 struct GeneralVertexFactors {
   static constexpr int kSize = 5 * N * N;
@@ -82,23 +82,23 @@ struct GeneralVertexFactors {
   Real first[N][N], second[N][N];  ///< K01 of the link before, K10 of the link behind
 };
 
-/// Signs, theory (47), and sizes of the pivots met.
+/// Signs, theory (47), and sizes of the pivots encountered.
 template <class Real>
 struct PivotWatch {
-  Real negative = 0.0;  ///< how many were below zero
+  Real negative = 0.0;  ///< number of negative ones
   Real smallest = 1.0;  ///< least |pivot| / |diagonal entry before the elimination| of the vertex block
 };
 
-/// `diagonal`: of the block before the elimination, in the place of the pivot.
+/// `diagonal`: entry of the block at the same place before the elimination.
 template <class Real>
 KOKKOS_INLINE_FUNCTION void watch_pivot(const Real& pivot, const Real& diagonal, PivotWatch<Real>& watch) {
   using std::fabs;
   const Real ratio = fabs(pivot / diagonal);
-  watch.smallest = select(ratio >= watch.smallest, watch.smallest, ratio);  // keeps a ratio that is not a number
+  watch.smallest = select(ratio >= watch.smallest, watch.smallest, ratio);  // takes a NaN ratio
   watch.negative += select(pivot < Real(0.0), Real(1.0), Real(0.0));
 }
 
-/// L D L^T of a symmetric block in place, without exchange of rows.
+/// L D L^T of a symmetric block in place, without pivoting.
 template <int N, class Real>
 KOKKOS_INLINE_FUNCTION void factorize_block(Real* a, PivotWatch<Real>& watch) {
   Real diagonal[N];
@@ -122,7 +122,7 @@ KOKKOS_INLINE_FUNCTION void factorize_block(Real* a, PivotWatch<Real>& watch) {
   }
 }
 
-/// L U of a block in place, without exchange of rows.
+/// L U of a block in place, without pivoting.
 template <int N, class Real>
 KOKKOS_INLINE_FUNCTION void factorize_block(Real (*a)[N], PivotWatch<Real>& watch) {
   Real diagonal[N];
@@ -183,7 +183,7 @@ KOKKOS_INLINE_FUNCTION void hang_vertex(const Real (*rows)[N], bool rows_are_col
   }
 }
 
-/// Eliminates the vertex between `chain` and `next`, theory (45); `chain` becomes both in one.
+/// Eliminates the vertex between `chain` and `next`, theory (45); `chain` becomes the union of both.
 template <int N, class Real>
 KOKKOS_INLINE_FUNCTION void eliminate_vertex(LinkMatrix<N, Real>& chain, const LinkMatrix<N, Real>& next,
                                              VertexFactors<N, Real>& f, PivotWatch<Real>& watch) {
@@ -256,7 +256,7 @@ KOKKOS_INLINE_FUNCTION void eliminate_vertex(FreeLinkMatrix<N, Real>& chain, con
   for (int i = 0; i < N; ++i)
     for (int j = 0; j <= i; ++j) {
       Real& out = chain.second[triangle(i, j)];
-      if (i < moved)  // the negative of K10's columns
+      if (i < moved)  // negated columns of K10
         out = -less_product(0.0, row(i), from_first(j));
       else if (j < moved)
         out = less_product(next.second[triangle(i, j)], row(j), from_second(i));
@@ -299,7 +299,7 @@ KOKKOS_INLINE_FUNCTION void eliminate_vertex(GeneralLinkMatrix<N, Real>& chain, 
   subtract_product<N>(f.second, f.right, chain.second);
 }
 
-/// Takes X^T b_v or Y^T b_v from the rows of a neighbour, theory (45).
+/// Subtracts X^T b_v or Y^T b_v from the rows of a neighbour, theory (45).
 template <int N, class Real, int M>
 KOKKOS_INLINE_FUNCTION void pass_on(const Real (*hanging)[M], const Real* b, Real* neighbour) {
 #pragma GCC unroll 6
@@ -308,7 +308,7 @@ KOKKOS_INLINE_FUNCTION void pass_on(const Real (*hanging)[M], const Real* b, Rea
     for (int c = 0; c < M; ++c) neighbour[c] -= hanging[k][c] * b[k];
 }
 
-/// Takes X x_0 or Y x_2 from x_v, theory (45).
+/// Subtracts X x_0 or Y x_2 from x_v, theory (45).
 template <int N, class Real, int M>
 KOKKOS_INLINE_FUNCTION void follow(const Real (*hanging)[M], const Real* neighbour, Real* x) {
 #pragma GCC unroll 6
@@ -317,7 +317,7 @@ KOKKOS_INLINE_FUNCTION void follow(const Real (*hanging)[M], const Real* neighbo
     for (int c = 0; c < M; ++c) x[k] -= hanging[k][c] * neighbour[c];
 }
 
-/// x_v from V^-1 b_v, theory (45).
+/// Completes x_v from V^-1 b_v, theory (45).
 template <class Factors, class Real>
 KOKKOS_INLINE_FUNCTION void follow_neighbours(const Factors& f, const Real* first, const Real* second, Real* x) {
   constexpr int n = sizeof(f.left) / sizeof(f.left[0]);
@@ -339,7 +339,7 @@ KOKKOS_INLINE_FUNCTION void follow_neighbours(const FreeVertexFactors<N, Real>& 
   for (int c = 0; c < N; ++c) x[c] = c < moved ? x[c] + first[c] - force[c] : x[c] - force[c];
 }
 
-/// Eliminates the rows `b` of a vertex from those of its neighbours; V^-1 b stays.
+/// Eliminates the rows `b` of a vertex from those of its neighbours; `b` becomes V^-1 b.
 template <int N, class Real>
 KOKKOS_INLINE_FUNCTION void eliminate_rows(const VertexFactors<N, Real>& f, Real* b, Real* first, Real* second) {
   pass_on<N>(f.left, b, first);
@@ -350,7 +350,7 @@ template <int N, class Real>
 KOKKOS_INLINE_FUNCTION void eliminate_rows(const FreeVertexFactors<N, Real>& f, const FreeLinkMatrix<N, Real>& next,
                                            Real* b, Real* first, Real* second) {
   constexpr int moved = TangentLayout<N>::kMoved;
-  for (int c = 0; c < moved; ++c) first[c] += b[c];  // what the second end does not take
+  for (int c = 0; c < moved; ++c) first[c] += b[c];  // remainder after the share of the second end
   solve_block<N>(f.factor, b);
   Real force[N];
   next.forces_at_second(b, force);

@@ -24,18 +24,18 @@ using Factors =
     std::conditional_t<kind == ChainKind::general, GeneralVertexFactors<N, Real>,
                        std::conditional_t<kind == ChainKind::free, FreeVertexFactors<N, Real>, VertexFactors<N, Real>>>;
 
-/// Factors that a step of a pack, behind its first, leaves.
+/// Factors stored by a step of a pack other than its first.
 template <int N, ChainKind kind>
 KOKKOS_INLINE_FUNCTION Factors<N, kind>& factors_at(const ChainFactors& factors, int step, int pack) {
   return reinterpret_cast<Factors<N, kind>*>(factors.data())[step - pack - 1];
 }
 using Range = Kokkos::RangePolicy<ExecutionSpace>;
 
-/// Which links the lanes of one step take, and from which end.
+/// Links that the lanes of one step take, and from which end.
 struct StepLinks {
   int link[kLanes];
-  bool backward[kLanes];  ///< passed from the second end
-  Real::Mask rests;       ///< lanes whose run has ended: they load what is harmless
+  bool backward[kLanes];  ///< traversed from the second end
+  Real::Mask rests;       ///< lanes whose run has ended: they load the link of lane 0
 
   KOKKOS_INLINE_FUNCTION StepLinks(const ChainLevel& level, int step) {
     for (int lane = 0; lane < kLanes; ++lane) {
@@ -48,7 +48,7 @@ struct StepLinks {
   }
 };
 
-/// Copies full matrices, or their symmetric parts.
+/// Loads full matrices, or their symmetric parts.
 template <int N, ChainKind kind>
 KOKKOS_INLINE_FUNCTION FullLink<N, kind> load_full(const StepLinks& links, const double* const* matrix) {
   Real numbers[4 * N * N];
@@ -84,7 +84,7 @@ KOKKOS_INLINE_FUNCTION FullLink<N, kind> load_full(const StepLinks& links, const
   return m;
 }
 
-/// The other end first: u_b - u_a changes its sign, the spins change places.
+/// Swaps the ends: u_b - u_a changes sign, the spins are exchanged.
 template <int N>
 KOKKOS_INLINE_FUNCTION void turn_around(const Real* from, Real* to) {
   using Layout = TangentLayout<N>;
@@ -111,7 +111,7 @@ KOKKOS_INLINE_FUNCTION FreeLink<N> free_link(const SymmetricLink<N>& full) {
   return m;
 }
 
-/// Copies symmetric tangents of elements.
+/// Loads symmetric tangents of elements.
 template <int N>
 KOKKOS_INLINE_FUNCTION FreeLink<N> load_symmetric(const StepLinks& links, const double* const* numbers) {
   using Layout = TangentLayout<N>;
@@ -163,11 +163,10 @@ KOKKOS_INLINE_FUNCTION Link<N, kind> load_link(const LinkMatrices<N>& matrices, 
     return load_full<N, kind>(links, rows);
 }
 
-/// Steps for which the processor fetches tangents and rows in advance: lanes read them far from each other, so that it
-/// sees too late where they go on.
+/// Steps by which tangents and rows are prefetched: lanes read them far apart, where the hardware predicts too late.
 constexpr int kStepsAhead = 1;
 
-/// `step`: kStepsAhead further than where the loop is, which need not exist.
+/// `step`: kStepsAhead further than the loop; it need not exist.
 template <int N, ChainKind kind>
 KOKKOS_FORCEINLINE_FUNCTION void fetch_links(const ChainLevel& level, const LinkMatrices<N>& matrices, int pack,
                                              int step) {
@@ -178,7 +177,7 @@ KOKKOS_FORCEINLINE_FUNCTION void fetch_links(const ChainLevel& level, const Link
   }
 }
 
-/// Factors that step `step` leaves, which need not exist.
+/// Prefetches the factors stored by `step`, which need not exist.
 template <int N, ChainKind kind, class Factors>
 KOKKOS_FORCEINLINE_FUNCTION void fetch_factors(const ChainLevel& level, const Factors& factors_of, int pack, int step) {
   if (step <= level.step_start(pack) || step >= level.step_start(pack + 1)) return;
@@ -186,7 +185,7 @@ KOKKOS_FORCEINLINE_FUNCTION void fetch_factors(const ChainLevel& level, const Fa
   fetch(reinterpret_cast<double*>(&ahead), sizeof(ahead) / sizeof(double));
 }
 
-/// Numbers of the vertices before links `step`, which need not exist.
+/// Prefetches the numbers of the vertices before links `step`, which need not exist.
 template <int N, class Number>
 KOKKOS_FORCEINLINE_FUNCTION void fetch_vertices(const ChainLevel& level, const KernelView<Number*>& numbers, int pack,
                                                 int step) {
@@ -232,7 +231,7 @@ KOKKOS_INLINE_FUNCTION void store_link(const GeneralLink<N>& m, int lane, double
     }
 }
 
-/// Lanes at rest keep what they have.
+/// Keeps the values of idle lanes.
 template <class AnyLink>
 KOKKOS_INLINE_FUNCTION void keep_resting(const Real::Mask& rests, const AnyLink& before, AnyLink& after) {
   const Real* from = reinterpret_cast<const Real*>(&before);
@@ -257,7 +256,7 @@ struct RowsLoop {
     const bool second = far_end != (code % 2 == 1);
     for (int c = 0; c < N; ++c) sum[c] += arrived(run, (second ? N : 0) + c);
   }
-  /// Rows that arrive at the beginnings of runs, and at the vertex before the present link.
+  /// Rows that arrive at the starts of runs, and at the vertex before the current link.
   struct Shares {
     Real at_begin[N], passed[N];
   };
@@ -301,7 +300,7 @@ struct RowsLoop {
       }
     }
   }
-  /// The vertex before link `step`; free chains ask for the link. One instance, so that all callers get the same bits.
+  /// Eliminates the vertex before link `step`; free chains need the link. One instance: all callers get the same bits.
   KOKKOS_FUNCTION __attribute__((noinline)) void eliminate(int pack, int step, const Factors<N, kind>& factors,
                                                            const Link<N, kind>* link, Shares& shares) const {
     Real *at_begin = shares.at_begin, *passed = shares.passed;
@@ -393,7 +392,7 @@ struct ExpandLoop {
   ChainFactors factors_of;
   KernelView<double*> x;
 
-  /// Lanes at rest get zeros.
+  /// Loads zeros into idle lanes.
   KOKKOS_INLINE_FUNCTION void load(const int* vertices, Real* out) const {
     for (int c = 0; c < N; ++c)
       out[c] = Real::gathered(
@@ -418,7 +417,7 @@ struct ExpandLoop {
       else
         follow_neighbours(factors, first, next, moved);
       for (int lane = 0; lane < kLanes; ++lane) {
-        const bool rests = level.link(step, lane) < 0;  // its end, where the lane waits, is known already
+        const bool rests = level.link(step, lane) < 0;  // its end vertex is known already
         for (int c = 0; c < N; ++c) {
           const double value = rests ? here[c][lane] : moved[c][lane];
           next[c].set(lane, value);
@@ -429,7 +428,7 @@ struct ExpandLoop {
   }
 };
 
-/// Calls f(std::integral_constant<ChainKind, kind>); a plane has free links alone.
+/// Calls f(std::integral_constant<ChainKind, kind>); a plane has free links only.
 template <int N, class F>
 void for_kind(ChainKind kind, const F& f) {
   if constexpr (N == kSpatialDofs) {

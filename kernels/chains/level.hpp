@@ -1,6 +1,6 @@
-/// Chains of links condensed to their two end vertices by theory (45), many of them side by side: a direct solver for
-/// elements in a row. A link is an element or, on the next level, a whole run of links that
-/// has become one. Runs are cut by the structure alone, so results do not depend on the number of threads.
+/// Chains of links condensed to their two end vertices by theory (45), many side by side: a direct solver for elements
+/// in a row. A link is an element or, on the next level, a whole run of links condensed to one. Only the structure
+/// determines where runs are cut, so results do not depend on the number of threads.
 #pragma once
 
 #include "kernels/execution/pack.hpp"
@@ -10,7 +10,7 @@
 
 namespace mixbeam {
 
-/// Matrices of links: those of the elements, then those of condensed runs.
+/// Matrices of links: elements first, then condensed runs.
 template <int N>
 struct LinkMatrices {
   static constexpr int kFull = TangentLayout<N>::kFull;  ///< ends as they are stored
@@ -19,7 +19,7 @@ struct LinkMatrices {
 
   KOKKOS_INLINE_FUNCTION bool is_element(int link) const { return link < static_cast<int>(elements.extent(0)); }
   KOKKOS_INLINE_FUNCTION bool keeps_symmetric_elements() const { return elements.extent(1) != kFull; }
-  /// The full matrix of a link; `room` (kFull) takes it where it is not kept.
+  /// Full matrix of a link; expanded into `room` (kFull) if it is not stored.
   KOKKOS_INLINE_FUNCTION const double* full(int link, double* room) const {
     if (!is_element(link)) return &runs(link - static_cast<int>(elements.extent(0)), 0);
     if (!keeps_symmetric_elements()) return &elements(link, 0);
@@ -28,49 +28,48 @@ struct LinkMatrices {
   }
 };
 
-/// Matrix of each link that an elimination starts from.
+/// Kind of link matrices at the start of an elimination.
 enum class ChainKind {
-  free,            ///< symmetric, and displacements enter as differences between the ends: kSymmetric of TangentLayout
-  symmetric,       ///< they are: only their lower triangles are read
+  free,            ///< symmetric, displacements enter as differences between the ends: kSymmetric of TangentLayout
+  symmetric,       ///< symmetric: only lower triangles are read
   symmetric_part,  ///< (K + K^T) / 2
-  general,         ///< L U, of links in space alone
+  general,         ///< L U; links in space only
 };
 
-/// Numbers that the elimination of one vertex leaves behind: FreeVertexFactors, VertexFactors or, without symmetry,
-/// GeneralVertexFactors of chains/elimination.hpp.
+/// Numbers stored per eliminated vertex: FreeVertexFactors, VertexFactors or, without symmetry, GeneralVertexFactors of
+/// chains/elimination.hpp.
 constexpr int free_factor_size(int n) { return n * (n + 1) / 2 + n * (n == kSpatialDofs ? 3 : 1); }
 constexpr int vertex_factor_size(int n) { return n * (n + 1) / 2 + 2 * n * n; }
 constexpr int general_factor_size(int n) { return 5 * n * n; }
 
-/// Runs of links that are condensed at the same time. kLanes runs make a pack; step s of a pack takes link s of each of
-/// its runs, shorter ones (and lanes without a run) then rest.
+/// Runs of links that are condensed concurrently. kLanes runs make a pack; step s of a pack takes link s of each of its
+/// runs. Lanes whose run has ended, or without a run, are idle.
 struct ChainLevel {
   int packs = 0;
   KernelView<int*> step_start;             ///< (pack + 1): first step of each pack
   KernelView<int* [kLanes]> link;          ///< (step, lane): 2 * link + 1 where passed from its second end, -1: none
   KernelView<int* [kLanes]> vertex;        ///< (step, lane): local vertex at the far end of the link
-  KernelView<int* [kLanes]> first_vertex;  ///< (pack, lane): where the run begins
+  KernelView<int* [kLanes]> first_vertex;  ///< (pack, lane): start of the run
   KernelView<int* [kLanes]> run;           ///< (pack, lane): number of the run, -1: none
-  KernelView<int* [kLanes]> links;         ///< (pack, lane): of the run
+  KernelView<int* [kLanes]> links;         ///< (pack, lane): number of links of the run
 
   int eliminations() const { return static_cast<int>(link.extent(0)) - packs; }
 };
 
-/// A whole elimination. Links are the elements, then the runs of all levels.
+/// Complete elimination. Links are the elements, then the runs of all levels.
 struct ChainLevels {
   int elements = 0, runs = 0;
   std::vector<ChainLevel> levels;
 };
 
-/// Factors of all lanes, for all but the first step of a pack, one after the other: step - pack - 1.
+/// Factors of all lanes, for all but the first step of each pack, one after the other: step - pack - 1.
 using ChainFactors = KernelView<double*>;
-/// (run of all levels): pivots below zero, those of theory (47), without symmetry the sign of the determinant alone;
-/// least
-/// |pivot| / |diagonal entry of its vertex block|, not a number where a pivot is zero.
+/// (run of all levels): number of negative pivots, those of theory (47), only the sign of the determinant without
+/// symmetry; least |pivot| / |diagonal entry of its vertex block|, NaN if a pivot is zero.
 using ChainPivots = KernelView<double* [2]>;
 
-/// A right-hand side `rows` (N * vertex + component): at eliminated vertices x, which may be `rows`, becomes V^-1 of
-/// the rows summed there; `arrived` (run, 2 N) is added by each run to the rows of its end vertices.
+/// Right-hand side `rows` (N * vertex + component). At eliminated vertices x, which may be `rows`, becomes V^-1 of the
+/// rows summed there; `arrived` (run, 2 N) is the share that each run adds to the rows of its end vertices.
 template <int N>
 struct ChainRows {
   KernelView<const double*> rows;
@@ -78,8 +77,8 @@ struct ChainRows {
   KernelView<double * [2 * N]> arrived;
 };
 
-/// Eliminates the vertices inside all runs; writes LinkMatrices::runs, factors and pivots. Condenses `first` with them,
-/// where it has rows: factors and tangents need not be read for it again.
+/// Eliminates the vertices inside all runs; writes LinkMatrices::runs, factors and pivots. Condenses `first`, if it has
+/// rows, in the same pass: factors and tangents are then read only once.
 template <int N>
 void condense_runs(ChainKind kind, const ChainLevel& level, const LinkMatrices<N>& matrices,
                    const ChainFactors& factors, const ChainPivots& pivots, const ChainRows<N>& first);
@@ -89,18 +88,18 @@ template <int N>
 void condense_rows(ChainKind kind, const ChainLevel& level, const LinkMatrices<N>& matrices,
                    const ChainFactors& factors, const ChainRows<N>& rows);
 
-/// Eliminated vertices from the solution at the ends of the runs, after condense_rows.
+/// Computes eliminated vertices from the solution at the ends of the runs, after condense_rows.
 template <int N>
 void expand_runs(ChainKind kind, const ChainLevel& level, const LinkMatrices<N>& matrices, const ChainFactors& factors,
                  const KernelView<double*>& x);
 
-/// The numbers of an elimination with N unknowns for each vertex.
+/// Storage and operations of an elimination with N unknowns per vertex.
 template <int N>
 class ChainCondensation {
  public:
   using ElementMatrices = KernelView<const double**>;  ///< LinkMatrices::elements
 
-  /// `chains` must outlive this. `has_general`: room for ChainKind::general.
+  /// `chains` must outlive this. `has_general`: reserve memory for ChainKind::general.
   explicit ChainCondensation(const ChainLevels& chains, bool has_general = false)
       : chains_(chains),
         factor_size_((has_general ? general_factor_size(N) : vertex_factor_size(N)) * kLanes),
@@ -109,18 +108,18 @@ class ChainCondensation {
         pivots_("mixbeam::chains::pivots", chains.runs) {}
 
   LinkMatrices<N> matrices(const ElementMatrices& element_tangents) const { return {element_tangents, run_matrices_}; }
-  /// (run, 2 N): what condense_rows() adds to the rows of the end vertices of each run; run = link - elements.
+  /// (run, 2 N): share that condense_rows() adds to the rows of the end vertices of each run; run = link - elements.
   const KernelView<double* [2 * N]>& arrived() const { return arrived_; }
 
   struct Pivots {
-    long negative = 0;      ///< below zero
-    double smallest = 1.0;  ///< least |pivot| / |its diagonal entry|; not a number or zero: singular
+    long negative = 0;      ///< number below zero
+    double smallest = 1.0;  ///< least |pivot| / |its diagonal entry|; NaN or zero: singular
   };
-  /// Eliminates; all that follows refers to it, and the matrices must be the same then. With `rows` it does
-  /// condense_rows(rows, x), too.
+  /// Factorizes; later calls refer to these factors and need the matrices unchanged. With `rows` it also does
+  /// condense_rows(rows, x).
   Pivots factorize(const ElementMatrices& element_tangents, ChainKind kind = ChainKind::symmetric,
                    const KernelView<const double*>& rows = {}, const KernelView<double*>& x = {}) {
-    // not initialised: the threads that write them first get their pages, and what free links do not need takes none
+    // not initialised: the first thread to write a page gets it, and what free links do not need takes no memory
     for (size_t l = factors_.size(); l < chains_.levels.size(); ++l)
       factors_.emplace_back(Kokkos::view_alloc("mixbeam::chains::factors", Kokkos::WithoutInitializing),
                             static_cast<size_t>(chains_.levels[l].eliminations()) * factor_size_);
@@ -135,18 +134,17 @@ class ChainCondensation {
     }
     return result;
   }
-  /// Frees the factors, until factorize() makes others, and the tangents of elements.
+  /// Frees the factors until the next factorize(), and drops the tangents of the elements.
   void release() {
     factors_.clear();
     all_ = {};
   }
-  /// First half of a solve: eliminated rows of `rows` (N * local vertex + component) leave x half done; x may be
-  /// `rows`.
+  /// First half of a solve: eliminates `rows` (N * local vertex + component) inside runs into x, which may be `rows`.
   void condense_rows(const KernelView<const double*>& rows, const KernelView<double*>& x) {
     for (size_t l = 0; l < factors_.size(); ++l)
       mixbeam::condense_rows<N>(kind_, chains_.levels[l], all_, factors_[l], {rows, x, arrived_});
   }
-  /// Second half: eliminated entries of x from the others.
+  /// Second half: computes the eliminated entries of x from the others.
   void expand(const KernelView<double*>& x) const {
     for (size_t l = factors_.size(); l-- > 0;) expand_runs<N>(kind_, chains_.levels[l], all_, factors_[l], x);
   }

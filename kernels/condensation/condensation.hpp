@@ -1,10 +1,10 @@
-/// The condensed tangent of an element: everything inside it is eliminated, and two vertices with a displacement and a
-/// rotation each remain.
+/// Condensed tangent of an element: its interior is eliminated, and two vertices with a displacement and a rotation
+/// each remain.
 ///
 /// Order of elimination: N at each force point (pointwise, its compliance is diagonal or 3 x 3), M (by Legendre modes:
-/// diagonal for a constant section; by values at points where it varies), then the rotations and slopes of the reduced
-/// system (reduced_system.hpp). It needs compliances alone where forces are eliminated, so that stiff and rigid
-/// sections cost no digits. Increments of the interior follow from those of the vertices, theory (33).
+/// diagonal for a constant section; by values at points for a varying one), then the rotations and slopes of the
+/// reduced system (reduced_system.hpp). Forces are eliminated with compliances only, so stiff and rigid sections cost
+/// no digits. Increments of the interior follow from those of the vertices, theory (33).
 #pragma once
 
 #include "kernels/condensation/moment_elimination.hpp"
@@ -17,8 +17,7 @@ namespace mixbeam {
 template <bool General, class Real>
 using SectionOf = std::conditional_t<General, GeneralSection<Real>, SectionNumbers<Real>>;
 
-/// Interior right-hand side given from outside, in place of the gradient of the state (rows as store_residual writes
-/// them).
+/// Adds a given interior right-hand side in place of the gradient of the state (rows as written by store_residual).
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION void add_given_gradient(const Real* rhs, const ElementKinematics<K, Real>& kinematics,
                                                     const InteriorLayout& layout, ElementGradient<K, Real>& g) {
@@ -31,7 +30,7 @@ KOKKOS_FORCEINLINE_FUNCTION void add_given_gradient(const Real* rhs, const Eleme
   g.spin = load_vector(rhs + layout.spin());
 }
 
-/// Builds the reduced system of an element and keeps what the recovery of N and M needs.
+/// Builds the reduced system of an element and keeps the data for the recovery of N and M.
 template <int K, bool General, class Real>
 struct CondensedElement {
   using Blocks = ReducedBlocks<K>;
@@ -39,12 +38,12 @@ struct CondensedElement {
   using Stiffness = std::conditional_t<General, Mat3<Real>, Vec3<Real>>;
   ReducedSystem<K, Real> system;
   std::conditional_t<General, GeneralMomentRows<K, Real>, MomentRows<K, Real>> moment_rows;
-  ForceRows<K, Real> force_rows_[General ? K : 1];  ///< coupled sections alone
+  ForceRows<K, Real> force_rows_[General ? K : 1];  ///< coupled sections only
   ElementGradient<K, Real> gradient;
   InteriorResponse<K, Real> response;
   VertexSystem<Real> condensed;
 
-  /// `gradient` holds on entry what does not follow from the state: the given right-hand side, or the line fields.
+  /// On entry `gradient` holds what does not follow from the state: the given right-hand side, or the line fields.
   KOKKOS_FORCEINLINE_FUNCTION void build(const ElementTables<K>& tables, const InteriorLayout& layout,
                                          const ReferenceLayout& reference, const ElementInput<Real>& in,
                                          const ElementKinematics<K, Real>& kinematics, const Section& section,
@@ -83,7 +82,7 @@ struct CondensedElement {
   KOKKOS_FORCEINLINE_FUNCTION void store_response(const Store& store) const {
     for (int b = 0; b < Blocks::kInterior; ++b) store_rows(response.by[b], 3 * b, store);
   }
-  /// Takes what does not depend on the vertices, in the layout of increments.
+  /// Writes the part that does not depend on the vertices, in the layout of increments.
   KOKKOS_FORCEINLINE_FUNCTION void constants(const InteriorLayout& layout, Real* out) const {
     for (int q = 0; q < layout.force_points; ++q) store_vector(gradient.strain_error[q], out + layout.force(q));
     for (int m = 0; m <= K; ++m) store_vector(gradient.moment_row[m], out + layout.moment(m));
@@ -95,7 +94,7 @@ struct CondensedElement {
   }
 
  private:
-  /// N eliminated, theory (26): the corrected force works in place of N, or C error alone for a given right-hand side.
+  /// Eliminates N, theory (26): the corrected force replaces N, or C error alone for a given right-hand side.
   KOKKOS_FORCEINLINE_FUNCTION void add_force_point(int q, const ForcePoint<K, Real>& point, const double* P,
                                                    const Stiffness& stiffness, bool own_gradient) {
     if (own_gradient) gradient.strain_error[q] += point.strain_error;
@@ -110,7 +109,7 @@ struct CondensedElement {
     for (int j = 1; j < K; ++j) system.rhs[Blocks::psi(j)] += gradient.psi[j];
     for (int end = 0; end < 2; ++end) system.rhs[Blocks::vertex(end)] += gradient.vertex_spin[end];
   }
-  /// Three rows of the response from their blocks by slope_0, spin a and spin b.
+  /// Stores three rows of the response from their blocks by slope_0, spin a and spin b.
   template <class Store>
   KOKKOS_FORCEINLINE_FUNCTION static void store_rows(const Mat3<Real>* by, int first_row, const Store& store) {
     Real numbers[3 * kVertexColumns];
@@ -207,8 +206,8 @@ KOKKOS_FORCEINLINE_FUNCTION void add_moment_row_change(const ElementInput<Real>&
   }
 }
 
-/// Increments of N and of the modes of M by the section, theory (26) and theory (27), from R_N + change of gamma at the
-/// force points and R_M + D dx.
+/// Turns strains into increments of N and of the modes of M by the section, theory (26) and theory (27): from R_N +
+/// change of gamma at the force points and from R_M + D dx.
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION void answer_strains(const SectionNumbers<Real>& section, const ElementTables<K>& tables,
                                                 const Real& length, Vec3<Real>* strain, Vec3<Real>* row) {
@@ -221,14 +220,14 @@ KOKKOS_FORCEINLINE_FUNCTION void answer_strains(const SectionNumbers<Real>& sect
   const Vec3<Real> stiffness = inverse * load_vector(section.moment_stiffness);
   for (int j = 0; j <= K; ++j) row[j] = stress(Real(2 * j + 1) * stiffness, row[j]);
 }
-/// Theory (28).
+/// Same for a general section, theory (28).
 template <int K, class Real>
 KOKKOS_INLINE_FUNCTION void answer_strains(const GeneralSection<Real>& section, const ElementTables<K>& tables,
                                            const Real& length, Vec3<Real>* strain, Vec3<Real>* row) {
   GeneralStiffness<K, Real>(section, tables, length).answer(length, strain, row);
 }
 
-/// All increments of an element, InteriorLayout; `out` holds the constants that they have without the vertices.
+/// All increments of an element, InteriorLayout; on entry `out` holds their parts that are independent of the vertices.
 template <int K, class Real, class Section>
 KOKKOS_FORCEINLINE_FUNCTION void recover_element(const ElementInput<Real>& in,
                                                  const ElementKinematics<K, Real>& kinematics,

@@ -1,4 +1,4 @@
-/// The symmetric reduced system solved for the interior unknowns, several elements side by side.
+/// Solves the symmetric reduced system for the interior unknowns, several elements side by side.
 #pragma once
 
 #include "kernels/condensation/row_pivoting.hpp"
@@ -7,10 +7,10 @@
 
 namespace mixbeam {
 
-/// A pivot that is not above this multiple of the entry that was on the diagonal before the elimination may owe its
-/// sign to rounding. As long as all pivots are above it the interior matrix is positive definite, and elimination
-/// without pivoting then loses no more than one with it, whatever the condition number (Higham, Accuracy and Stability
-/// of Numerical Algorithms, theorem 10.3): about the rounding of as many products as the largest matrix has rows.
+/// The sign of a pivot may be due to rounding unless the pivot exceeds this multiple of the original diagonal entry. If
+/// all pivots exceed it, the interior matrix is positive definite and elimination without pivoting is as accurate as
+/// with it, whatever the condition number (Higham, Accuracy and Stability of Numerical Algorithms, theorem 10.3). About
+/// the rounding of as many products as the largest matrix has rows.
 constexpr double kSmallestPivot = 50 * std::numeric_limits<double>::epsilon();
 
 /// c -= a b^T
@@ -52,15 +52,15 @@ KOKKOS_FORCEINLINE_FUNCTION void subtract_transposed_product(const Mat3<Real>& a
         c[2] - a(0, 2) * b[0] - a(1, 2) * b[1] - a(2, 2) * b[2]}};
 }
 
-/// H_ii = L D L^T without pivoting, in lanes, on the triangle alone. The factor takes the place of the matrix: L in the
-/// blocks below the diagonal and below the diagonal of the diagonal blocks, D^-1 on the diagonal.
+/// Factors H_ii = L D L^T without pivoting, in lanes, on the lower triangle. The factor overwrites the matrix: L in the
+/// blocks below the diagonal and in the strict lower part of the diagonal blocks, D^-1 on the diagonal.
 template <int K, int W>
 class InteriorFactor {
   using Real = Pack<W>;
   static constexpr int kInterior = ReducedBlocks<K>::kInterior, kCount = ReducedBlocks<K>::kCount;
 
  public:
-  typename Real::Mask suspicious;  ///< lanes with a pivot that is not above kSmallestPivot; also those with NaN
+  typename Real::Mask suspicious;  ///< lanes with a pivot not above kSmallestPivot, or with NaN
 
   /// Factors the interior and leaves the condensed system.
   KOKKOS_FORCEINLINE_FUNCTION InteriorFactor(ReducedSystem<K, Real>& system, VertexSystem<Real>& condensed)
@@ -159,7 +159,7 @@ class InteriorFactor {
   }
 };
 
-/// Response and condensed system of one lane, by a system of its own, with row pivoting.
+/// Response and condensed system of one lane, solved separately with row pivoting.
 template <int K, int W>
 KOKKOS_FUNCTION __attribute__((noinline)) void solve_one_lane(const FullSystem<K>& system, int lane,
                                                               InteriorResponse<K, Pack<W>>& response,
@@ -180,8 +180,8 @@ KOKKOS_FUNCTION __attribute__((noinline)) void solve_one_lane(const FullSystem<K
     }
 }
 
-/// Solves symmetric systems side by side like solve_with_row_pivoting: without pivoting, but for the lanes that need
-/// it. `signs` (null, or W of them): of those lanes; all others are positive definite.
+/// Solves symmetric systems side by side like solve_with_row_pivoting: without pivoting, except in lanes that need it.
+/// `signs` (null, or W of them) is set for those lanes; all others are positive definite.
 template <int K, int W>
 KOKKOS_FORCEINLINE_FUNCTION void solve_in_lanes(const ReducedSystem<K, Pack<W>>& system,
                                                 InteriorResponse<K, Pack<W>>& response,
@@ -205,17 +205,17 @@ KOKKOS_FORCEINLINE_FUNCTION void subtract_product(const Mat3<Real>& a, const Mat
     for (int j = 0; j < 3; ++j) c(i, j) = c(i, j) - a(i, 0) * b(0, j) - a(i, 1) * b(1, j) - a(i, 2) * b(2, j);
 }
 
-/// Interior of a system without symmetry = L U by blocks of three, without pivoting, in lanes, in its place: L, of unit
-/// diagonal, below and U above the diagonal, which holds one over that of U.
+/// Interior of an unsymmetric system = L U by blocks of three, without pivoting, in lanes and in place: L with unit
+/// diagonal below, U above the diagonal, which holds the inverse of that of U.
 template <int K, int W>
 class GeneralFactor {
   using Real = Pack<W>;
   static constexpr int kInterior = ReducedBlocks<K>::kInterior, kCount = ReducedBlocks<K>::kCount;
 
  public:
-  typename Real::Mask suspicious;  ///< as in InteriorFactor; also those whose factors grow
+  typename Real::Mask suspicious;  ///< as in InteriorFactor, or with growing factors
 
-  /// Leaves L^-1 rhs in the place of the right-hand side, and the condensed system behind the interior.
+  /// Overwrites the right-hand side by L^-1 rhs and the vertex block by the condensed system.
   KOKKOS_FORCEINLINE_FUNCTION explicit GeneralFactor(FullSystem<K, Real>& system)
       : suspicious(Real(0.0) > Real(0.0)), a_(system) {
     Real size[3 * kInterior];
@@ -240,7 +240,7 @@ class GeneralFactor {
     watch_growth(size);
   }
 
-  /// H_ii^-1 [H_ir | R_i] in the place of the columns of the vertices and of the right-hand side.
+  /// Overwrites the columns of the vertices and the right-hand side by H_ii^-1 [H_ir | R_i].
   KOKKOS_FORCEINLINE_FUNCTION void solve() const {
     for (int I = kInterior - 1; I >= 0; --I) {
       const Mat3<Real> u = a_.block(I, I);
@@ -291,8 +291,8 @@ class GeneralFactor {
         x(i, j) *= u(j, j);
       }
   }
-  /// Entries of L U may be twice as large as those of a positive definite matrix can be, |l_ik u_kj| <= 2 sqrt(a_ii
-  /// a_jj).
+  /// Allows entries twice as large as in a positive definite matrix: |l_ik| sqrt(u_kk) <= 2 sqrt(a_ii), and |u_kj| /
+  /// sqrt(u_kk) likewise.
   KOKKOS_FORCEINLINE_FUNCTION void watch_growth(const Real* size) {
     constexpr double kGrowth = 4.0;
     for (int i = 0; i < 3 * kInterior; ++i)
@@ -304,8 +304,8 @@ class GeneralFactor {
   }
 };
 
-/// Solves systems side by side that need not be symmetric, in the lanes of `wanted`: response, condensed system and
-/// signs of the others stay. Without pivoting, but for the lanes that need it. `system()` makes the systems; `signs`:
+/// Solves systems that need not be symmetric side by side, in the lanes of `wanted`; response, condensed system and
+/// signs of the others are kept. Without pivoting, except in lanes that need it. `system()` makes the systems; `signs`:
 /// null, or W of them.
 template <int K, int W, class System>
 KOKKOS_FORCEINLINE_FUNCTION void solve_general_in_lanes(const System& system, const typename Pack<W>::Mask& wanted,
@@ -327,7 +327,7 @@ KOKKOS_FORCEINLINE_FUNCTION void solve_general_in_lanes(const System& system, co
   }
   for (int lane = 0; lane < W; ++lane) {
     if (wanted[lane] == 0) continue;
-    if (signs != nullptr) signs[lane] = {};  // pivots above zero
+    if (signs != nullptr) signs[lane] = {};  // pivots are positive
     if (factor.suspicious[lane] == 0) continue;
     const FullSystem<K> one(system(), [lane](const Real& x) { return x[lane]; });
     solve_one_lane(one, lane, response, condensed);

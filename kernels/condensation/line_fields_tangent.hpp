@@ -1,6 +1,6 @@
-/// Tangent of loads along an element: theory (25), by the convention of theory (21). They have no potential in general,
-/// so these blocks are not symmetric and come after the symmetric part is complete. Eigenstrains and dead forces do not
-/// depend on the state: no tangent.
+/// Tangent of line loads: theory (25), by the convention of theory (21). They have no potential in general, so these
+/// unsymmetric blocks are added after the symmetric part is complete. Eigenstrains and dead forces do not depend on the
+/// state and have no tangent.
 #pragma once
 
 #include "kernels/condensation/tangent.hpp"
@@ -8,8 +8,8 @@
 
 namespace mixbeam {
 
-/// Rows of the mean displacement (u_a + u_b)/2 of both vertices, in the element frame. Only follower forces put
-/// anything there: these depend on w and psi, the first K blocks of the reduced system; nothing depends on the mean.
+/// Rows of the mean displacement (u_a + u_b)/2 of both vertices, in the element frame. Only follower forces contribute:
+/// they depend on w and psi, the first K blocks of the reduced system; nothing depends on the mean.
 template <int K, class Real>
 struct MeanRows {
   bool used;
@@ -23,7 +23,7 @@ struct MeanRows {
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) row[i][3 * column + j] += factor * m(i, j);
   }
-  /// Adds half of the rows, condensed, to those of either vertex displacement, in space (layout of full_tangent).
+  /// Adds half of the condensed rows to those of each vertex displacement, in space (layout of full_tangent).
   KOKKOS_INLINE_FUNCTION void expand(const InteriorResponse<K, Real>& response,
                                      const ElementKinematics<K, Real>& kinematics, Real* tangent,
                                      Real* residual) const {

@@ -1,27 +1,27 @@
-/// Elimination of the forces and moments of an element with a general section, theory (28). By values of M at the k + 1
-/// moment points S_MM alone is block diagonal, so that a section that varies takes no more than a constant one; what
-/// couples M to N leaves one small matrix over the force points.
+/// Elimination of the forces and moments of an element with a general section, theory (28). In values of M at the k + 1
+/// moment points, S_MM is block diagonal, so a varying section costs no more than a constant one; the coupling of M and
+/// N leaves one small matrix over the force points.
 #pragma once
 
 #include "kernels/condensation/tangent.hpp"
 
 namespace mixbeam {
 
-/// A sum over the modes j of M times these is a value at moment point q, but for its weight.
+/// Factor of mode j of M in the value at moment point q, up to the quadrature weight.
 template <int K>
 KOKKOS_INLINE_FUNCTION double mode_at_point(const ElementTables<K>& tables, int q, int j) {
   return (j + 0.5) * tables.moment_legendre[q][j];
 }
 
-/// Stiffness of the section of one element, with the compliance of the cap.
+/// Stiffness of the section of one element, including the compliance of the cap.
 template <int K, class Real>
 struct GeneralStiffness {
   const GeneralSection<Real>& section;
   const ElementTables<K>& tables;
-  double at_force[K][K + 1];  ///< a value of M at a force point by those at moment points; P_k is zero there
+  double at_force[K][K + 1];  ///< M at a force point from its values at moment points; P_k is zero there
   Mat3<Real> moment[K + 1];   ///< C_m of theory (28)
-  Mat3<Real> force[K];        ///< D^-1 of L D L^T, the matrix left to N, theory (28)
-  Mat3<Real> lower[K][K];     ///< L, of coupled sections alone
+  Mat3<Real> force[K];        ///< D^-1 of L D L^T, the matrix that remains for N, theory (28)
+  Mat3<Real> lower[K][K];     ///< L, coupled sections only
 
   KOKKOS_INLINE_FUNCTION GeneralStiffness(const GeneralSection<Real>& law, const ElementTables<K>& points,
                                           const Real& length)
@@ -53,7 +53,7 @@ struct GeneralStiffness {
     }
   }
 
-  /// Increments of N at force points and of the modes of M, in place of the strains and of the rows that make them.
+  /// Overwrites the strains and moment rows by the increments of N at the force points and of the modes of M.
   KOKKOS_INLINE_FUNCTION void answer(const Real& length, Vec3<Real>* strain, Vec3<Real>* moment_row) const {
     Vec3<Real> at[K + 1];
     for (int q = 0; q <= K; ++q) at[q] = moment[q] * value_at_point(q, moment_row);
@@ -80,7 +80,7 @@ struct GeneralStiffness {
     for (int j = 1; j <= K; ++j) sum += mode_at_point(tables, q, j) * modes[j];
     return sum;
   }
-  /// `at`: vectors or matrices at moment points, K + 1 of them `stride` apart.
+  /// `at`: vectors or matrices at the K + 1 moment points, `stride` apart.
   template <class Value>
   KOKKOS_INLINE_FUNCTION Value moment_at_force(int q, const Value* at, int stride = 1) const {
     Value sum = at_force[q][0] * at[0];
@@ -89,7 +89,7 @@ struct GeneralStiffness {
   }
 
  private:
-  /// G: M at one force point by curvatures at another one.
+  /// G: M at one force point due to curvatures at another one.
   KOKKOS_INLINE_FUNCTION Mat3<Real> moment_between(int q, int p) const {
     Mat3<Real> sum = zero_matrix<Real>();
     for (int m = 0; m <= K; ++m) sum += (at_force[q][m] * at_force[p][m]) * moment[m];
@@ -97,7 +97,7 @@ struct GeneralStiffness {
   }
 };
 
-/// Rows of M like MomentRows, at the moment points and not by modes.
+/// Rows of M like MomentRows, but at the moment points instead of by modes.
 template <int K, class Real>
 struct GeneralMomentRows {
   using Blocks = ReducedBlocks<K>;
@@ -141,7 +141,7 @@ KOKKOS_INLINE_FUNCTION void add_square(const Mat3<Real>* row, const Vec3<Real>& 
   }
 }
 
-/// M eliminated from the reduced system; of coupled sections N as well, of which `forces` are the rows.
+/// Eliminates M from the reduced system; for coupled sections also N, whose rows are `forces`.
 template <int K, class Real>
 KOKKOS_INLINE_FUNCTION void condense_moments(const GeneralMomentRows<K, Real>& rows,
                                              const ElementGradient<K, Real>& gradient, const ForceRows<K, Real>* forces,

@@ -1,4 +1,4 @@
-/// Equations of an element after N and M are eliminated: theory (29).
+/// Equations of an element after the elimination of N and M: theory (29).
 #pragma once
 
 #include "kernels/condensation/condensed_layout.hpp"
@@ -21,7 +21,7 @@ struct ReducedBlocks {
   KOKKOS_INLINE_FUNCTION static constexpr int vertex(int end) { return 2 * K + end; }
 };
 
-/// The symmetric reduced system: block lower triangle of the matrix, and the reduced gradient.
+/// Symmetric reduced system: block lower triangle of the matrix, and the reduced gradient.
 template <int K, class Real = double>
 struct ReducedSystem {
   static constexpr int kBlocks = ReducedBlocks<K>::kCount;
@@ -52,7 +52,7 @@ struct InteriorResponse {
   static constexpr int kInterior = ReducedBlocks<K>::kInterior;
   Mat3<Real> by[kInterior][3];
   Vec3<Real> constant[kInterior];
-  /// Row of three numbers of one interior unknown: column < 9 or the constant part.
+  /// Entry of one interior unknown: column < 9, or 9 for the constant part.
   KOKKOS_FORCEINLINE_FUNCTION const Real& operator()(int row, int column) const {
     return column < 9 ? by[row / 3][column / 3](row % 3, column % 3) : constant[row / 3][row % 3];
   }
@@ -65,7 +65,7 @@ struct VertexSystem {
   Vec3<Real> gradient[3];
 };
 
-/// The reduced system with all of its entries: it need not be symmetric.
+/// Reduced system with all of its entries, not necessarily symmetric.
 template <int K, class Real = double>
 struct FullSystem {
   static constexpr int kSize = 3 * ReducedBlocks<K>::kCount;
@@ -73,7 +73,7 @@ struct FullSystem {
   Real matrix[kSize][kSize];
   Real rhs[kSize];
 
-  /// A symmetric system; `number` takes what is wanted of each entry.
+  /// Expands a symmetric system; `number` converts each entry.
   template <class Other, class Number>
   KOKKOS_INLINE_FUNCTION FullSystem(const ReducedSystem<K, Other>& symmetric, const Number& number) {
     for (int i = 0; i < kSize; ++i) {

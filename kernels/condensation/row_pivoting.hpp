@@ -1,4 +1,4 @@
-/// The reduced system solved for the interior unknowns with exchange of rows, symmetric or not, and the signs of its
+/// Solves the reduced system for the interior unknowns with row pivoting, symmetric or not, and counts the signs of its
 /// interior: one element at a time.
 #pragma once
 
@@ -9,10 +9,10 @@
 
 namespace mixbeam {
 
-/// Gaussian elimination with row pivoting of N rows and M columns: the first N columns become upper triangular. A zero
-/// pivot leaves non-finite numbers, which the residual test of the same iteration reports. Returns whether the
-/// determinant of these columns is negative. Always inlined: a copy of a file that is not optimised might be the one
-/// that the linker takes for all.
+/// Gaussian elimination with row pivoting of N rows and M columns: the first N columns become upper triangular. Returns
+/// true if the determinant of these columns is negative. A zero pivot leaves non-finite numbers, which the residual
+/// test of the same iteration reports. Always inlined: the linker might otherwise keep a copy from a file that is not
+/// optimised.
 template <int N, int M>
 KOKKOS_FORCEINLINE_FUNCTION bool eliminate_rows(double (*a)[M]) {
   bool is_negative = false;
@@ -43,7 +43,7 @@ KOKKOS_FORCEINLINE_FUNCTION bool eliminate_rows(double (*a)[M]) {
   return is_negative;
 }
 
-/// Response -H_ii^-1 [H_ir | R_i] of the interior blocks, and the system condensed with it, theory (29). Inlined, as
+/// Response -H_ii^-1 [H_ir | R_i] of the interior blocks, and the condensed system, theory (29). Inlined like
 /// eliminate_rows().
 template <int K>
 KOKKOS_FORCEINLINE_FUNCTION void solve_with_row_pivoting(const FullSystem<K>& system, InteriorResponse<K>& response,
@@ -79,19 +79,18 @@ KOKKOS_FORCEINLINE_FUNCTION void solve_with_row_pivoting(const FullSystem<K>& sy
   }
 }
 
-/// A pivot below this multiple of the largest one, rows scaled to entries of one, may owe its sign to rounding.
+/// Relative to the largest pivot, rows scaled to entries of one: smaller pivots may owe their sign to rounding.
 constexpr double kUncertainPivot = 1e-13;
 
-/// Contribution of an element to J0 of theory (47): eigenvalues below zero of its interior while its vertices are
-/// fixed.
+/// Contribution of an element to J0 of theory (47): negative eigenvalues of its interior with fixed vertices.
 struct InteriorSigns {
-  int negative = 0;        ///< without a potential: their parity alone
+  int negative = 0;        ///< parity only, if there is no potential
   bool uncertain = false;  ///< a pivot is zero within rounding
 };
 
 /// Counts the signs of a symmetric matrix in the first N rows and columns of `a`, which is overwritten. Sylvester's law
-/// of inertia with the pivots of Bunch and Parlett: blocks of two, which have one eigenvalue of either sign, where no
-/// diagonal entry is large enough.
+/// of inertia with the pivots of Bunch and Parlett: where no diagonal entry is large enough, a block of two, which has
+/// one eigenvalue of either sign.
 template <int N, int M>
 InteriorSigns count_negative(double (*a)[M]) {
   constexpr double kBunchParlett = 0.6403882032022076;  // (1 + sqrt(17)) / 8
@@ -123,7 +122,7 @@ InteriorSigns count_negative(double (*a)[M]) {
     }
     const double on_diagonal = std::fabs(a[diagonal][diagonal]), size = std::fmax(on_diagonal, beside);
     largest_pivot = std::fmax(largest_pivot, size);
-    if (!(size > kUncertainPivot * largest_pivot)) {  // also not a number
+    if (!(size > kUncertainPivot * largest_pivot)) {  // also NaN
       signs.uncertain = true;
       return signs;
     }
@@ -136,7 +135,7 @@ InteriorSigns count_negative(double (*a)[M]) {
       continue;
     }
     exchange(k, column);
-    exchange(k + 1, row);  // column < row, so that the first exchange leaves it
+    exchange(k + 1, row);  // column < row: the first exchange does not move it
     ++signs.negative;
     const double p = a[k][k], q = a[k + 1][k], r = a[k + 1][k + 1], inverse = 1.0 / (p * r - q * q);
     for (int i = k + 2; i < N; ++i) {
@@ -148,10 +147,10 @@ InteriorSigns count_negative(double (*a)[M]) {
   return signs;
 }
 
-/// Loads without a potential that are small, or zero, leave a matrix that is taken as symmetric (see Stability).
+/// Loads without a potential below this relative asymmetry leave a matrix that is treated as symmetric (see Stability).
 constexpr double kInteriorAsymmetry = 1e-9;
 
-/// Counts the signs of the interior of a system. `has_potential` false: it need not be symmetric.
+/// Counts the signs of the interior of a system, which is symmetric if `has_potential`.
 template <int K>
 __attribute__((noinline)) InteriorSigns interior_signs(const FullSystem<K>& system, bool has_potential) {
   constexpr int n = FullSystem<K>::kInteriorSize;

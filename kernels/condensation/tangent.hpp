@@ -1,6 +1,6 @@
 /// Condensed tangent of one element: second variation of the functional, theory (21) to theory (24), eliminated in the
-/// cheap order N (pointwise) - M (diagonal, unless the section is general) - rotations and bubbles: theory (26) to
-/// theory (30).
+/// cheap order N (pointwise), M (diagonal, unless the section is general), rotations and bubbles: theory (26) to theory
+/// (30).
 #pragma once
 
 #include "kernels/condensation/reduced_system.hpp"
@@ -8,13 +8,13 @@
 
 namespace mixbeam {
 
-/// Rows of gamma at a force point, theory (15), for a section that couples it with M.
+/// Rows of gamma at a force point, theory (15), for a section that couples N and M.
 template <int K, class Real>
 struct ForceRows {
   Mat3<Real> exp, tangent;
   Vec3<Real> p, pulled_back;
 
-  /// Against the blocks of the reduced system.
+  /// Expands the rows over the blocks of the reduced system.
   KOKKOS_INLINE_FUNCTION void expand(const double* P, Mat3<Real>* row) const {
     using Blocks = ReducedBlocks<K>;
     const Mat3<Real> by_slope = transpose(exp);
@@ -39,7 +39,7 @@ struct MomentRows {
     for (int j = 0; j <= K; ++j)
       for (int i = 1; i < K; ++i) psi[j][i] = zero_matrix<Real>();
   }
-  /// From moment point q; of the end of the value that psi_i has there.
+  /// Adds the contribution of moment point q; add_psi_at_end: of an end, where psi_i has the given value.
   KOKKOS_FORCEINLINE_FUNCTION void add_psi(int q, const ElementTables<K>& tables, int i, const Mat3<Real>& m) {
     for (int j = 0; j <= K; ++j) psi[j][i] += Real(tables.moment_legendre[q][j]) * m;
   }
@@ -101,7 +101,7 @@ KOKKOS_FORCEINLINE_FUNCTION Vec3<Real> tangent_force_stiffness(int q, const Elem
   const Real* stiffness = section.tangent_force_stiffness;
   return {{tables.axial[q] * stiffness[0], tables.shear[q] * stiffness[1], tables.shear[q] * stiffness[2]}};
 }
-/// Leaves the material part of coupled sections to the elimination of moments.
+/// Zero for coupled sections, whose material part is added by the elimination of moments.
 template <int K, class Real>
 KOKKOS_INLINE_FUNCTION Mat3<Real> tangent_force_stiffness(int q, const ElementTables<K>&,
                                                           const GeneralSection<Real>& section) {
@@ -109,7 +109,7 @@ KOKKOS_INLINE_FUNCTION Mat3<Real> tangent_force_stiffness(int q, const ElementTa
   return inverse_of_symmetric(capped_compliance(section.force_force(q), section.force_stiffness_limit));
 }
 
-/// Material and geometric part (with the stored N) of one force point, expanded into the Legendre modes: theory (22).
+/// Adds material and geometric part (with the stored N) of a force point, expanded into Legendre modes: theory (22).
 template <int K, class Real, class Stiffness>
 KOKKOS_FORCEINLINE_FUNCTION void add_force_tangent(const ForcePoint<K, Real>& point, const Stiffness& stiffness,
                                                    const double* P, ReducedSystem<K, Real>& system) {
@@ -154,7 +154,7 @@ KOKKOS_FORCEINLINE_FUNCTION void add_force_tangent(const ForcePoint<K, Real>& po
   }
 }
 
-/// Theory (23). `rows`: MomentRows or GeneralMomentRows.
+/// Adds the part of one moment point, theory (23). `rows`: MomentRows or GeneralMomentRows.
 template <int K, class Real, class Rows>
 KOKKOS_FORCEINLINE_FUNCTION void add_moment_tangent(int q, const MomentPoint<K, Real>& point,
                                                     const ElementTables<K>& tables, const Real& length, Rows& rows,
@@ -180,7 +180,7 @@ KOKKOS_FORCEINLINE_FUNCTION void add_moment_tangent(int q, const MomentPoint<K, 
   }
 }
 
-/// Boundary term at one end, theory (24). The perturbed relative rotation is exp(-tau) exp(-w~) exp(v~) B with
+/// Adds the boundary term at one end, theory (24). The perturbed relative rotation is exp(-tau) exp(-w~) exp(v~) B with
 /// tau = T^T dpsi and tildes pulled back by exp(psi)^T; its second-order expansion gives the antisymmetric parts beside
 /// the Hessian of the log. The psi blocks follow from those of the spins by T exp^T = T^T.
 template <int K, class Real, class Rows>
@@ -218,14 +218,14 @@ KOKKOS_FORCEINLINE_FUNCTION void add_end_tangent(int end, const EndRotation<K, R
   }
 }
 
-/// sum_j (2j + 1) s_j m_j over the moment rows, s_j their signed values at one end: the rows as a vertex spin sees
-/// them.
+/// Adds sum_j (2j + 1) s_j m_j over the moment rows, s_j their signed values at one end: the row that acts on a vertex
+/// spin.
 template <int K, class Sum, class Row>
 KOKKOS_FORCEINLINE_FUNCTION void sum_at_end(int end, const Row& row, Sum& sum) {
   for (int j = 0; j <= K; ++j) sum += ((2 * j + 1) * signed_end_value(end, j)) * row(j);
 }
 
-/// M of a constant section eliminated, theory (27): its block is diagonal, and sums over j are known between the ends.
+/// Eliminates M of a constant section, theory (27): its block is diagonal, and sums over j between ends are known.
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION void condense_moments(const MomentRows<K, Real>& rows, const Vec3<Real>* moment_row,
                                                   const SectionNumbers<Real>& section, const Real& length,
@@ -289,7 +289,7 @@ KOKKOS_FORCEINLINE_FUNCTION void store_block(int row, int column, const Mat3<Rea
     for (int j = 0; j < 3; ++j) first[12 * i + j] = m(i, j);
 }
 
-/// Block of the condensed tangent in space. Symmetric: from the lower triangle.
+/// Block of the condensed tangent in the spatial frame. Symmetric: from the lower triangle.
 template <bool Symmetric, class Real>
 KOKKOS_FORCEINLINE_FUNCTION Mat3<Real> turned_block(const Mat3<Real> (*local)[3], const Mat3<Real>& triad, int I,
                                                     int J) {
@@ -297,7 +297,7 @@ KOKKOS_FORCEINLINE_FUNCTION Mat3<Real> turned_block(const Mat3<Real> (*local)[3]
   return Symmetric && I == J ? symmetric_times_transpose(half, triad) : times_transpose(half, triad);
 }
 
-/// The condensed tangent in space, theory (30), kSymmetricTangent numbers; from the lower triangle.
+/// Condensed tangent in the spatial frame, theory (30), kSymmetricTangent numbers; from the lower triangle.
 template <class Real>
 KOKKOS_FORCEINLINE_FUNCTION void symmetric_tangent(const Mat3<Real> (*local)[3], const Mat3<Real>& triad,
                                                    const Real& length, Real* tangent) {
@@ -311,7 +311,7 @@ KOKKOS_FORCEINLINE_FUNCTION void symmetric_tangent(const Mat3<Real> (*local)[3],
     }
 }
 
-/// Writes the tangent as the 12 x 12 matrix, not expected to be symmetric.
+/// Writes the tangent as a 12 x 12 matrix that need not be symmetric.
 template <class Real>
 KOKKOS_INLINE_FUNCTION void full_tangent(const Mat3<Real> (*local)[3], const Mat3<Real>& triad, const Real& length,
                                          Real* tangent) {

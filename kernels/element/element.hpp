@@ -1,14 +1,14 @@
-/// One element in the frame of its own constant triad Lambda_lo (the "element frame"): there the energy does not depend
-/// on Lambda_lo at all, which makes the discrete strains objective to the last digits. First its state, then the
-/// residual of its whole mixed system, theory (16) to theory (20): the first variation of the functional of theory
-/// (13), stationary in all fields.
+/// Mixed element, evaluated in the frame of its own constant triad Lambda_lo (the "element frame"), on which the energy
+/// there does not depend: the discrete strains are objective to the last digits. First the state, then the residual of
+/// the whole mixed system, theory (16) to theory (20): the first variation of the functional of theory (13), stationary
+/// in all fields.
 #pragma once
 
 #include "kernels/element/section.hpp"
 
 namespace mixbeam {
 
-/// Everything that one element reads, or as many elements as Real has lanes.
+/// Input of one element, or of as many elements as Real has lanes.
 template <class Real = double>
 struct ElementInput {
   Vec3<Real> displacement[2];           ///< of the end vertices, spatial
@@ -43,7 +43,7 @@ struct ElementKinematics {
     for (int j = 0; j < K; ++j) p += P[j] * slope[j];
     return p;
   }
-  /// One lane of several elements.
+  /// Extracts one lane of several elements.
   KOKKOS_INLINE_FUNCTION ElementKinematics<K> in_lane(int lane) const {
     ElementKinematics<K> one;
     one.length = length[lane];
@@ -61,8 +61,8 @@ struct ElementKinematics {
   }
 };
 
-/// Rotation psi at a point, theory (9), with exp(hat psi), T(psi) and the Stumpff values they come from. For k = 1 psi
-/// is zero and both maps are the identity.
+/// Rotation psi at a point, theory (9), with exp(hat psi), T(psi) and the Stumpff values behind them. For k = 1 psi is
+/// zero and both maps are the identity.
 template <int K, class Real = double>
 struct PointRotation {
   Vec3<Real> psi;
@@ -80,8 +80,8 @@ struct PointRotation {
   }
 };
 
-/// Force strain that the resultants of the element make in a general section: S_NN N + S_NM M at a force point. The
-/// degree k of M has no part in it: P_k is zero at the k Gauss points.
+/// Force strain S_NN N + S_NM M at a force point of a general section. The coefficient of degree k of M does not
+/// contribute: P_k is zero at the k Gauss points.
 template <int K, class Real>
 KOKKOS_INLINE_FUNCTION Vec3<Real> coupled_force_strain(const GeneralSection<Real>& section, int q,
                                                        const ElementInput<Real>& in, const ElementTables<K>& tables,
@@ -93,7 +93,7 @@ KOKKOS_INLINE_FUNCTION Vec3<Real> coupled_force_strain(const GeneralSection<Real
   return strain + section.force_moment(q) * moment;
 }
 
-/// Force strain at one point, theory (10), the resultant there and the residual of its law, theory (16).
+/// Force strain at one point, theory (10), the force there and the residual of its constitutive law, theory (16).
 template <int K, class Real = double>
 struct ForcePoint {
   PointRotation<K, Real> rotation;
@@ -148,8 +148,8 @@ struct MomentPoint {
   }
 };
 
-/// Relative rotation between element and vertex at one end (discrete curvature), theory (12), and the moment that works
-/// on it, with the sign of the boundary term: + at the right end, - at the left.
+/// Relative rotation between element and vertex at one end (discrete curvature), theory (12), and its conjugate moment
+/// with the sign of the boundary term: + at the right end, - at the left.
 template <int K, class Real = double>
 struct EndRotation {
   PointRotation<K, Real> rotation;
@@ -209,7 +209,7 @@ KOKKOS_FORCEINLINE_FUNCTION Vec3<Real> strain_change(const Mat3<Real>& exp, cons
   return transpose_times(exp, moved) + cross(pulled_back, transpose_times(tangent, psi));
 }
 
-/// Work of a material force at one point, theory (18): the stored one, or what takes its place by theory (26).
+/// Adds the work of a material force at one point, theory (18): of N, or of its substitute by theory (26).
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION void add_force_gradient(const ForcePoint<K, Real>& point, const Vec3<Real>& force,
                                                     const double* P, ElementGradient<K, Real>& g) {
@@ -222,7 +222,7 @@ KOKKOS_FORCEINLINE_FUNCTION void add_force_gradient(const ForcePoint<K, Real>& p
   }
 }
 
-/// Sums over the moment points of theory (17) and theory (18), without compliances.
+/// Adds the sums over the moment points in theory (17) and theory (18), without compliances.
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION void add_moment_gradient(const MomentPoint<K, Real>& point, const double* P,
                                                      const double* slope, const Real& length,
@@ -236,7 +236,7 @@ KOKKOS_FORCEINLINE_FUNCTION void add_moment_gradient(const MomentPoint<K, Real>&
   }
 }
 
-/// Terms of the ends in theory (17) and theory (18).
+/// Adds the terms of one end in theory (17) and theory (18).
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION void add_end_gradient(int end, const EndRotation<K, Real>& end_rotation,
                                                   ElementGradient<K, Real>& g) {
@@ -261,7 +261,7 @@ KOKKOS_FORCEINLINE_FUNCTION void clear(ElementGradient<K, Real>& g) {
   g.largest_end_angle = 0.0;
 }
 
-/// Compliances of M in theory (17), constant section.
+/// Subtracts the compliances times M in theory (17), constant section.
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION void add_moment_compliance(const ElementInput<Real>& in,
                                                        const ElementKinematics<K, Real>& kinematics,
@@ -274,7 +274,7 @@ KOKKOS_FORCEINLINE_FUNCTION void add_moment_compliance(const ElementInput<Real>&
           kinematics.length / (2 * j + 1) * section.moment_compliance[i] * in.interior[layout.moment(j) + i];
 }
 
-/// Moments of a general section: sum of w P_j S_MM M over the moment points and of w P_j S_MN N over the force points.
+/// Same for a general section: w P_j S_MM M summed over the moment points, w P_j S_MN N over the force points.
 template <int K, class Real>
 KOKKOS_INLINE_FUNCTION void add_moment_compliance(const ElementInput<Real>& in,
                                                   const ElementKinematics<K, Real>& kinematics,
@@ -320,7 +320,7 @@ KOKKOS_FORCEINLINE_FUNCTION void element_gradient(const ElementInput<Real>& in,
   }
 }
 
-/// The rows of both vertices, in space, from those of slope_0 and of the vertices' spins in the element frame.
+/// Writes the spatial rows of both vertices from those of slope_0 and of the vertex spins in the element frame.
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION void store_vertex_rows(const Vec3<Real>& slope, const Vec3<Real>& spin_a,
                                                    const Vec3<Real>& spin_b, const ElementGradient<K, Real>& gradient,
@@ -332,8 +332,8 @@ KOKKOS_FORCEINLINE_FUNCTION void store_vertex_rows(const Vec3<Real>& slope, cons
   store_vector(kinematics.triad * spin_b, row + 9);
 }
 
-/// Writes the interior rows (InteriorLayout with spin) and the 12 vertex rows (u_a, theta_a, u_b, theta_b), all spatial
-/// but the material N, M, psi and spin rows: theory (20).
+/// Writes the interior rows (InteriorLayout with spin) and the 12 vertex rows (u_a, theta_a, u_b, theta_b): theory
+/// (20). All are spatial except the N, M, psi and spin rows, which are material.
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION void store_residual(const ElementGradient<K, Real>& g,
                                                 const ElementKinematics<K, Real>& kinematics,

@@ -3,8 +3,7 @@
 
 namespace mixbeam {
 
-/// Which parts of the force-strain energy, theory (13), are integrated with k ("reduced") instead of k + 1 Gauss
-/// points.
+/// Parts of the force-strain energy, theory (13), that are integrated with k ("reduced") instead of k + 1 Gauss points.
 enum class ForceIntegration { full, axial_reduced, shear_reduced, both_reduced };
 
 /// Gauss points of the axial part of the force-strain energy for elements of order k.

@@ -1,4 +1,4 @@
-/// How the numbers of one element lie in memory, and the tables of its shape functions.
+/// Memory layout of the data of one element, and the tables of its shape functions.
 #pragma once
 
 #include "kernels/element/force_integration.hpp"
@@ -10,7 +10,7 @@ namespace mixbeam {
 
 constexpr int kMaximumOrder = 8;
 
-/// Number of Gauss points that carry a material force N. Where axial and shear parts use different rules the element
+/// Number of Gauss points that carry a material force N. If the axial and shear parts use different rules, the element
 /// carries both sets of points, each with the other part masked out.
 constexpr int force_point_count(int order, ForceIntegration rule) {
   const int axial = axial_points(order, rule), shear = shear_points(order, rule);
@@ -38,7 +38,7 @@ struct InteriorLayout {
   KOKKOS_INLINE_FUNCTION constexpr int increments() const { return unknowns() + 3; }
 };
 
-/// Offsets into the reference data of one element: length h | reference triads at both ends (quaternions, as seen from
+/// Offsets into the reference data of one element: length h | reference triads at both ends (quaternions, relative to
 /// this element) | unit tangent r0' at the force points | material curvature kappa0 at the k + 1 moment points.
 struct ReferenceLayout {
   int order = 0, force_points = 0;
@@ -59,7 +59,7 @@ struct GeneralSectionLayout {
   KOKKOS_INLINE_FUNCTION constexpr int size() const { return 18 * force_points + 9 * (order + 1); }
 };
 
-/// Quadrature of the element and the values of its shape functions there, for one order and integration rule.
+/// Quadrature points of the element and its shape functions there, for one order and integration rule.
 template <int K>
 struct ElementTables {
   static constexpr int kMaximumForcePoints = 2 * K + 1;
@@ -106,7 +106,7 @@ struct ElementTables {
   }
 };
 
-// Compiled once, in element/layout.cpp: a copy in a file that is not optimised might be the one that the linker takes.
+// Instantiated once, in element/layout.cpp: the linker might otherwise keep a copy from a file that is not optimised.
 extern template struct ElementTables<1>;
 extern template struct ElementTables<2>;
 extern template struct ElementTables<3>;
@@ -130,19 +130,18 @@ struct SectionNumbers {
 };
 static_assert(sizeof(SectionNumbers<double>) == SectionNumbers<double>::kCount * sizeof(double));
 
-/// Constants of a section, with all else that is kept of it.
+/// Constants of a section, with those that its elements do not read per lane.
 struct SectionConstants : SectionNumbers<double> {
-  double force_cap_compliance[3];  ///< compliance of the tangent less the true one: zero where the cap is not reached
+  double force_cap_compliance[3];  ///< tangent compliance minus the true one: zero unless capped
   double moment_cap_compliance[3];
-  /// General sections only, tangent only: compliances on the diagonal of S_NN and S_MM are raised to the inverse of
-  /// these.
+  /// General sections, tangent only: diagonal compliances of S_NN and S_MM are raised to at least the inverse of these.
   double force_stiffness_limit, moment_stiffness_limit;
 };
 
-/// Vector fields given along an element: loads per unit reference length and strains without stress.
+/// Vector fields along an element: loads per unit reference length, and eigenstrains.
 enum class LineField {
   dead_force,       ///< at the k + 1 moment points, spatial
-  dead_couple,      ///< likewise
+  dead_couple,      ///< same points, spatial
   follower_force,   ///< at the k + 1 moment points, components in Lambda_E there
   follower_couple,  ///< likewise
   eigenstrain,      ///< of gamma at the force points, material
@@ -150,17 +149,17 @@ enum class LineField {
 };
 constexpr int kLineFields = 6;
 
-/// Points of an element at which a line field has values.
+/// Number of points of an element at which a line field has values.
 constexpr int line_field_points(LineField field, int order, int force_points) {
   return field == LineField::eigenstrain ? force_points : order + 1;
 }
 
-/// The line fields of one element at the present load factor, (point, 3) each; null where there is none.
+/// Line fields of one element at the current load factor, (point, 3) each; null if absent.
 template <class Real = double>
 struct ElementFields {
   const Real* values[kLineFields] = {};
   KOKKOS_INLINE_FUNCTION const Real* operator[](LineField field) const { return values[static_cast<int>(field)]; }
-  /// Whether some of them have no potential.
+  /// True if a field that has no potential acts.
   KOKKOS_INLINE_FUNCTION bool have_no_potential() const {
     return values[static_cast<int>(LineField::dead_couple)] != nullptr ||
            values[static_cast<int>(LineField::follower_force)] != nullptr ||

@@ -1,12 +1,12 @@
-/// Loads along an element and strains without stress, theory (14), and their part of its gradient, theory (19). Points
-/// are independent, so fields may vary in any way; k + 1 points integrate polynomial loads of degree k + 1 exactly.
+/// Line loads and eigenstrains of an element, theory (14), and their part of its gradient, theory (19). Points are
+/// independent, so fields may vary arbitrarily; k + 1 points integrate polynomial loads of degree k + 1 exactly.
 #pragma once
 
 #include "kernels/element/element.hpp"
 
 namespace mixbeam {
 
-/// Sums of a force over the points, by shape functions.
+/// Sums of a force over the points, weighted by the shape functions.
 template <int K, class Real>
 struct ForceSums {
   int first_bubble;
@@ -24,8 +24,8 @@ struct ForceSums {
   }
 };
 
-/// Virtual work f . du of a dead force f (spatial): u = mean of both vertices + h/2 sum_{j >= 0} slope_j B_j, in the
-/// element frame, of which the first bubble is that of the vertices.
+/// Virtual work f . du of a dead force f (spatial), u = mean of both vertices + h/2 sum_{j >= 0} slope_j B_j; the term
+/// of B_0 belongs to the vertices.
 template <int K, class Real>
 KOKKOS_INLINE_FUNCTION void add_dead_force(const Real* values, const ElementKinematics<K, Real>& kinematics,
                                            const ElementTables<K>& tables, ElementGradient<K, Real>& g) {
@@ -68,7 +68,7 @@ KOKKOS_INLINE_FUNCTION void add_dead_couple(const Real* values, const ElementKin
   }
 }
 
-/// Couple c = Lambda_E C, C material: T(psi)^T exp(psi) C = T(psi) C.
+/// Virtual work of the couple c = Lambda_E C, C material: T(psi)^T exp(psi) C = T(psi) C.
 template <int K, class Real>
 KOKKOS_INLINE_FUNCTION void add_follower_couple(const Real* values, const ElementKinematics<K, Real>& kinematics,
                                                 const ElementTables<K>& tables, ElementGradient<K, Real>& g) {
@@ -84,7 +84,7 @@ KOKKOS_INLINE_FUNCTION void add_follower_couple(const Real* values, const Elemen
   }
 }
 
-/// N . (gamma - gamma_e): N works on what is beyond the eigenstrain.
+/// N . (gamma - gamma_e): N is conjugate to the strain in excess of the eigenstrain.
 template <int K, class Real>
 KOKKOS_INLINE_FUNCTION void subtract_eigenstrain(const Real* values, const ElementTables<K>& tables,
                                                  ElementGradient<K, Real>& g) {

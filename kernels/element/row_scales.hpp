@@ -1,5 +1,5 @@
-/// Scales by which the rows of the mixed residual are divided, theory (40), so that the same tolerance means the same
-/// accuracy for any units, slenderness and load.
+/// Scales that divide the rows of the mixed residual, theory (40): one tolerance then means the same accuracy for any
+/// units, slenderness and load.
 #pragma once
 
 #include "kernels/element/layout.hpp"
@@ -13,12 +13,12 @@ struct ResidualScales {
   double strain = 1.0;     ///< N rows: a strain
   double rotation = 1.0;   ///< M rows: a relative rotation
   double length = 1.0;     ///< rows of prescribed displacements
-  double amplitude = 1.0;  ///< how far the structure has moved: strain and rotation before they allow for rounding
-  /// Errors by rounding, divided by the tolerance, of a rotation and of a displacement (a strain over a length).
+  double amplitude = 1.0;  ///< displacement level of the structure: strain and rotation before they allow for rounding
+  /// Rounding errors over the tolerance: of a rotation, and of a displacement (of a strain, once divided by a length).
   double rotation_noise = 0.0, displacement_noise = 0.0;
 
-  // Rows of one element of length h: integrals over it, so that short and long elements of a mesh must not share one
-  // scale, which would be below the rounding errors of the longest or far above those of the others.
+  // Scales of one element of length h. Its rows are integrals over it: a scale shared by short and long elements would
+  // be below the rounding errors of the longest or far too large for the others.
   /// N rows
   template <class Real>
   KOKKOS_FORCEINLINE_FUNCTION Real element_strain(const Real& h) const {
@@ -42,7 +42,7 @@ struct ResidualScales {
   }
 };
 
-/// Divides the interior rows of an element of length h by their scales, or multiplies them where `inverse`.
+/// Divides the interior rows of an element of length h by their scales; multiplies if `inverse`.
 template <class Real>
 KOKKOS_FORCEINLINE_FUNCTION void scale_interior_rows(const InteriorLayout& layout, const ResidualScales& scales,
                                                      const Real& h, bool inverse, Real* row) {

@@ -1,6 +1,6 @@
-/// A section whose 6 x 6 compliance S is not diagonal, or varies along the element, theory (13): gamma = S_NN N + S_NM
-/// M, kappa = S_NM^T N + S_MM M. A rigid component has a zero row and column. Elements of plain sections never see any
-/// of this: which of the two an element has is a template argument of its kernels.
+/// Section whose 6 x 6 compliance S is not diagonal, or varies along the element, theory (13): gamma = S_NN N + S_NM M,
+/// kappa = S_NM^T N + S_MM M. A rigid component has a zero row and column. The section type is a template argument of
+/// the element kernels, so plain sections do not pay for this.
 #pragma once
 
 #include "kernels/element/layout.hpp"
@@ -20,7 +20,7 @@ struct GeneralSection {
   const Real* compliance;  ///< GeneralSectionLayout
   GeneralSectionLayout layout;
   Real force_stiffness_limit, moment_stiffness_limit;  ///< SectionNumbers
-  bool is_coupled = true;                              ///< S_NM is not zero, of some lane
+  bool is_coupled = true;                              ///< S_NM is nonzero in some lane
 
   KOKKOS_INLINE_FUNCTION Mat3<Real> force_force(int q) const { return load_matrix(compliance + layout.force_force(q)); }
   KOKKOS_INLINE_FUNCTION Mat3<Real> force_moment(int q) const {
@@ -36,8 +36,8 @@ constexpr bool kIsGeneral = false;
 template <class Real>
 constexpr bool kIsGeneral<GeneralSection<Real>> = true;
 
-/// The compliance that the tangent uses, theory (36): no entry of the diagonal below 1/limit. It stays positive
-/// (semi-)definite, and becomes definite where a component is rigid.
+/// Compliance used by the tangent, theory (36): no diagonal entry below 1/limit. It stays positive (semi-)definite, and
+/// becomes definite where a component is rigid.
 template <class Real>
 KOKKOS_INLINE_FUNCTION Mat3<Real> capped_compliance(Mat3<Real> compliance, const Real& limit) {
   const Real least = 1.0 / limit;
@@ -45,8 +45,8 @@ KOKKOS_INLINE_FUNCTION Mat3<Real> capped_compliance(Mat3<Real> compliance, const
   return compliance;
 }
 
-/// Inverse of a symmetric positive definite matrix, from its cofactors. Its rows and columns may differ in units: every
-/// entry is a sum of products of one unit.
+/// Inverse of a symmetric positive definite matrix, by cofactors. Rows and columns may differ in units: every entry is
+/// a sum of products of equal units.
 template <class Real>
 KOKKOS_INLINE_FUNCTION Mat3<Real> inverse_of_symmetric(const Mat3<Real>& m) {
   const Real c00 = m(1, 1) * m(2, 2) - m(1, 2) * m(1, 2);

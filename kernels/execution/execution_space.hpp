@@ -1,4 +1,4 @@
-// Execution space of all kernels and its number of threads: the one place that knows the back ends of Kokkos.
+// Execution space of all kernels and its number of threads; only this file knows the back ends of Kokkos.
 #pragma once
 
 #include <Kokkos_Core.hpp>
@@ -24,7 +24,7 @@ using ExecutionSpace = Kokkos::DefaultExecutionSpace;
 #endif
 using MemorySpace = ExecutionSpace::memory_space;
 
-// Number of threads of a kernel that is started from outside of kernels.
+// Number of threads of a kernel started from outside of kernels.
 inline int number_of_threads() {
 #if defined(MIXBEAM_OWN_OPENMP_THREADS)
   return OpenMPThreads::number_of_threads();
@@ -33,8 +33,8 @@ inline int number_of_threads() {
 #endif
 }
 
-// At any time between kernels with mixbeam's own threads; a back end of Kokkos has a fixed number from its start on
-// (OMP_NUM_THREADS or --kokkos-threads), and refuses any other.
+// Sets the number of threads, between kernels. A back end of Kokkos has a fixed number from its start (OMP_NUM_THREADS
+// or --kokkos-threads) and refuses any other.
 inline void set_number_of_threads(int number) {
   if (number < 1) throw std::invalid_argument("number of threads: " + std::to_string(number) + " is less than 1");
 #if defined(MIXBEAM_OWN_OPENMP_THREADS)

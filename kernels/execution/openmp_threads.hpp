@@ -1,7 +1,7 @@
-// Kokkos execution space that runs on OpenMP threads where Kokkos itself was built with its Serial back end only, as on
-// Debian 12. Use it through kernels/execution/execution_space.hpp.
+// Kokkos execution space on OpenMP threads, for a Kokkos that was built with its Serial back end only, as on Debian 12.
+// Use it through kernels/execution/execution_space.hpp.
 //
-// Covered is what mixbeam's kernels use: RangePolicy with parallel_for, parallel_reduce and parallel_scan. Each returns
+// Supports what mixbeam's kernels use: RangePolicy with parallel_for, parallel_reduce and parallel_scan. Each returns
 // when all its work is done. A call from inside a kernel runs on the calling thread alone.
 //
 // Views on threads. The reference counts of Views are compiled into libkokkoscore, here without atomic operations.
@@ -11,11 +11,10 @@
 // Never reach a View through a pointer, a reference or `this`, never allocate one, and never copy one inside a bare
 // `#pragma omp parallel`: the count is corrupted and memory is freed while in use. Teuchos::RCP has the same limit.
 //
-// Same bits whatever the number of threads: parallel_for gives them as long as each index writes to its own place,
-// because each index is computed by the same machine instructions (see for_each_index).
-// parallel_reduce joins one partial result per thread in thread order. That repeats exactly for a given number of
-// threads, but a sum changes its last bits with that number: reduce with Max, Min and the like only, and add up long
-// sums in a fixed order on one thread.
+// Bitwise identical results for any number of threads: parallel_for gives them if each index writes to its own place,
+// because every index executes the same machine instructions (see for_each_index). parallel_reduce joins one partial
+// result per thread in thread order. This repeats exactly for a given number of threads, but the last bits of a sum
+// change with that number: reduce only with Max, Min and the like, and add up long sums in a fixed order on one thread.
 #pragma once
 
 #include <Kokkos_Core.hpp>
@@ -46,7 +45,7 @@
 
 namespace mixbeam {
 
-// The members are those that Kokkos 3.4 asks of an execution space.
+// Members required of an execution space by Kokkos 3.4.
 class OpenMPThreads {
  public:
   using execution_space = OpenMPThreads;
@@ -67,7 +66,7 @@ class OpenMPThreads {
     out << name() << ", threads: " << number_of_threads() << '\n';
   }
 
-  // OMP_NUM_THREADS, or the number of processors, until a number is set. Set it outside of kernels.
+  // OMP_NUM_THREADS, or the number of processors, unless a number has been set. Set it outside of kernels.
   static int number_of_threads() { return chosen_number() > 0 ? chosen_number() : omp_get_max_threads(); }
   static void set_number_of_threads(int number) { chosen_number() = number; }
 
@@ -80,8 +79,8 @@ class OpenMPThreads {
 
 namespace openmp_threads {
 
-// Carries an exception from a thread to the caller. If several throw, the one at the lowest index wins: the one that a
-// loop on a single thread would have thrown.
+// Carries an exception from a thread to the caller. If several throw, the one at the lowest index wins, as in a loop on
+// a single thread.
 class FirstException {
  public:
   template <class Work>
@@ -169,14 +168,14 @@ void run_in_chunks(const Range<Index>& range, long long chunk_size, const Body& 
 #define MIXBEAM_ONE_INSTANCE [[gnu::noinline]]
 #endif
 
-// Runs body(i) over one part of a range. Compiled once, not once for one thread and once for several, and never in
-// vectors of indices with single ones at the ends of a part: the compiler chooses anew in each copy of a formula which
-// product it fuses with which sum, and that changes last bits.
+// Runs body(i) over one part of a range. Compiled once, not separately for one thread and for several, and never
+// vectorised over indices with single ones at the ends of a part: in each copy of a formula the compiler chooses anew
+// which products it fuses with which sums, and that changes last bits.
 template <class Index, class Body>
 MIXBEAM_ONE_INSTANCE void for_each_index(const Range<Index>& part, const Body& body) {
   for (Index i = part.begin; i < part.end; ++i) {
     body(i);
-    asm volatile("" : : : "memory");  // no instruction, but it keeps the indices apart
+    asm volatile("" : : : "memory");  // a barrier without an instruction: keeps the indices apart
   }
 }
 #undef MIXBEAM_ONE_INSTANCE
@@ -190,7 +189,7 @@ void call(const Functor& functor, Arguments&&... arguments) {
   }
 }
 
-// Memory for one partial result per thread, far enough apart that threads do not share a cache line.
+// Memory for one partial result per thread, spaced so that threads do not share a cache line.
 class PartialResults {
  public:
   PartialResults(int number, std::size_t bytes)
@@ -198,7 +197,7 @@ class PartialResults {
   void* operator[](int i) { return lines_.data() + i * lines_per_result_; }
 
  private:
-  struct alignas(128) Line {  // two lines: the processor fetches them in pairs
+  struct alignas(128) Line {  // two lines: the processor prefetches pairs
     std::array<unsigned char, 128> bytes;
   };
   std::size_t lines_per_result_;
@@ -253,7 +252,7 @@ class ParallelFor<Functor, Kokkos::RangePolicy<Traits...>, mixbeam::OpenMPThread
   const Policy policy_;
 };
 
-// Always in equal parts, also where the policy says dynamic: chunks would join in a different order at each run.
+// Always in equal parts, even for a dynamic policy: chunks would be joined in a different order in each run.
 template <class Functor, class Reducer, class... Traits>
 class ParallelReduce<Functor, Kokkos::RangePolicy<Traits...>, Reducer, mixbeam::OpenMPThreads> {
   using Policy = Kokkos::RangePolicy<Traits...>;
@@ -302,7 +301,7 @@ class ParallelReduce<Functor, Kokkos::RangePolicy<Traits...>, Reducer, mixbeam::
   }
 
  private:
-  // Array reductions hand the pointer itself to the functor.
+  // Array reductions pass the pointer itself to the functor.
   static reference_type as_reference(pointer_type pointer) {
     if constexpr (std::is_pointer_v<reference_type>) {
       return pointer;
@@ -317,7 +316,7 @@ class ParallelReduce<Functor, Kokkos::RangePolicy<Traits...>, Reducer, mixbeam::
   const pointer_type result_;
 };
 
-// On the calling thread: scans number things once, at set-up.
+// Runs on the calling thread: scans only number items once, at set-up.
 template <class Functor, class... Traits>
 class ParallelScan<Functor, Kokkos::RangePolicy<Traits...>, mixbeam::OpenMPThreads> {
   using Policy = Kokkos::RangePolicy<Traits...>;

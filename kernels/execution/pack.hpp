@@ -1,6 +1,6 @@
-/// Several numbers side by side in one vector register, which replace `double` in a kernel that works on several
-/// elements at once. Every operation acts on all lanes; where lanes need different branches, both are computed and
-/// select() takes one for each lane.
+/// Several numbers side by side in one vector register: replaces `double` in kernels that process several elements at
+/// once. Every operation acts on all lanes; where lanes need different branches, both are computed and select() picks
+/// one for each lane.
 #pragma once
 
 #include <Kokkos_Core.hpp>
@@ -10,7 +10,7 @@
 
 namespace mixbeam {
 
-/// Lanes of a vector register of the processor that this is compiled for; a GPU has its lanes elsewhere.
+/// Lanes of a vector register of the target processor; a GPU has its lanes elsewhere.
 #if defined(__CUDACC__) || defined(__HIPCC__)
 constexpr int kLanes = 1;
 #elif defined(__AVX512F__)
@@ -21,8 +21,8 @@ constexpr int kLanes = 4;
 constexpr int kLanes = 2;
 #endif
 
-/// Registers of W numbers and of W conditions (all bits of a lane set where a comparison holds, none elsewhere), and
-/// the numbers as they stand in an array of double or single precision.
+/// Registers of W numbers and of W conditions (all bits of a lane set if a comparison holds, else none), and the
+/// numbers as stored in an array of double or single precision.
 template <int W>
 struct Registers;
 #define MIXBEAM_REGISTERS(W)                                                                         \
@@ -38,7 +38,7 @@ MIXBEAM_REGISTERS(4)
 MIXBEAM_REGISTERS(8)
 #undef MIXBEAM_REGISTERS
 
-/// W numbers side by side. Pack<1>, for processors without lanes and for tests, is a single number (below); so is
+/// W numbers side by side. Pack<1>, for processors without lanes and for tests, is a single number (below), and so is
 /// Pack<0>, which counts operations (tests/support/counted_number.hpp).
 template <int W, bool IsSingle = (W < 2)>
 struct Pack {
@@ -48,12 +48,12 @@ struct Pack {
   Vector v;
 
   Pack() = default;
-  // A number stands for the same number in every lane, as in double arithmetic. x - 0 is x for every x, also for -0 and
-  // NaN, so nothing is computed for it; 0 + x would have to be.
+  // Broadcasts a number to all lanes, as in double arithmetic. x - 0 is x for every x, also for -0 and NaN, so it costs
+  // no instruction; 0 + x would.
   Pack(double x) : v(x - Vector{}) {}  // NOLINT(google-explicit-constructor)
   explicit Pack(const Vector& x) : v(x) {}
 
-  /// W consecutive numbers. (In one instruction: GCC 12 makes two of a memcpy, for which the next access has to wait.)
+  /// Loads W consecutive numbers (in one instruction: GCC 12 makes two of a memcpy, which stalls the next access).
   static Pack loaded(const double* numbers) {
     return Pack(Vector(*reinterpret_cast<const typename Registers<W>::InMemory*>(numbers)));
   }
@@ -62,7 +62,7 @@ struct Pack {
   }
   void store(double* numbers) const { *reinterpret_cast<typename Registers<W>::InMemory*>(numbers) = v; }
 
-  /// One number from each of W places.
+  /// Collects one number from each of W places.
   template <class Place>
   static Pack gathered(const Place& place) {
     Vector lanes{};
@@ -97,10 +97,10 @@ struct Pack {
   friend Pack select(const Mask& mask, const Pack& a, const Pack& b) { return Pack(mask ? a.v : b.v); }
 };
 
-/// One number in place of several.
+/// Single number with the interface of a pack.
 template <int W>
 struct Pack<W, true> {
-  /// Result of comparisons: all bits or none, as in a lane.
+  /// Result of comparisons: all bits set or none, as in a lane.
   struct Mask {
     long long bits = 0;
     KOKKOS_FORCEINLINE_FUNCTION explicit operator bool() const { return bits != 0; }
@@ -158,13 +158,13 @@ bool any(const typename Pack<W>::Mask& mask) {
   return bits != 0;
 }
 
-// Gives one number the same names, so that a kernel is written once.
+// Same function for a plain number, so that a kernel is written once.
 template <class Scalar>
 KOKKOS_FORCEINLINE_FUNCTION Scalar select(bool condition, const Scalar& a, const Scalar& b) {
   return condition ? a : b;
 }
 
-/// Exchanges the parts off the diagonal of every 2 x 2 block of blocks of D lanes: steps D = 1, 2, .., W/2 transpose.
+/// Exchanges the off-diagonal parts of every 2 x 2 block of blocks of D lanes: steps D = 1, 2, .., W/2 transpose.
 template <int W, int D>
 inline __attribute__((always_inline)) void exchange(Pack<W>* rows) {
   typename Pack<W>::Mask low, high;
@@ -181,7 +181,7 @@ inline __attribute__((always_inline)) void exchange(Pack<W>* rows) {
   if constexpr (2 * D < W) exchange<W, 2 * D>(rows);
 }
 
-/// numbers[i] = rows[lane][i] for i < count: W rows of memory, one for each lane.
+/// numbers[i] = rows[lane][i] for i < count: W rows of memory, one per lane.
 template <int W>
 KOKKOS_FORCEINLINE_FUNCTION void gather_lanes(const double* const* rows, int count, Pack<W>* numbers) {
   if (W < 2 || count < W) {
@@ -190,7 +190,7 @@ KOKKOS_FORCEINLINE_FUNCTION void gather_lanes(const double* const* rows, int cou
   }
   if constexpr (W > 1)
     for (int i = 0; i < count; i += W) {
-      const int first = i + W <= count ? i : count - W;  // the last group overlaps the one before
+      const int first = i + W <= count ? i : count - W;  // the last group overlaps the previous one
       Pack<W> square[W];
       for (int lane = 0; lane < W; ++lane) square[lane] = Pack<W>::loaded(rows[lane] + first);
       exchange<W, 1>(square);
@@ -217,7 +217,7 @@ inline void scatter_lanes(const Pack<W>* numbers, int count, int offset, int act
     }
 }
 
-/// Fetches the cache lines of `count` numbers, to be written where they are not constant.
+/// Prefetches the cache lines of `count` numbers, for writing unless they are const.
 template <class Number>
 KOKKOS_FORCEINLINE_FUNCTION void fetch(Number* numbers, int count) {
 #if !defined(__CUDACC__) && !defined(__HIPCC__)
@@ -226,9 +226,9 @@ KOKKOS_FORCEINLINE_FUNCTION void fetch(Number* numbers, int count) {
 #endif
 }
 
-/// Rows (elements, vertices) that are worked on side by side, from W * pack on. Behind the last of `count` rows that
-/// one is repeated, and nothing is written for the repetitions. Rows of the next pack are fetched while this one is
-/// worked on: the processor does not foresee where as many streams as there are lanes go on.
+/// Rows (elements, vertices) processed side by side, from W * pack on. The last of `count` rows fills the lanes beyond
+/// it, which are not written. Rows of the next pack are prefetched: hardware does not predict as many streams as there
+/// are lanes.
 template <int W>
 struct RowsInLanes {
   static constexpr int kCount = W > 0 ? W : 1;
@@ -251,7 +251,7 @@ struct RowsInLanes {
     for (int lane = 0; lane < kCount; ++lane) fetch(at(next[lane]), count);
     gather_lanes(rows, count, numbers);
   }
-  /// at(row)[first + i] = numbers[i] for i < count, of the active lanes.
+  /// at(row)[first + i] = numbers[i] for i < count, in the active lanes.
   template <class At>
   KOKKOS_FORCEINLINE_FUNCTION void store(const Pack<W>* numbers, int first, int count, const At& at) const {
     double* rows[kCount];

@@ -18,7 +18,7 @@ void recover_loop(const ElementBlock&, const StructureViews&, const StateViews&,
 
 namespace {
 
-/// for_order with the kind of section as well: action(order, std::bool_constant<General>).
+/// Dispatches on the kind of section as well: action(order, std::bool_constant<General>).
 template <class Action>
 void for_kind(const ElementBlock& block, Action&& action) {
   for_order(block.order, [&](auto order) {
@@ -60,10 +60,10 @@ void recover_interior(const ElementBlock& block, const StructureViews& structure
 
 namespace {
 
-// The difference between the equations and their capped tangent, theory (37): the compliance that the cap adds where a
+// Difference between the equations and their capped tangent, theory (37): the compliance added by the cap where a
 // section is (nearly) rigid, times increments of N and M.
 
-/// Compliance that the tangent adds to the diagonal of S (capped_compliance): zero where the cap is not reached.
+/// Compliance that the tangent adds to the diagonal of S (capped_compliance): zero unless capped.
 KOKKOS_INLINE_FUNCTION Vec cap_compliance(const Mat& compliance, double limit) {
   Vec added{{0.0, 0.0, 0.0}};
   for (int i = 0; i < 3; ++i)
@@ -75,7 +75,7 @@ KOKKOS_INLINE_FUNCTION Vec scaled_by(const Vec& factor, const Vec& v) {
   return {{factor[0] * v[0], factor[1] * v[1], factor[2] * v[2]}};
 }
 
-/// `d`, `rows`: increments layout of one element; the rows come zeroed.
+/// `d`, `rows`: increments layout of one element; `rows` is zero on entry.
 template <int K>
 KOKKOS_INLINE_FUNCTION void add_cap_compliance(const SectionConstants& section, const InteriorLayout& layout,
                                                const ElementTables<K>& tables, double length, const double* d,
@@ -134,7 +134,7 @@ struct CapComplianceLoop {
   }
 };
 
-/// The largest row alone, divided by its scale.
+/// Finds the largest row, divided by its scale, without storing the rows.
 template <int K, bool General>
 struct LargestCapRowLoop {
   CapComplianceLoop<K, General> cap;

@@ -1,4 +1,4 @@
-/// All elements of one order and integration rule, and the parallel loops over them. Data layout lives here; the
+/// All elements of one order and integration rule, and the parallel loops over them. Data layout is defined here; the
 /// mathematics is in element/element.hpp and condensation/tangent.hpp.
 #pragma once
 
@@ -16,7 +16,7 @@ using MemorySpace = ExecutionSpace::memory_space;
 template <class Data>
 using KernelView = Kokkos::View<Data, Kokkos::LayoutRight, MemorySpace>;
 
-/// State of a structure: total, from the reference to the current configuration.
+/// State of a structure: total displacements and rotations from the reference to the current configuration.
 struct StateViews {
   KernelView<double* [3]> vertex_displacement;  ///< (vertex, 3) spatial
   KernelView<double* [4]> vertex_rotation;      ///< (vertex, w x y z): Lambda_V
@@ -24,38 +24,39 @@ struct StateViews {
   KernelView<double*> interior;                 ///< InteriorLayout of each element, block after block
 };
 
-/// Arrays that the kernels write and the assembler gathers.
+/// Arrays written by the kernels and gathered by the assembler.
 struct ElementEquations {
   KernelView<double* [12]> residual;  ///< (element, u_a theta_a u_b theta_b): gradient, spatial
-  /// (element, force in the plane on its end, minus that on its start; moments of start and end): gradient of elements
-  /// that move in a plane, before or after elimination of the interior
+  /// (element, in-plane force at its end (opposite at its start), moments of start and end): gradient of planar
+  /// elements, before or after elimination of the interior
   KernelView<double* [4]> planar_rows;
-  KernelView<double* [2]> planar_loads;         ///< (element): line loads on each of its ends alike; empty without any
+  KernelView<double* [2]> planar_loads;         ///< (element): line load on each of its ends, equal on both; empty if
+                                                ///< none
   KernelView<double*> interior_residual;        ///< increments layout of each element, block after block
-  ResidualScales interior_scales;               ///< what interior_residual is divided by ...
-  bool scales_interior = false;                 ///< ... if it is
-  bool fields_alone = false;                    ///< of line fields alone, which enter linearly
+  ResidualScales interior_scales;               ///< scales that divide interior_residual ...
+  bool scales_interior = false;                 ///< ... if set
+  bool fields_alone = false;                    ///< residual of the line fields only; they enter linearly
   KernelView<double* [12]> condensed_residual;  ///< (element, 12): gradient after elimination of the interior
   KernelView<double**> condensed_tangent;       ///< (element, kFullTangent or kSymmetricTangent), spatial
   KernelView<double*> response;                 ///< ElementBlock::response_size() of each element, block after block
-  /// Increments of the interior while the vertices stand still, in their layout; may be the right-hand side.
+  /// Increments of the interior for fixed vertices, in increments layout; may be the right-hand side itself.
   KernelView<double*> constants;
   KernelView<double*> largest_end_angle;  ///< (element): relative rotation between element and vertex, radians
-  /// (element): eigenvalues below zero of the interior while the vertices stand still, their parity alone where the
-  /// element has no potential; kUncertainCount where a pivot is zero. Not counted where the view is empty.
+  /// (element): number of negative eigenvalues of the interior for fixed vertices, only its parity if the element has
+  /// no potential; kUncertainCount if a pivot is zero. Not counted if the view is empty.
   KernelView<int*> interior_negative;
 };
 
-/// Data that elements of all blocks share.
+/// Data shared by the elements of all blocks.
 struct StructureViews {
   KernelView<SectionConstants*> sections;  ///< (section in use)
-  KernelView<double* [3]> field_value {};  ///< (row, ElementBlock::field_row): line fields at a load factor
+  KernelView<double* [3]> field_value {};  ///< (row, ElementBlock::field_row): line fields at the current load factor
 };
 
-/// Values of a line field that an element does not have, where one beside it has it.
+/// Zero values of a line field, for elements without it in a pack where another element has it.
 inline constexpr double kNoField[3 * ElementTables<kMaximumOrder>::kMaximumForcePoints] = {};
 
-/// Places of the numbers of each element of a block in an array that holds one element after the other.
+/// Offsets of the elements of a block in an array that stores one element after the other.
 struct ElementPlaces {
   size_t first = 0, stride = 0;
   KOKKOS_INLINE_FUNCTION size_t operator()(int e) const { return first + static_cast<size_t>(e) * stride; }
@@ -76,21 +77,21 @@ struct ElementBlock {
   KernelView<int*> section;         ///< (element of the block): among StructureViews::sections
   bool general_section = false;     ///< sections of this block are coupled or vary along the element
   KernelView<double**> compliance;  ///< (element of the block, GeneralSectionLayout); empty for plain sections
-  /// (element of the block, LineField): first row of that field in StructureViews::field_value, -1 where there is none;
-  /// empty when no element of the block has any
+  /// (element of the block, LineField): first row of that field in StructureViews::field_value, -1 if absent; empty if
+  /// no element of the block has any
   KernelView<int* [kLineFields]> field_row;
-  unsigned kinds_of_fields = 0;  ///< bit of each LineField that some element of the block has
+  unsigned kinds_of_fields = 0;  ///< bit of each LineField that occurs in the block
 
   ElementPlaces unknowns_at() const { return {interior_offset, static_cast<size_t>(interior.unknowns())}; }
   ElementPlaces increments_at() const { return {increment_offset, static_cast<size_t>(interior.increments())}; }
-  /// Whether the tangent of an element has a part without potential.
+  /// True if the tangent of an element has a part without potential.
   bool is_unsymmetric(int e) const {
     if (field_row.extent(0) == 0) return false;
     for (LineField field : {LineField::dead_couple, LineField::follower_force, LineField::follower_couple})
       if (field_row(e, static_cast<int>(field)) >= 0) return true;
     return false;
   }
-  /// Numbers that the tangent keeps of each element for recover_interior.
+  /// Number of values per element that the tangent keeps for recover_interior.
   int response_size() const { return ResponseLayout{order}.size(); }
 };
 
@@ -107,18 +108,17 @@ void evaluate_tangent(const ElementBlock& block, const StructureViews& structure
 void condense_right_hand_side(const ElementBlock& block, const StructureViews& structure, const StateViews& state,
                               const KernelView<const double*>& rhs_interior, const ElementEquations& equations);
 
-/// Computes the rows of the linearised equations that the capped stiffness of the tangent leaves out: J d - J_capped d
-/// for an interior increment d, (S_capped - S) dN in the N rows and its integral with dM in the M rows, zero in all
-/// others.
+/// Computes the rows of the linearised equations omitted by the capped stiffness of the tangent: J d - J_capped d for
+/// an interior increment d. (S_capped - S) dN in the N rows, its integral with dM in the M rows, zero in all others.
 void cap_compliance_rows(const ElementBlock& block, const StructureViews& structure,
                          const KernelView<const double*>& increment, const KernelView<double*>& rows);
 
-/// The largest of these rows, each divided by its scale; not-a-number counts as infinity.
+/// Largest of these rows, each divided by its scale; NaN counts as infinity.
 double largest_cap_row(const ElementBlock& block, const StructureViews& structure,
                        const KernelView<const double*>& increment, const ResidualScales& scales);
 
-/// Adds to the constants of the interior what belongs to the vertex increment (vertex, 6: du, dtheta; spatial), which
-/// makes them its increments. `structure`, `state`: those of the tangent.
+/// Adds the response to the vertex increment (vertex, 6: du, dtheta; spatial) to the constants of the interior, which
+/// become its increments. `structure`, `state`: those of the tangent.
 void recover_interior(const ElementBlock& block, const StructureViews& structure, const StateViews& state,
                       const ElementEquations& equations, const KernelView<const double* [6]>& vertex_increment,
                       const KernelView<double*>& increment);
@@ -128,7 +128,7 @@ void recover_interior(const ElementBlock& block, const StructureViews& structure
 void apply_vertex_increment(int count, const StateViews& from, const KernelView<const double* [6]>& increment,
                             double scale, const StateViews& to);
 
-/// Theory (34): interior + scale * increment, triads multiplied from the right by exp(scale * w).
+/// Updates the interior, theory (34): interior + scale * increment, triads multiplied from the right by exp(scale * w).
 void apply_interior_increment(const ElementBlock& block, const StateViews& from,
                               const KernelView<const double*>& increment, double scale, const StateViews& to);
 

@@ -1,4 +1,4 @@
-/// The one place where the run-time order of elements meets compile-time sizes.
+/// Dispatch from the run-time order of elements to compile-time sizes.
 #pragma once
 
 #include "kernels/element/layout.hpp"
@@ -10,8 +10,7 @@
 
 namespace mixbeam {
 
-/// Calls action(std::integral_constant<int, K>) for the order. Throws std::invalid_argument for one that does not
-/// exist.
+/// Calls action(std::integral_constant<int, K>) for the order. Throws std::invalid_argument if it is out of range.
 template <class Action, int K = 1>
 void for_order(int order, Action&& action) {
   if (order == K) return action(std::integral_constant<int, K>());

@@ -1,5 +1,5 @@
-/// The loops over the elements of a block, of one order and kind of section: residual, condensed tangent, recovery of
-/// the interiors. Views become named values, of as many elements at once as there are lanes; each index is such a pack.
+/// Loops over the elements of a block, of one order and kind of section: residual, condensed tangent, recovery of the
+/// interiors. Views become named values for as many elements as there are lanes; each index is one such pack.
 #pragma once
 
 #include "kernels/condensation/condensation.hpp"
@@ -9,16 +9,16 @@
 
 namespace mixbeam {
 
-/// Views of one block. Captured by value: inside a kernel no View is copied.
+/// Views of one block. Captured by value: no View is copied inside a kernel.
 template <int K, bool General, int W>
 struct ElementGather {
   ElementBlock block;
-  StructureViews structure;  ///< without fields: they are not asked for
+  StructureViews structure;  ///< without line fields if they are not needed
   StateViews state;
   ElementTables<K> tables;
   int response_size;
 
-  // always inlined, as eliminate_rows()
+  // always inlined, like eliminate_rows()
   KOKKOS_FORCEINLINE_FUNCTION ElementGather(const ElementBlock& elements, const StructureViews& constants,
                                             const StateViews& values)
       : block(elements),
@@ -29,7 +29,7 @@ struct ElementGather {
 
   /// First number of element e in arrays of increments and of interior residuals.
   KOKKOS_INLINE_FUNCTION size_t increment_of(int e) const { return block.increments_at()(e); }
-  /// Place of the element in the numbers that the tangent keeps of the interiors.
+  /// Offset of the element in the response.
   KOKKOS_INLINE_FUNCTION size_t response_of(int e) const {
     return block.response_offset + static_cast<size_t>(e) * response_size;
   }
@@ -44,7 +44,7 @@ struct ElementGather {
   }
 };
 
-/// The numbers of the elements of one pack.
+/// Data of the elements of one pack.
 template <int K, bool General, int W>
 struct ElementPack {
   using Real = Pack<W>;
@@ -92,7 +92,7 @@ struct ElementPack {
       section.layout = {gather.block.interior.order, gather.block.interior.force_points};
       lanes.load([&](int e) { return &gather.block.compliance(e, 0); }, section.layout.size(), compliance_);
       section.compliance = compliance_;
-      section.is_coupled = false;  // what has no coupling does not pay for it
+      section.is_coupled = false;  // uncoupled sections skip the coupling terms
       for (int q = 0; q < section.layout.force_points; ++q)
         for (int i = 0; i < 9; ++i)
           section.is_coupled =
@@ -103,7 +103,7 @@ struct ElementPack {
       lanes.load([&](int e) { return constants(e).numbers(); }, SectionConstants::kCount, section.numbers());
     }
   }
-  // Static, so that nothing else of the pack has its address taken.
+  // Static, so that no other member of the pack has its address taken.
   KOKKOS_FUNCTION __attribute__((noinline)) static void load_fields(const Gather& gather, const RowsInLanes<W>& rows,
                                                                     Real (*numbers)[3 * kForcePoints],
                                                                     ElementFields<Real>& fields) {
@@ -169,7 +169,7 @@ struct TangentLoop {
 
   ElementGather<K, General, W> gather;
   ElementEquations to;
-  KernelView<const double*> given_rhs;  ///< empty: the residual of the state
+  KernelView<const double*> given_rhs;  ///< empty: use the residual of the state
 
   KOKKOS_INLINE_FUNCTION void operator()(int number) const {
     const Elements pack(gather, number);
@@ -189,7 +189,7 @@ struct TangentLoop {
     if (has_potential || any<W>(~unsymmetric))
       solve_in_lanes(element.system, element.response, element.condensed, counts() ? signs : nullptr);
     if (!has_potential) {
-      const Kinematics copy = kinematics;  // only this one has its address taken
+      const Kinematics copy = kinematics;  // only this copy has its address taken
       solve_with_fields(unsymmetric, pack.fields, copy, element, mean_rows, counts() ? signs : nullptr);
     }
     for (int lane = 0; counts() && lane < pack.lanes.active; ++lane) store_signs(pack.lanes.row[lane], signs[lane]);
@@ -239,7 +239,7 @@ struct TangentLoop {
     }
     lanes.store(residual, 0, 12, [&](int e) { return residual_of(e); });
   }
-  /// For a structure of which some element has no potential. `mean_rows`: null where none of these has none.
+  /// For structures with elements without potential. `mean_rows`: null if this pack has none.
   KOKKOS_FUNCTION __attribute__((noinline)) void store_full(const RowsInLanes<W>& lanes, const Kinematics& kinematics,
                                                             const Condensed& element,
                                                             const typename Real::Mask& symmetric,
@@ -258,14 +258,14 @@ struct TangentLoop {
     }
     lanes.store(tangent, 0, kFullTangent, [&](int e) { return tangent_of(e); });
   }
-  /// Lanes whose element has no potential; none where none can be.
+  /// Lanes whose element has no potential; none if not `some`.
   KOKKOS_FORCEINLINE_FUNCTION typename Real::Mask without_potential(const RowsInLanes<W>& lanes, bool some) const {
     typename Real::Mask mask = Real(0.0) > Real(0.0);
     for (int lane = 0; lane < kCount && some; ++lane)
       mask[lane] = gather.fields(lanes.row[lane]).have_no_potential() ? -1 : 0;
     return mask;
   }
-  /// Elements with line fields that have no potential are solved with their unsymmetric part.
+  /// Solves elements that have line fields without potential, including their unsymmetric part.
   KOKKOS_FUNCTION __attribute__((noinline)) void solve_with_fields(const typename Real::Mask& wanted,
                                                                    const ElementFields<Real>& fields,
                                                                    const Kinematics& kinematics, Condensed& element,

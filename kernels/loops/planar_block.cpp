@@ -21,7 +21,7 @@ void planar_recover_loop(const ElementBlock&, const PlanarBlock&, const KernelVi
 
 namespace {
 
-/// Triads with g1 = p: g2 or g3 along or against n.
+/// Orientation of triads with g1 = p and g2 or g3 along or against n.
 PlanarOrientation make_orientation(const PlaneAxes& axes, bool third_is_normal, double about) {
   PlanarOrientation result{};
   result.third_is_normal = third_is_normal;
@@ -35,7 +35,7 @@ PlanarOrientation make_orientation(const PlaneAxes& axes, bool third_is_normal, 
     triad(i, 2) = third_is_normal ? normal[i] : other[i];
   }
   const Quat start = quaternion_of(triad);
-  const Quat turned = Quat{0.0, axes.n[0], axes.n[1], axes.n[2]} * start;  // half a turn about n
+  const Quat turned = Quat{0.0, axes.n[0], axes.n[1], axes.n[2]} * start;  // rotated by pi about n
   store_quaternion(start, result.w);
   store_quaternion(turned, result.z);
   return result;

@@ -1,5 +1,5 @@
-/// Gathers and scatters for loops over elements in a plane: between the spatial layout of states and increments and the
-/// numbers of the plane, several elements side by side.
+/// Gathers and scatters for loops over planar elements: between the spatial layout of states and increments and the
+/// in-plane components, several elements side by side.
 #pragma once
 
 #include "kernels/loops/planar_block.hpp"
@@ -27,7 +27,7 @@ KOKKOS_FORCEINLINE_FUNCTION void expand(const PlaneAxes& axes, const Vec2<Real>&
   for (int i = 0; i < 3; ++i) v[i] = a.x * axes.p[i] + a.y * axes.q[i];
 }
 
-/// Vectors of three components, material ones by the orientation of each element, and their components in the plane.
+/// Converts between spatial and in-plane components; material vectors by the orientation of each element.
 template <int K, int W>
 struct PackInPlane {
   using Real = Pack<W>;
@@ -69,7 +69,7 @@ struct PackInPlane {
             triad[0] * z[0] + triad[1] * z[1] + triad[2] * z[2] + triad[3] * z[3]};
   }
 
-  /// Interior numbers x (InteriorLayout; without the spin) of a state or of right-hand sides. Slopes in the element
+  /// Projects interior data x (InteriorLayout; without the spin) of a state or right-hand side. Slopes in the element
   /// frame.
   KOKKOS_FORCEINLINE_FUNCTION void interior_in_plane(const Real* x, const PlaneTurn<Real>& triad, Vec2<Real>* force,
                                                      Real* moment, Real* angle, Vec2<Real>* slope) const {
@@ -80,7 +80,7 @@ struct PackInPlane {
       slope[j] = triad.back(project(axes, x + kLayout.bubble(j)));
     }
   }
-  /// Increments or residuals with the spin, from functions of the index; bubble(j) with components along p and q.
+  /// Expands increments or residuals with the spin, from functions of the index; bubble(j): components along p, q.
   template <class Force, class Moment, class Angle, class Bubble>
   KOKKOS_FORCEINLINE_FUNCTION void increments_in_space(const Force& force, const Moment& moment, const Angle& angle,
                                                        const Bubble& bubble, Real* x) const {
@@ -137,7 +137,7 @@ struct PlanarGather {
   KOKKOS_INLINE_FUNCTION bool has_fields() const {
     return block.field_row.extent(0) > 0 && structure.field_value.extent(0) > 0;
   }
-  /// Adds line fields to the gradient, theory (19). Returns the load on each end that is the same on both.
+  /// Adds line fields to the gradient, theory (19). Returns the part of the load that is the same on both ends.
   KOKKOS_FUNCTION __attribute__((noinline)) Vec2<Real> add_fields(const Rows& lanes, const InPlane& plane,
                                                                   const PlanarState<K, Real>& state,
                                                                   PlanarGradient<K, Real>& g) const {
@@ -157,7 +157,7 @@ struct PlanarGather {
   }
 
  private:
-  /// Zeros where an element has no such field; false where none has.
+  /// Loads zeros for elements without the field; returns false if none has it.
   KOKKOS_INLINE_FUNCTION bool load_field(const Rows& lanes, LineField kind, Real* values) const {
     const int column = static_cast<int>(kind);
     if ((block.kinds_of_fields >> column & 1U) == 0) return false;
@@ -203,7 +203,7 @@ struct PlanarGather {
   }
 };
 
-/// Writes the constants of all packs; behind the last element it is repeated.
+/// Writes the constants of all packs; the last element is repeated to fill its pack.
 template <int K>
 void fill_planar_constants(const ElementBlock& block, PlanarBlock& planar) {
   using Constants = PlanarConstants<K>;

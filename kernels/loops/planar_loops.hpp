@@ -1,11 +1,11 @@
-/// The loops of planar_block.hpp for one order. Index: pack of elements.
+/// Loops of planar_block.hpp for one order. Index: pack of elements.
 #pragma once
 
 #include "kernels/loops/planar_gather.hpp"
 
 namespace mixbeam {
 
-/// Loads along elements that act on both ends alike.
+/// Stores the line loads that act equally on both ends.
 template <int W>
 KOKKOS_FORCEINLINE_FUNCTION void store_loads(const RowsInLanes<W>& lanes, int first, const Vec2<Pack<W>>& on_each_end,
                                              const KernelView<double* [2]>& loads) {
@@ -42,7 +42,7 @@ struct PlanarResidualLoop {
   }
 };
 
-/// Lanes whose pivots are too small, one by one with exchange of rows.
+/// Solves lanes with too small pivots one by one, with row pivoting.
 template <int K, int W>
 __attribute__((noinline)) void redo_planar_lanes(const Pack<W>& least, const Pack<W>& length,
                                                  const PlanarSystem<K, Pack<W>>& system,
@@ -71,7 +71,7 @@ struct PlanarTangentLoop {
   PlanarTangents tangents;
   KernelView<double* [4]> vertex_rows;
   KernelView<double* [2]> loads;
-  KernelView<const double*> given_rhs;  ///< empty: the residual of the state
+  KernelView<const double*> given_rhs;  ///< empty: use the residual of the state
 
   KOKKOS_INLINE_FUNCTION void operator()(int number) const {
     const RowsInLanes<W> lanes(number, gather.block.count);
@@ -81,7 +81,7 @@ struct PlanarTangentLoop {
     const bool own = given_rhs.extent(0) == 0;
     const bool loaded = own && gather.has_fields();
     PlanarRightHandSide<K, Real> rhs;
-    Vec2<Real> end_force{0.0, 0.0};  // of the state, where `rhs` has not got it
+    Vec2<Real> end_force{0.0, 0.0};  // of the state, if not in `rhs`
     if (!own) load_right_hand_side(lanes, plane, state, rhs);
     if (loaded) end_force = own_right_hand_side(lanes, plane, state, rhs);
     PlanarSystem<K, Real> system;
@@ -110,7 +110,7 @@ struct PlanarTangentLoop {
     lanes.store(tangent, 0, kPlanarTangent, [&](int e) { return &tangents(first + e, 0); });
     lanes.store(gradient, 0, 4, [&](int e) { return &vertex_rows(first + e, 0); });
   }
-  /// The gradient of the state with its line fields; returns what it has at the end of the element.
+  /// Fills `rhs` with the gradient of the state and its line fields; returns its force at the end of the element.
   KOKKOS_FUNCTION __attribute__((noinline)) Vec2<Real> own_right_hand_side(const RowsInLanes<W>& lanes,
                                                                            const PackInPlane<K, W>& plane,
                                                                            const PlanarState<K, Real>& state,

@@ -1,5 +1,4 @@
-/// Rows of numbers of which neighbours often have the same, such as the elements of a straight member: each is kept
-/// once.
+/// Rows of numbers that often repeat in neighbours, such as the elements of a straight member: stored once.
 #pragma once
 
 #include "kernels/execution/execution_space.hpp"
@@ -19,13 +18,13 @@ class SharedRows {
   using Rows = Kokkos::View<double**, Kokkos::LayoutRight, ExecutionSpace::memory_space>;
   using Places = Kokkos::View<int*, Kokkos::LayoutRight, ExecutionSpace::memory_space>;
 
-  /// `place` (row): where it is among `kept`; empty: each row has its own.
+  /// `place` (row): its index in `kept`; empty if each row is stored separately.
   SharedRows(Rows kept = {}, Places place = {}) : kept_(std::move(kept)), place_(std::move(place)) {}
 
   KOKKOS_FORCEINLINE_FUNCTION double& operator()(int row, int i) const {
     return kept_(place_.extent(0) > 0 ? place_(row) : row, i);
   }
-  /// Rows from the first to before the second.
+  /// Rows in the half-open range [first, second).
   SharedRows part(const std::pair<int, int>& rows) const {
     if (place_.extent(0) > 0) return {kept_, Kokkos::subview(place_, rows)};
     return Rows(Kokkos::subview(kept_, rows, Kokkos::ALL));
@@ -37,7 +36,7 @@ class SharedRows {
   Places place_;
 };
 
-/// Takes rows one after the other; one that repeats the row before it, to the bit, is not kept again.
+/// Collects rows one after the other; a row equal to the previous one is not stored again.
 class RowsWithoutRepeats {
  public:
   explicit RowsWithoutRepeats(std::size_t width) : width_(width) {}

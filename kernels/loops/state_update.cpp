@@ -9,9 +9,9 @@ namespace {
 using Real = Pack<kLanes>;
 using Range = Kokkos::RangePolicy<ExecutionSpace>;
 
-enum class TurnFrom { left, right };  ///< spatial spins and material ones
+enum class TurnFrom { left, right };  ///< spatial or material spins
 
-/// Rows of kLanes rotations, theory (34). Rows may repeat, and `out` may be `rotation`.
+/// Updates kLanes rotations, theory (34). Rows may repeat, and `out` may be `rotation`.
 template <TurnFrom From>
 KOKKOS_FORCEINLINE_FUNCTION void turn_rotations(const double* const* rotation, const double* const* spin, double scale,
                                                 int active, double* const* out) {
@@ -63,7 +63,7 @@ struct ElementLoop {
   int count, first_element, unknowns;
   size_t interior_offset, increment_offset;
 
-  // as packs: the compiler would ask for each row whether the arrays overlap
+  // in packs: the compiler would test every row for overlapping arrays
   KOKKOS_FORCEINLINE_FUNCTION void add_row(const double* x, const double* d, double* y) const {
     int i = 0;
     for (; i + kLanes <= unknowns; i += kLanes) (Real::loaded(x + i) + Real(scale) * Real::loaded(d + i)).store(y + i);

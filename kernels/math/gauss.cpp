@@ -10,7 +10,7 @@ namespace mixbeam {
 namespace {
 
 void compute_gauss_rule(int n, double* points, double* weights) {
-  constexpr int newton_steps = 6;  // quadratic from an error below 1e-2: five reach round-off, one to spare
+  constexpr int newton_steps = 6;  // quadratic from below 1e-2: five updates reach round-off; the last gives the slope
   for (int i = 0; i < (n + 1) / 2; ++i) {
     double x = std::cos(kPi * (i + 0.75) / (n + 0.5));
     double slope = 0.0;
@@ -31,7 +31,7 @@ void compute_gauss_rule(int n, double* points, double* weights) {
   }
 }
 
-/// Rules that elements and their samples ask for again and again.
+/// Rules that elements and their samples request repeatedly.
 constexpr int kMostPoints = 16;
 struct GaussRules {
   std::array<std::array<double, kMostPoints>, kMostPoints + 1> points{}, weights{};

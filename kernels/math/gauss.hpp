@@ -3,9 +3,8 @@
 
 namespace mixbeam {
 
-/// Points (ascending) and weights of the n-point rule, exact for polynomials of degree 2n - 1; any n >= 1.
-/// Newton's method on P_n from the estimates of Chebyshev's points: a few ulp; rules of up to 16 points are computed
-/// once.
+/// Points (ascending) and weights of the n-point rule, n >= 1, exact for polynomials of degree 2n - 1. Newton's method
+/// on P_n from Chebyshev-like estimates, to a few ulp; rules of up to 16 points are computed once.
 void gauss_rule(int n, double* points, double* weights);
 
 }  // namespace mixbeam

@@ -12,7 +12,7 @@ KOKKOS_INLINE_FUNCTION void legendre(int degree, double xi, double* value) {
   for (int n = 1; n < degree; ++n) value[n + 1] = ((2 * n + 1) * xi * value[n] - n * value[n - 1]) / (n + 1);
 }
 
-/// dP_0/dxi .. dP_degree/dxi at xi, regular at the ends too: P'_{n+1} = P'_{n-1} + (2n + 1) P_n.
+/// dP_0/dxi .. dP_degree/dxi at xi, also at the ends: P'_{n+1} = P'_{n-1} + (2n + 1) P_n.
 KOKKOS_INLINE_FUNCTION void legendre_derivatives(int degree, double xi, double* derivative) {
   double previous = 1.0, current = xi;  // P_{n-1}, P_n
   derivative[0] = 0.0;

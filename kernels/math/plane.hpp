@@ -1,4 +1,4 @@
-/// Vectors and rotations in a plane: rotations about one axis commute and are numbers.
+/// Vectors and rotations in a plane: rotations commute and reduce to one angle.
 #pragma once
 
 #include "kernels/math/constants.hpp"
@@ -8,7 +8,6 @@
 
 namespace mixbeam {
 
-/// A vector in the plane.
 template <class Real>
 struct Vec2 {
   Real x, y;
@@ -29,7 +28,7 @@ template <class Real>
 KOKKOS_FORCEINLINE_FUNCTION Real dot(const Vec2<Real>& a, const Vec2<Real>& b) {
   return a.x * b.x + a.y * b.y;
 }
-/// J a: a quarter turn.
+/// J a: a rotation by 90 degrees.
 template <class Real>
 KOKKOS_FORCEINLINE_FUNCTION Vec2<Real> quarter_turn(const Vec2<Real>& a) {
   return {-a.y, a.x};
@@ -40,7 +39,7 @@ KOKKOS_FORCEINLINE_FUNCTION Vec2<Real> scaled_by(const Vec2<Real>& d, const Vec2
   return {d.x * a.x, d.y * a.y};
 }
 
-/// Rotation in the plane: cosine and sine of its angle, perhaps times a factor.
+/// Rotation in the plane: cosine and sine of its angle, optionally scaled by a factor.
 template <class Real>
 struct PlaneTurn {
   Real c, s;
@@ -75,7 +74,7 @@ KOKKOS_INLINE_FUNCTION PlaneTurn<double> turn_by(double angle) {
   if (angle * angle <= kTurnSeriesLimit) return turn_by_series(angle);
   return {std::cos(angle), std::sin(angle)};
 }
-/// Lanes beyond the series, which are rare, one by one.
+/// Evaluates the rare lanes beyond the series one by one.
 template <int W>
 KOKKOS_FORCEINLINE_FUNCTION PlaneTurn<Pack<W>> turn_by(const Pack<W>& angle) {
   PlaneTurn<Pack<W>> turn = turn_by_series(angle);
@@ -88,7 +87,7 @@ KOKKOS_FORCEINLINE_FUNCTION PlaneTurn<Pack<W>> turn_by(const Pack<W>& angle) {
   return turn;
 }
 
-/// A unit quaternion w + z n: cosine and sine of half an angle about n. Products are those of complex numbers.
+/// Unit quaternion w + z n: cosine and sine of half the angle about n. Products are those of complex numbers.
 template <class Real>
 struct PlaneRotor {
   Real w, z;
@@ -106,7 +105,7 @@ KOKKOS_FORCEINLINE_FUNCTION PlaneTurn<Real> turn_of(const PlaneRotor<Real>& a) {
   return {1.0 - 2.0 * (a.z * a.z), 2.0 * (a.w * a.z)};
 }
 
-/// Angle for |z/w| below the root of kLogSeriesLimit (rotation.hpp): eight terms of arctan's series.
+/// Angle for |z/w| below the root of kLogSeriesLimit (rotation.hpp): eight terms of the arctan series.
 template <class Real>
 KOKKOS_FORCEINLINE_FUNCTION Real angle_by_series(const PlaneRotor<Real>& a) {
   const Real tangent = a.z / a.w, t = tangent * tangent;
@@ -115,7 +114,7 @@ KOKKOS_FORCEINLINE_FUNCTION Real angle_by_series(const PlaneRotor<Real>& a) {
   for (int j = 6; j >= 0; --j) sum = 1.0 / (2 * j + 1) - t * sum;
   return 2.0 * (tangent * sum);
 }
-/// Angle of a rotor in [-pi, pi], with full accuracy also next to the ends.
+/// Angle of a rotor in [-pi, pi], with full accuracy up to the ends.
 KOKKOS_INLINE_FUNCTION double angle_of(const PlaneRotor<double>& a) {
   if (a.z * a.z < kLogSeriesLimit * (a.w * a.w)) return angle_by_series(a);
   return 2.0 * (a.w < 0.0 ? std::atan2(-a.z, -a.w) : std::atan2(a.z, a.w));
@@ -128,7 +127,7 @@ KOKKOS_FORCEINLINE_FUNCTION Pack<W> angle_of(const PlaneRotor<Pack<W>>& a) {
   return angle;
 }
 
-/// Angle taken to [-pi, pi], for |angle| < 3 pi.
+/// Angle mapped to [-pi, pi], for |angle| < 3 pi.
 template <class Real>
 KOKKOS_FORCEINLINE_FUNCTION Real shorter_way(const Real& angle) {
   return angle - select(angle > Real(kPi), Real(2.0 * kPi), Real(0.0)) +

@@ -1,8 +1,8 @@
 /// Rotations: exponential and logarithm, tangent map T, its inverse and their derivatives, unit quaternions: theory (1)
 /// to theory (7). Angles in radians.
 ///
-/// Every coefficient is one of the Stumpff functions c_k of the squared angle. They are entire, so no small-angle
-/// special case exists, and so are their derivatives.
+/// Every coefficient is a Stumpff function c_k of the squared angle. These and their derivatives are entire, so there
+/// is no special case for small angles.
 #pragma once
 
 #include "kernels/execution/pack.hpp"
@@ -79,14 +79,14 @@ KOKKOS_INLINE_FUNCTION StumpffValues<Scalar> stumpff_closed_form(const Scalar& x
   return s;
 }
 
-/// c_0 .. c_7 for x = |psi|^2 >= 0; absolute error of each c_k below 1e-15 / k! up to the limit, above it below
-/// 5e-16 (1 + |psi|) / k!, because the rounding of x turns cosine and sine.
+/// c_0 .. c_7 for x = |psi|^2 >= 0. Absolute error of each c_k below 1e-15 / k! up to the limit, and below 5e-16 (1 +
+/// |psi|) / k! above it, where the rounding of x shifts the argument of cosine and sine.
 template <class Scalar>
 KOKKOS_INLINE_FUNCTION StumpffValues<Scalar> stumpff(const Scalar& x) {
   return x <= kStumpffSeriesLimit ? stumpff_series(x) : stumpff_closed_form(x);
 }
 
-/// Lanes beyond the limit, which are rare, one by one.
+/// Replaces the rare lanes beyond the limit one by one.
 template <int W>
 void replace_by_closed_form(const Pack<W>& x, StumpffValues<Pack<W>>& s) {
   for (int lane = 0; lane < W; ++lane) {
@@ -99,7 +99,7 @@ template <int W>
 KOKKOS_FORCEINLINE_FUNCTION StumpffValues<Pack<W>> stumpff(const Pack<W>& x) {
   StumpffValues<Pack<W>> s = stumpff_series(x);
   if (any<W>(x > kStumpffSeriesLimit)) {
-    StumpffValues<Pack<W>> replaced = s;  // only this copy has its address taken: s stays in registers
+    StumpffValues<Pack<W>> replaced = s;  // s itself never has its address taken and stays in registers
     replace_by_closed_form(x, replaced);
     s = replaced;
   }
@@ -140,7 +140,7 @@ KOKKOS_FORCEINLINE_FUNCTION Mat3<S> rotation_matrix(const Quaternion<S>& q) {
            {2.0 * (q.x * q.y + q.w * q.z), 1.0 - 2.0 * (q.x * q.x + q.z * q.z), 2.0 * (q.y * q.z - q.w * q.x)},
            {2.0 * (q.x * q.z - q.w * q.y), 2.0 * (q.y * q.z + q.w * q.x), 1.0 - 2.0 * (q.x * q.x + q.y * q.y)}}};
 }
-/// Unit quaternion of a rotation matrix with columns g1, g2, g3 (largest-component branch: no loss of digits anywhere).
+/// Unit quaternion of a rotation matrix with columns g1, g2, g3 (branch of the largest component: no cancellation).
 template <class S>
 KOKKOS_INLINE_FUNCTION Quaternion<S> quaternion_of(const Mat3<S>& m) {
   using std::sqrt;
@@ -166,11 +166,11 @@ KOKKOS_FORCEINLINE_FUNCTION Quaternion<S> exp_quaternion(const Vec3<S>& psi) {
   return normalized(Quaternion<S>{half[0], f * psi[0], f * psi[1], f * psi[2]});
 }
 
-/// Below this squared tangent of the half angle the logarithm uses eight terms of arctan's series (truncation under
-/// 1e-19).
+/// Below this squared tangent of the half angle the logarithm uses eight terms of the arctan series (truncation error
+/// below 1e-19).
 constexpr double kLogSeriesLimit = 2.5e-3;
 
-/// Half of the angle over its sine for a quaternion with scalar part w >= 0 and squared vector part nn, by the series.
+/// Half the angle over its sine, for a quaternion with scalar part w >= 0 and squared vector part nn: by series.
 template <class S>
 KOKKOS_FORCEINLINE_FUNCTION S log_factor_series(const S& nn, const S& w) {
   const S t = nn / (w * w);
@@ -195,7 +195,7 @@ template <class S>
 KOKKOS_FORCEINLINE_FUNCTION S log_factor(const S& nn, const S& w) {
   return nn < kLogSeriesLimit * w * w ? log_factor_series(nn, w) : log_factor_closed_form(nn, w);
 }
-/// The closed form lane by lane, and only for the lanes that need it.
+/// Uses the closed form lane by lane, only where a lane needs it.
 template <int W>
 KOKKOS_FORCEINLINE_FUNCTION Pack<W> log_factor(const Pack<W>& nn, const Pack<W>& w) {
   Pack<W> factor = log_factor_series(nn, w);
@@ -206,8 +206,8 @@ KOKKOS_FORCEINLINE_FUNCTION Pack<W> log_factor(const Pack<W>& nn, const Pack<W>&
   return factor;
 }
 
-/// Rotation vector of a unit quaternion, norm in [0, pi]: theory (5). atan2 form: full accuracy at every angle, also
-/// next to pi, where acos of a trace loses half of the digits.
+/// Rotation vector of a unit quaternion, norm in [0, pi]: theory (5). The atan2 form is accurate at every angle, also
+/// near pi, where acos of a trace loses half of the digits.
 template <class S>
 KOKKOS_INLINE_FUNCTION Vec3<S> log_quaternion(const Quaternion<S>& q) {
   const S sign = select(q.w < 0.0, S(-1.0), S(1.0));  // q and -q are the same rotation: take the shorter way
@@ -216,8 +216,8 @@ KOKKOS_INLINE_FUNCTION Vec3<S> log_quaternion(const Quaternion<S>& q) {
   return S(2.0 * sign * factor) * v;
 }
 
-/// I + first hat(psi) + second hat(psi)^2, hat(psi)^2 = psi psi^T - |psi|^2 I. The squares on the diagonal are summed
-/// two by two, |psi|^2 less the third would cancel.
+/// I + first hat(psi) + second hat(psi)^2, hat(psi)^2 = psi psi^T - |psi|^2 I. The diagonal sums two squares each:
+/// |psi|^2 minus the third would cancel.
 template <class S>
 KOKKOS_FORCEINLINE_FUNCTION Mat3<S> rotation_series(const S& first, const S& second, const Vec3<S>& psi) {
   const Vec3<S> linear = first * psi, quadratic = second * psi;
@@ -248,8 +248,8 @@ KOKKOS_FORCEINLINE_FUNCTION Mat3<S> tangent_map(const Vec3<S>& psi) {
   return tangent_map(psi, stumpff(dot(psi, psi)));
 }
 
-/// slope psi^T - linear hat(a) - quadratic (hat(psi x a) + hat(psi) hat(a)): the last bracket is
-/// 2 a psi^T - psi a^T - (psi . a) I.
+/// Returns slope psi^T - linear hat(a) - quadratic (hat(psi x a) + hat(psi) hat(a)); the last bracket is 2 a psi^T -
+/// psi a^T - (psi . a) I.
 template <class S>
 KOKKOS_FORCEINLINE_FUNCTION Mat3<S> rotation_series_derivative(const Vec3<S>& slope, const S& linear,
                                                                const S& quadratic, const Vec3<S>& psi,
@@ -271,8 +271,8 @@ KOKKOS_FORCEINLINE_FUNCTION Mat3<S> tangent_map_derivative(const Vec3<S>& psi, c
   return rotation_series_derivative(slope, c[2], c[3], psi, a);
 }
 
-/// Coefficient d of the inverse tangent map, theory (4), and its derivative with respect to |phi|^2. With Stumpff
-/// functions of (|phi|/2)^2 in place of a cotangent: no cancellation at 0, regular at pi.
+/// Coefficient d of the inverse tangent map, theory (4), and its derivative with respect to |phi|^2. Stumpff functions
+/// of (|phi|/2)^2 replace the cotangent: no cancellation at 0, regular at pi.
 template <class S>
 struct InverseTangentCoefficient {
   S value, derivative;
@@ -305,7 +305,7 @@ KOKKOS_FORCEINLINE_FUNCTION Mat3<S> inverse_tangent_transpose_derivative(const V
 }
 
 /// Gradient and Hessian of the scalar a . F(psi) b of theory (7) with respect to psi, F = exp(-hat psi) (first = 1) or
-/// T(psi)^T (first = 2); its value is not needed.
+/// T(psi)^T (first = 2).
 template <class S>
 KOKKOS_FORCEINLINE_FUNCTION Vec3<S> rotation_form_gradient(int first, const Vec3<S>& a, const Vec3<S>& b,
                                                            const Vec3<S>& psi, const StumpffValues<S>& c) {
@@ -326,7 +326,7 @@ KOKKOS_FORCEINLINE_FUNCTION Mat3<S> rotation_form_hessian(int first, const Vec3<
   const S f1 = c.first_derivative(first), g1 = c.first_derivative(first + 1);
   const S along = 4.0 * (c.second_derivative(first) * qp + c.second_derivative(first + 1) * quadratic);
   const S isotropic = 2.0 * (f1 * qp + g1 * quadratic) - 2.0 * c[first + 1] * ab;
-  // every product is that of a vector with a and psi, symmetrised
+  // every product pairs a vector with a or psi, symmetrised
   const Vec3<S> beside_psi = (0.5 * along) * psi + (2.0 * f1) * q + (4.0 * g1) * s_psi, beside_a = c[first + 1] * b;
   const auto entry = [&](int i, int j) {
     return S(psi[i] * beside_psi[j] + beside_psi[i] * psi[j] + a[i] * beside_a[j] + beside_a[i] * a[j]);

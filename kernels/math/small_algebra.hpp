@@ -1,6 +1,6 @@
-/// Vectors and matrices of three components, templated on the scalar so that automatic differentiation and packs can
-/// run through them. Written out without loops, and inlined whatever the compiler thinks of it: components stay in
-/// registers only where every index is a constant before the optimiser splits structures into their members.
+/// Vectors and matrices of three components, templated on the scalar for automatic differentiation and packs. Written
+/// out without loops and always inlined: components stay in registers only if every index is a constant before the
+/// optimiser splits structures into their members.
 #pragma once
 
 #include <Kokkos_Core.hpp>
@@ -135,12 +135,12 @@ KOKKOS_FORCEINLINE_FUNCTION Vec3<S> transpose_times(const Mat3<S>& m, const Vec3
   return {{m(0, 0) * v[0] + m(1, 0) * v[1] + m(2, 0) * v[2], m(0, 1) * v[0] + m(1, 1) * v[1] + m(2, 1) * v[2],
            m(0, 2) * v[0] + m(1, 2) * v[1] + m(2, 2) * v[2]}};
 }
-/// a b^T
+/// a b^T for matrices.
 template <class S>
 KOKKOS_FORCEINLINE_FUNCTION Mat3<S> times_transpose(const Mat3<S>& a, const Mat3<S>& b) {
   return a * transpose(b);
 }
-/// a b^T where this is symmetric.
+/// a b^T if it is symmetric.
 template <class S>
 KOKKOS_FORCEINLINE_FUNCTION Mat3<S> symmetric_times_transpose(const Mat3<S>& a, const Mat3<S>& b) {
   const Mat3<S> t = transpose(b);
@@ -160,7 +160,7 @@ KOKKOS_FORCEINLINE_FUNCTION S norm(const Vec3<S>& a) {
   return sqrt(dot(a, a));
 }
 
-/// One lane of vectors and matrices of packs.
+/// Extracts one lane of vectors and matrices of packs.
 template <class Real>
 KOKKOS_INLINE_FUNCTION Vec3<double> in_lane(const Vec3<Real>& v, int lane) {
   return {{v[0][lane], v[1][lane], v[2][lane]}};

@@ -26,14 +26,14 @@ inline Vector3 cross(const Vector3& a, const Vector3& b) {
 /// Norm without overflow or underflow of the squares.
 inline double norm(const Vector3& a) { return std::hypot(a[0], a[1], a[2]); }
 inline double distance(const Vector3& a, const Vector3& b) { return norm(difference(a, b)); }
-/// In absolute value.
+/// Largest absolute value of the components.
 inline double largest_component(const Vector3& a) { return std::max({std::abs(a[0]), std::abs(a[1]), std::abs(a[2])}); }
-/// In the direction of `a`, which is at least kShortestLength long.
+/// Unit vector in the direction of `a`, which is at least kShortestLength long.
 inline Vector3 unit(const Vector3& a) { return scaled(1.0 / norm(a), a); }
-/// Shorter vectors have no direction: the squares of their components underflow.
+/// Shortest vector that has a direction: the squares of shorter ones underflow.
 inline constexpr double kShortestLength = 1e-100;
 
-/// Smallest box around points, sides along the global axes.
+/// Smallest box around points, with sides along the global axes.
 struct Box {
   Vector3 low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
 

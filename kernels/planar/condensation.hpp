@@ -1,5 +1,5 @@
-/// The condensed tangent of an element in a plane and the recovery of its interior: theory (31) and theory (32). Force
-/// stiffnesses do not appear in it, only compliances: nothing cancels, however stiff the section is.
+/// Condensed tangent of an element in a plane and recovery of its interior: theory (31) and theory (32). Only force
+/// compliances appear, no stiffnesses: nothing cancels, however stiff the section is.
 #pragma once
 
 #include "kernels/condensation/row_pivoting.hpp"
@@ -7,21 +7,21 @@
 
 namespace mixbeam {
 
-/// slope_0 in the plane (two columns), spins of vertices a and b, constant part.
+/// Columns: slope_0 in the plane (two), spins of vertices a and b, constant part.
 constexpr int kPlanarColumns = 5;
 
-/// The reduced system of theory (32). Columns: G (2), H_a, H_b, r.
+/// Reduced system of theory (32). Columns: G (2), H_a, H_b, r.
 template <int K, class Real>
 struct PlanarSystem {
   Real matrix[triangle_size(K)];  ///< H, lower triangle
-  Real bending[K];                ///< what bending adds to its diagonal
+  Real bending[K];                ///< share of bending in its diagonal
   Real columns[K][kPlanarColumns];
   Real compliance[3];  ///< F: xx, xy, yy
   Vec2<Real> shift;    ///< z
 };
 
-/// Change of angle modes and of the force f for unit slope_0 (element frame), spins of the vertices, and the
-/// constant part.
+/// Changes of the angle modes and of the force f for unit slope_0 (element frame) and vertex spins, and the constant
+/// part.
 template <int K, class Real>
 struct PlanarSolution {
   Real angle[K][kPlanarColumns];
@@ -29,11 +29,11 @@ struct PlanarSolution {
   Real end_moment[2][kPlanarColumns];
 };
 
-/// Numbers of the points of one element, needed between building and recovery.
+/// Data of the points of one element that both assembly and recovery need.
 template <int K, class Real>
 struct PlanarPoints {
   PlanarPoint<Real> point[K];
-  Vec2<Real> given_force[K];  ///< N, or what is given in its place
+  Vec2<Real> given_force[K];  ///< N, or the force given instead
   Vec2<Real> lever[K];        ///< l of theory (31)
 };
 
@@ -46,7 +46,7 @@ KOKKOS_FORCEINLINE_FUNCTION void clear(PlanarSystem<K, Real>& system) {
   system.shift = {0.0, 0.0};
 }
 
-/// Bending in theory (32) and the moment rows: constant but for EI/h.
+/// Adds bending in theory (32) and the moment rows; their matrices are constant up to the factor EI/h.
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION void add_planar_bending(const Real& stiffness, const Real* moment_row,
                                                     PlanarSystem<K, Real>& system) {
@@ -71,7 +71,7 @@ KOKKOS_FORCEINLINE_FUNCTION void add_planar_bending(const Real& stiffness, const
   }
 }
 
-/// One Gauss point of theory (32).
+/// Adds one Gauss point of theory (32).
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION void add_planar_point(int q, const PlanarState<K, Real>& state,
                                                   const PlanarTables<K>& tables, bool own,
@@ -83,7 +83,7 @@ KOKKOS_FORCEINLINE_FUNCTION void add_planar_point(int q, const PlanarState<K, Re
   const Vec2<Real> soft = scaled_by(compliance, across);   // S J N
   const Vec2<Real> lever = point.weight * (point.turn * points.lever[q]);
   const Real geometric = point.weight * (dot(state.force[q], point.pulled_back) - dot(across, soft));
-  // what the work of N + C R_N leaves when slopes and N are eliminated; own residual: -J g . N - l . N = -S J N . N
+  // work of N + C R_N that remains after slopes and N are eliminated; own residual: -J g . N - l . N = -S J N . N
   const Vec2<Real>& given = points.given_force[q];
   const Real rest = own ? dot(soft, given) : dot(points.lever[q], given);
   const Real turning = -point.weight * (rest + dot(across, point.strain_error));
@@ -101,7 +101,7 @@ KOKKOS_FORCEINLINE_FUNCTION void add_planar_point(int q, const PlanarState<K, Re
   system.shift = system.shift + point.weight * (point.turn * (scaled_by(compliance, given) + point.strain_error));
 }
 
-/// `rhs` null: the gradient of the state.
+/// `rhs` null: use the gradient of the state.
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION void planar_system(const PlanarState<K, Real>& state, const PlanarTables<K>& tables,
                                                const PlanarRightHandSide<K, Real>* rhs, Real* moment_row,
@@ -134,14 +134,14 @@ KOKKOS_FORCEINLINE_FUNCTION void planar_system(const PlanarState<K, Real>& state
   }
 }
 
-/// A pivot below this fraction of the bending stiffness in it loses too many digits without exchange of rows: the
-/// geometric stiffness of a compressed element has cancelled it.
+/// A pivot below this fraction of its bending stiffness loses too many digits without row pivoting: the geometric
+/// stiffness of a compressed element has cancelled it.
 constexpr double kPlanarPivot = 1e-3;
-/// Smallest pivot of the determinant of the compliance of f, where stiffnesses that differ by the cap (1e5) leave a
-/// ratio of their size.
+/// Smallest relative determinant of the compliance of f; stiffnesses that differ by the cap (1e5) leave a ratio of that
+/// order.
 constexpr double kPlanarCompliancePivot = 1e-9;
 
-/// H = L D L^T without exchange of rows, then f. Returns the smallest ratio of pivots to their limits; below one
+/// Solves by H = L D L^T without pivoting, then for f. Returns the smallest ratio of pivots to their limits; below one
 /// the result is not reliable.
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION Real solve_planar(const Real& length, const PlanarSystem<K, Real>& system,
@@ -197,7 +197,7 @@ KOKKOS_FORCEINLINE_FUNCTION Real solve_planar(const Real& length, const PlanarSy
   return least;
 }
 
-/// Solves one element with exchange of rows, angle modes and f together.
+/// Solves one element with row pivoting, angle modes and f together.
 template <int K>
 KOKKOS_INLINE_FUNCTION void solve_planar_with_pivoting(double length, const PlanarSystem<K, double>& system,
                                                        PlanarSolution<K, double>& solution) {
@@ -233,7 +233,7 @@ KOKKOS_INLINE_FUNCTION void solve_planar_with_pivoting(double length, const Plan
   }
 }
 
-/// Columns of slope_0 become those of u_b - u_a in the plane, (u_b - u_a)/h = Lambda_lo slope_0.
+/// Converts columns of slope_0 to those of u_b - u_a in the plane, (u_b - u_a)/h = Lambda_lo slope_0.
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION void columns_to_plane(const PlanarState<K, Real>& state,
                                                   PlanarSolution<K, Real>& solution) {
@@ -248,12 +248,12 @@ KOKKOS_FORCEINLINE_FUNCTION void columns_to_plane(const PlanarState<K, Real>& st
 }
 
 /// Condensed tangent (TangentLayout) and condensed gradient (ElementEquations::planar_rows), after columns_to_plane()
-/// and planar_response(); `own_end_moment`: that of the state, null for a given right-hand side.
+/// and planar_response(). `own_end_moment`: of the state; null for a given right-hand side.
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION void planar_condensed(const PlanarState<K, Real>& state,
                                                   const PlanarSolution<K, Real>& solution, const Real* own_end_moment,
                                                   Real* tangent, Real* gradient) {
-  // slope_0 = (u_b - u_a)/h: its row is h f, so that of u_b is f itself
+  // slope_0 = (u_b - u_a)/h: its row is h f, and that of u_b is f itself
   Vec2<Real> force[kPlanarColumns];
   for (int c = 0; c < kPlanarColumns; ++c)
     force[c] = state.triad * Vec2<Real>{solution.force[0][c], solution.force[1][c]};

@@ -1,12 +1,12 @@
-/// One element of order k that moves in a plane, with k Gauss points for its force strain: the equations of
-/// element/element.hpp and condensation/tangent.hpp with numbers in place of rotation vectors, theory (31) and theory
+/// Element of order k that moves in a plane, with k Gauss points for its force strain: the equations of
+/// element/element.hpp and condensation/tangent.hpp with angles in place of rotation vectors, theory (31) and theory
 /// (32). `Real` is double, or a Pack of elements side by side.
 ///
 /// The angle of a section is that of Lambda_lo plus psi = sum_{j >= 1} psi_j P_j; its increment is alpha = sum_{j >= 0}
-/// alpha_j P_j with alpha_0 the spin w ("angle modes"). Vectors have the components along g1 and n x g1 of Lambda_lo
-/// ("element frame") or of Lambda_E (N, gamma), n being the normal of the plane, and angles turn about n. kappa = psi'
-/// - kappa0 and phi are linear in the angles. What the element does not hold up itself is a force f, constant along it,
-/// with components in the element frame; a right-hand side from outside may take the place of the residuals in it.
+/// alpha_j P_j with alpha_0 the spin w ("angle modes"). Vectors have components along g1 and n x g1 of Lambda_lo
+/// ("element frame") or of Lambda_E (N, gamma), n being the normal of the plane; angles are about n. kappa = psi' -
+/// kappa0 and phi are linear in the angles. The force f is constant along the element, with components in the element
+/// frame: the part of N that is not a given force. A given right-hand side may replace the residuals.
 #pragma once
 
 #include "kernels/element/layout.hpp"
@@ -24,7 +24,7 @@ template <int K>
 struct PlanarTables {
   double weight[K];
   double legendre[K][K];     ///< (point, mode)
-  ElementTables<K> element;  ///< of line fields, which have values at the k + 1 moment points
+  ElementTables<K> element;  ///< for line fields, which have values at the k + 1 moment points
 
   PlanarTables() : element(ForceIntegration::both_reduced) {
     for (int q = 0; q < K; ++q) {
@@ -38,7 +38,7 @@ struct PlanarTables {
 template <class Real>
 struct PlanarSection {
   Vec2<Real> force_compliance;          ///< 1/EA, 1/GA: the residual
-  Vec2<Real> tangent_force_compliance;  ///< of the capped stiffness: the tangent only
+  Vec2<Real> tangent_force_compliance;  ///< inverse of the capped stiffness: the tangent only
   Real moment_compliance;               ///< 1/EI: the residual
   Real moment_stiffness;                ///< EI capped: the tangent only
 };
@@ -58,7 +58,7 @@ struct PlanarState {
   PlanarSection<Real> section;
 };
 
-/// Quantities that follow from the ends: `element`, `vertex`, `reference`: Lambda_lo, Lambda_V and Lambda_0;
+/// Sets what follows from the ends: `element`, `vertex`, `reference` are Lambda_lo, Lambda_V and Lambda_0;
 /// displacements of the vertices in the plane.
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION void set_planar_ends(const PlaneRotor<Real>& element, const PlaneRotor<Real>* vertex,
@@ -97,7 +97,7 @@ KOKKOS_FORCEINLINE_FUNCTION PlanarPoint<Real> planar_point(int q, const PlanarSt
   return point;
 }
 
-/// Gradient of the energy, as ElementGradient.
+/// Gradient of the energy, like ElementGradient.
 template <int K, class Real>
 struct PlanarGradient {
   Vec2<Real> strain_error[K];
@@ -108,7 +108,7 @@ struct PlanarGradient {
   Real largest_end_angle;
 };
 
-/// The rows of M, theory (17), which are linear in the plane.
+/// Computes the rows of M, theory (17), which are linear in the plane.
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION void planar_moment_rows(const PlanarState<K, Real>& state, Real* rows,
                                                     Real& largest_angle) {
@@ -129,7 +129,7 @@ KOKKOS_FORCEINLINE_FUNCTION void planar_moment_rows(const PlanarState<K, Real>& 
   }
 }
 
-/// Moments of M in the angle modes, theory (18) with O_ji of theory (32), and at the vertices.
+/// Contributions of M to the rows of the angle modes, theory (18) with O_ji of theory (32), and of the vertex spins.
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION void planar_moment_gradient(const Real* moment, Real* angle, Real* end_moment) {
   for (int i = 0; i < K; ++i) {
@@ -143,7 +143,7 @@ KOKKOS_FORCEINLINE_FUNCTION void planar_moment_gradient(const Real* moment, Real
   }
 }
 
-/// Theory (16) to theory (18) in the plane.
+/// Gradient by theory (16) to theory (18) in the plane.
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION void planar_gradient(const PlanarState<K, Real>& state, const PlanarTables<K>& tables,
                                                  PlanarGradient<K, Real>& g) {
@@ -163,8 +163,8 @@ KOKKOS_FORCEINLINE_FUNCTION void planar_gradient(const PlanarState<K, Real>& sta
   }
 }
 
-/// Virtual work of a dead force per length, (k + 1 moment points), in the plane: as add_dead_force() of
-/// element/line_fields.hpp, but for the part that acts on both ends alike, which is returned.
+/// Virtual work of a dead force per length (k + 1 moment points) in the plane: same as add_dead_force() of
+/// element/line_fields.hpp, except that the part equal on both ends is returned.
 template <int K, class Real>
 KOKKOS_INLINE_FUNCTION Vec2<Real> add_planar_force(const Vec2<Real>* force, const PlanarState<K, Real>& state,
                                                    const PlanarTables<K>& tables, PlanarGradient<K, Real>& g) {
@@ -177,7 +177,7 @@ KOKKOS_INLINE_FUNCTION Vec2<Real> add_planar_force(const Vec2<Real>* force, cons
   }
   return on_each_end;
 }
-/// M . (kappa - kappa_e), kappa_e about the normal at the k + 1 moment points.
+/// Subtracts kappa_e, about the normal at the k + 1 moment points, in M . (kappa - kappa_e).
 template <int K, class Real>
 KOKKOS_INLINE_FUNCTION void subtract_planar_curvature(const Real* curvature, const Real& length,
                                                       const PlanarTables<K>& tables, PlanarGradient<K, Real>& g) {
@@ -187,8 +187,8 @@ KOKKOS_INLINE_FUNCTION void subtract_planar_curvature(const Real* curvature, con
   }
 }
 
-/// Right-hand side given from outside, in place of the gradient of the state; rows of the angle modes, of the slope
-/// modes from 1 on (element frame), of N and of M.
+/// Right-hand side given in place of the gradient of the state: rows of the angle modes, of the slope modes from 1 on
+/// (element frame), of N and of M.
 template <int K, class Real>
 struct PlanarRightHandSide {
   Vec2<Real> strain_error[K];

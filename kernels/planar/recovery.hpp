@@ -18,7 +18,7 @@ KOKKOS_FORCEINLINE_FUNCTION void planar_moment_response(int j, const PlanarState
   }
 }
 
-/// Rows of the interior increments and their order in the response of an element.
+/// Rows of the interior increments in the response of an element.
 template <int K>
 struct PlanarRows {
   static constexpr int kCount = 6 * K - 1;
@@ -29,7 +29,7 @@ struct PlanarRows {
 };
 
 /// All increments of the interior from f and the angle modes, theory (31), and the moments on the vertices, in the
-/// columns that the solution has.
+/// columns of the solution.
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION void planar_response(const PlanarState<K, Real>& state, const PlanarTables<K>& tables,
                                                  const PlanarPoints<K, Real>& points, const Real* moment_row,

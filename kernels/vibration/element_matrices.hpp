@@ -1,5 +1,5 @@
-/// Second variation and velocities of one element as dense matrices over all that moves: what vibrations are computed
-/// of. N and M are kept apart, so that a compliance of zero is one number among others, and nothing is condensed before
+/// Second variation and velocities of one element as dense matrices over all of its motions, the basis of vibrations. N
+/// and M are kept as separate unknowns, so that a compliance of zero needs no special case; nothing is condensed before
 /// the mass has been added.
 #pragma once
 
@@ -8,9 +8,9 @@
 
 namespace mixbeam {
 
-/// Sizes and places. Stresses are N and M as in InteriorLayout. Motions, the columns, are psi | beta | w as there, then
-/// u_a | theta_a | u_b | theta_b, spatial. Velocities are three of the section (along its axes) and its spin at each of
-/// the k + 1 moment points.
+/// Sizes and offsets. Stresses are N and M as in InteriorLayout. Motions, the columns, are psi | beta | w as there,
+/// then u_a | theta_a | u_b | theta_b, spatial. Velocities are those of the section (along its axes) and its spin at
+/// each of the k + 1 moment points.
 struct VibrationLayout {
   int order = 0, force_points = 0;
   constexpr int stresses() const { return 3 * (force_points + order + 1); }
@@ -19,7 +19,7 @@ struct VibrationLayout {
   constexpr int velocities() const { return 6 * (order + 1); }
 };
 
-/// Where the blocks of the reduced system go among the columns: a block of an m x 3 matrix becomes blocks of others.
+/// Columns of the blocks of the reduced system: an m x 3 block contributes to one or more blocks of motions.
 template <int K>
 struct MotionColumns {
   Mat back;  ///< Lambda_lo^T
@@ -45,7 +45,7 @@ struct MotionColumns {
   }
 };
 
-/// Rows of a matrix with all motions as columns.
+/// Rows of a matrix whose columns are all motions.
 struct MotionRows {
   double* numbers;
   int columns;
@@ -57,7 +57,7 @@ struct MotionRows {
   }
 };
 
-/// du and the spin w + T(psi) dpsi of a moment point along the axes of the section, theory (8), (19).
+/// Adds du and the spin w + T(psi) dpsi at a moment point along the axes of the section, theory (8), (19).
 template <int K>
 void add_velocity(int q, const PointRotation<K>& rotation, double length, const ElementTables<K>& tables,
                   const MotionColumns<K>& columns, const MotionRows& velocity) {
@@ -74,13 +74,13 @@ void add_velocity(int q, const PointRotation<K>& rotation, double length, const 
     spread(turning, Blocks::psi(j), tables.moment_legendre[q][j] * transpose(rotation.tangent));
 }
 
-/// Compliance of the stresses, weighted, as the tangent has it, the true one, and the excess over it: one number for
-/// each stress of a plain section, else a matrix.
+/// Weighted compliance of the stresses: capped as in the tangent, the true one, and the excess of the former. One
+/// number per stress of a plain section, else a matrix.
 struct StressCompliance {
   double *capped, *own, *excess;
 };
 
-/// Inverse of a positive definite matrix in its place.
+/// Inverts a positive definite matrix in place.
 inline void invert_positive(double* a, int n) {
   for (int k = 0; k < n; ++k) {
     const double inverse = 1.0 / a[k * n + k];
@@ -95,15 +95,15 @@ inline void invert_positive(double* a, int n) {
   }
 }
 
-/// The matrices of one element; all of them come zeroed.
+/// Matrices of one element; all zero on entry.
 template <int K>
 struct ElementMatrices {
   const ElementTables<K>& tables;
   const InteriorLayout& layout;
   const ReferenceLayout& reference;
   MotionRows strain;     ///< changes of weighted strains, (stress, motion)
-  MotionRows geometric;  ///< what the present stresses add to the second variation
-  MotionRows velocity;   ///< (velocity, motion); null: not asked for
+  MotionRows geometric;  ///< contribution of the current stresses to the second variation
+  MotionRows velocity;   ///< (velocity, motion); null: not needed
 
   void evaluate(const ElementInput<double>& in) const {
     const ElementKinematics<K> kinematics(in, layout);
@@ -129,7 +129,7 @@ struct ElementMatrices {
     add_geometric(system, columns);
   }
 
-  /// Adds what the loads along the element add to the rows of all motions, theory (25); not symmetric.
+  /// Adds the tangent of line loads to the rows of all motions, theory (25); not symmetric.
   void add_loads(const ElementInput<double>& in, const ElementFields<>& fields, const MotionRows& loads) const {
     const ElementKinematics<K> kinematics(in, layout);
     const MotionColumns<K> columns{transpose(kinematics.triad), 1.0 / kinematics.length};
@@ -162,7 +162,7 @@ struct ElementMatrices {
   void spread(const MotionRows& rows, int first_row, int block, const Mat& m, const MotionColumns<K>& columns) const {
     columns.spread(block, m, [&](int column, const Mat& part) { rows.add(first_row, column, part); });
   }
-  /// Theory (15).
+  /// Adds the rows of theory (15).
   void add_force_strain(int q, const ForcePoint<K>& point, const MotionColumns<K>& columns) const {
     const double* P = tables.force_legendre[q];
     const Mat by_slope = point.weight * transpose(point.rotation.exp);
@@ -193,7 +193,7 @@ struct ElementMatrices {
   }
 };
 
-/// Compliance of a plain section: as many numbers as stresses, `capped` inverted.
+/// Compliance of a plain section: one number per stress, `capped` inverted.
 template <int K>
 void stress_compliance(const SectionConstants& section, const InteriorLayout& layout, const ElementTables<K>& tables,
                        double length, const StressCompliance& to) {
@@ -214,7 +214,7 @@ void stress_compliance(const SectionConstants& section, const InteriorLayout& la
   }
 }
 
-/// Compliance of a general section: matrices, `capped` inverted. They come zeroed.
+/// Compliance of a general section: matrices, zero on entry, `capped` inverted.
 template <int K>
 void stress_compliance(const GeneralSection<>& section, const InteriorLayout& layout, const ElementTables<K>& tables,
                        double length, const StressCompliance& to) {

@@ -1,4 +1,4 @@
-/// Masses at rest in a frame that turns: centrifugal energy, its variations and the Coriolis forces of small motions,
+/// Masses at rest in a rotating frame: centrifugal energy, its variations and the Coriolis forces of small motions,
 /// theory (75), (76).
 #pragma once
 
@@ -8,10 +8,10 @@
 
 namespace mixbeam {
 
-/// Numbers of a symmetric matrix of 6 x 6: the lower factor of the mass per length of (velocity, spin) at one point.
+/// Size of a symmetric 6 x 6 matrix: the lower factor of the mass per length of (velocity, spin) at one point.
 constexpr int kMassNumbers = 21;
 
-/// A symmetric or skew matrix over (velocity, spin) along the axes of a mass.
+/// Symmetric or skew matrix over (velocity, spin) along the axes of a mass.
 struct MotionForm {
   Mat moved, mixed, turned;  ///< rows of velocity; velocity times spin; rows of spin
   bool is_skew = false;
@@ -23,7 +23,7 @@ struct MotionForm {
   }
 };
 
-/// M = L L^T of the lower factor L.
+/// M = L L^T from its lower factor L.
 inline MotionForm mass_of_factor(const double* factor) {
   MotionForm mass{};
   const auto product = [factor](int i, int j) {
@@ -40,9 +40,9 @@ inline MotionForm mass_of_factor(const double* factor) {
   return mass;
 }
 
-/// Velocity v and spin o that the frame gives a mass M at rest in it, along the axes of the mass, and its momenta f, h:
-/// V = -1/2 (v . f + o . h). Small motions z = (du, dtheta) along the same axes change (v, o) by B z, B = ((hat o,
-/// hat v), (0, hat o)).
+/// Velocity v and spin o of a mass M at rest in the frame, along the axes of the mass, and its momenta f, h: V = -1/2
+/// (v . f + o . h). Small motions z = (du, dtheta) along the same axes change (v, o) by B z, B = ((hat o, hat v), (0,
+/// hat o)).
 class CarriedMass {
  public:
   CarriedMass(const MotionForm& mass, const Vec& velocity, const Vec& spin)
@@ -56,7 +56,7 @@ class CarriedMass {
   /// Derivatives of V with respect to du and dtheta.
   Vec force_row() const { return cross(o_, f_); }
   Vec moment_row() const { return cross(v_, f_) + cross(o_, h_); }
-  /// Second variation of V in motions along which dtheta does not change.
+  /// Second variation of V for motions with constant dtheta.
   MotionForm second_variation() const {
     const Mat spun = hat(o_), moved = hat(v_);
     const Mat of_velocity = mass_.moved * moved + mass_.mixed * spun;          // M B, rows of velocity
@@ -65,7 +65,7 @@ class CarriedMass {
     return {spun * (mass_.moved * spun), spun * of_velocity - transpose(along),
             symmetric_part(moved * of_velocity + spun * of_spin - turned)};
   }
-  /// Forces of velocities z: M B - B^T M less what turns the momenta.
+  /// Forces due to velocities z: M B - B^T M minus the rotation of the momenta.
   MotionForm coriolis() const {
     const Mat spun = hat(o_), moved = hat(v_);
     const Mat uu = mass_.moved * spun, us = mass_.moved * moved + mass_.mixed * spun;
@@ -78,16 +78,16 @@ class CarriedMass {
   Vec v_, o_, f_, h_;
 };
 
-/// Angular velocity of the frame, and what it carries: elements of a block.
+/// Angular velocity of the frame, and masses and places of the elements of a block in it.
 struct FrameViews {
-  KernelView<double**> mass{};   ///< (element of the block, point * kMassNumbers); empty: nothing turns
-  KernelView<double**> place{};  ///< (element of the block, point * 3): undeformed, from a point of the axis
+  KernelView<double**> mass{};   ///< (element of the block, point * kMassNumbers); empty: no rotation
+  KernelView<double**> place{};  ///< (element of the block, point * 3): undeformed, from a point on the axis
   Vec spin{};
 
   bool turns() const { return mass.extent(0) > 0 && dot(spin, spin) > 0.0; }
 };
 
-/// One element in the frame, at its moment points.
+/// One element in the rotating frame, at its moment points.
 template <int K>
 struct CarriedElement {
   static constexpr int kOrder = K;
@@ -97,7 +97,7 @@ struct CarriedElement {
   const double *factor, *from;  ///< masses and places of its points
   Vec spin;
 
-  /// Calls action(mass, weight).
+  /// Calls action(mass, weight) for one point.
   template <class Action>
   void at(int q, const PointRotation<K>& rotation, const Action& action) const {
     Vec u{{0.0, 0.0, 0.0}};
@@ -112,7 +112,7 @@ struct CarriedElement {
     return PointRotation<K>(kinematics.relative_rotation(tables.moment_legendre[q]));
   }
 
-  /// Rows of velocities of all motions, as ElementMatrices has them; they come zeroed.
+  /// Computes the velocities of all motions, as in ElementMatrices; zero on entry.
   void fill_velocity(const MotionRows& velocity) const {
     const MotionColumns<K> columns{transpose(kinematics.triad), 1.0 / kinematics.length};
     for (int q = 0; q <= K; ++q) add_velocity(q, rotation_at(q), kinematics.length, tables, columns, velocity);
@@ -124,7 +124,7 @@ struct CarriedElement {
       at(q, rotation_at(q), [&](const CarriedMass& mass, double weight) { sum += weight * mass.energy(); });
     return sum;
   }
-  /// `velocity`: rows of ElementMatrices, without masses; `rows`: of all motions.
+  /// `velocity`: rows of ElementMatrices, without masses; `rows`: over all motions.
   void add_rows(const MotionRows& velocity, double* rows) const {
     for (int q = 0; q <= K; ++q)
       at(q, rotation_at(q), [&](const CarriedMass& mass, double weight) {
@@ -140,7 +140,7 @@ struct CarriedElement {
       const PointRotation<K> rotation = rotation_at(q);
       at(q, rotation, [&](const CarriedMass& mass, double weight) {
         add_product(mass.second_variation(), weight, velocity, 6 * q, to);
-        if constexpr (K > 1) {  // w and psi turn the spin of each other
+        if constexpr (K > 1) {  // w and psi rotate each other's spin
           const double* P = tables.moment_legendre[q];
           const Vec moment = mass.moment_row();  // - n
           const Mat by_spin = (-0.5 * weight) * (rotation.exp * hat(moment) * transpose(rotation.tangent));
@@ -156,7 +156,7 @@ struct CarriedElement {
   }
 
  private:
-  /// weight V^T form V of six rows V.
+  /// Adds weight V^T form V, V six rows of velocities.
   static void add_product(const MotionForm& form, double weight, const MotionRows& velocity, int first,
                           const MotionRows& to) {
     for (int i = 0; i < 6; ++i)
@@ -171,8 +171,7 @@ struct CarriedElement {
   }
 };
 
-/// W with L W L^T = form: on momenta, L^T z, what the form does to velocities. Where a mass has no inertia the form is
-/// zero.
+/// W with L W L^T = form: acts on momenta L^T z as the form acts on velocities. Directions without inertia give zero.
 inline void on_momenta(const MotionForm& form, const double* factor, double* w) {
   const auto divide = [factor](double* x, int stride) {  // L^-1 x
     for (int i = 0; i < 6; ++i) {

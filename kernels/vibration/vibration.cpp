@@ -13,7 +13,7 @@ namespace {
 
 using Range = Kokkos::RangePolicy<ExecutionSpace>;
 
-/// y += A x, A of `rows` x `columns`, its rows `stride` apart; x of numbers or of several columns.
+/// y += A x, A of `rows` x `columns` with row stride `stride`; x holds numbers or several columns.
 template <class Real>
 KOKKOS_FORCEINLINE_FUNCTION void add_product(const double* a, int rows, int columns, int stride, const Real* x,
                                              Real* y) {
@@ -37,7 +37,7 @@ KOKKOS_FORCEINLINE_FUNCTION void add_transposed_product(const double* a, int row
     for (int j = 0; j < columns; ++j) y[j] += a[i * stride + j] * x[i];
 }
 
-/// Symmetric matrices of stresses: one number for each, or all of them.
+/// Symmetric matrix over the stresses: diagonal or full.
 struct StressMatrix {
   const double* numbers;
   int size;
@@ -57,7 +57,7 @@ StressMatrix of_element(const VibratingBlock& vibrating, const KernelView<double
 constexpr int kMostStresses = 3 * (2 * kMaximumOrder + 1 + kMaximumOrder + 1);
 constexpr int kMostMotions = VibrationLayout{kMaximumOrder, 0}.motions();
 
-/// L U with row pivoting of the first n columns of a; the rows exchanged are kept.
+/// L U with row pivoting of an n x n matrix; `pivots` records the row exchanges.
 void factorize(double* a, int n, int* pivots) {
   for (int k = 0; k < n; ++k) {
     int pivot = k;
@@ -75,7 +75,7 @@ void factorize(double* a, int n, int* pivots) {
 template <class Real>
 KOKKOS_FORCEINLINE_FUNCTION void solve_factors(const double* a, int n, const int* pivots, Real* x) {
   for (int k = 0; k < n; ++k)
-    std::swap(x[k], x[pivots[k]]);  // all before any: rows of L were exchanged with the others
+    std::swap(x[k], x[pivots[k]]);  // all before any: rows of L were exchanged too
   for (int k = 0; k < n; ++k)
     for (int i = k + 1; i < n; ++i) x[i] -= a[i * n + k] * x[k];
   for (int k = n - 1; k >= 0; --k) {
@@ -95,7 +95,7 @@ void solve_transposed_factors(const double* a, int n, const int* pivots, double*
   for (int k = n - 1; k >= 0; --k) std::swap(x[k], x[pivots[k]]);
 }
 
-/// Momenta of a point, `count` of them: velocities times roots of mass and weight.
+/// `count` momenta of a point: velocities times roots of mass and weight.
 void scale_velocities(const double* mass, double root, int columns, const double* velocities, int count, double* rows) {
   for (int i = 0; i < count; ++i)
     for (int c = 0; c < columns; ++c) {
@@ -125,7 +125,7 @@ CarriedElement<K> carried(const FrameViews& frame, int e, const ElementTables<K>
           frame.spin};
 }
 
-/// Row j of those that columns ask for.
+/// Row j among those of VibratingBlock::rows().
 const double* row_of(const VibratingBlock& vibrating, int e, int j, int motions) {
   const int capped = j - vibrating.momenta();
   return capped < 0 ? &vibrating.momentum(e, j * motions) : &vibrating.strain(e, vibrating.capped(capped) * motions);
@@ -185,7 +185,7 @@ struct VibrationLoop {
   }
 
  private:
-  /// Adds them to the stored H too where the block has no inertia.
+  /// Adds the loads, also to the stored H if the block has no inertia.
   void add_loads(const ElementMatrices<K>& matrices, const ElementInput<double>& in, int e, double* matrix) const {
     if (vibrating.momentum.extent(0) > 0) return matrices.add_loads(in, fields(e), {matrix, kMotions});
     double loads[kMotions * kMotions] = {};
@@ -291,7 +291,7 @@ struct VibrationLoop {
   }
 };
 
-/// Calls action(element, its layout) for each element of a block, with sizes that are known to the compiler.
+/// Calls action(element, its layout) for each element of a block, with sizes known at compile time.
 template <class Action>
 void for_each_of(const char* label, const VibratingBlock& vibrating, const Action& action) {
   const int points = vibrating.block.interior.force_points;
@@ -308,7 +308,7 @@ void load_ends(const VibratingBlock& vibrating, const KernelView<const double* [
     for (int i = 0; i < 6; ++i) ends[6 * end + i] = vertex(vibrating.block.vertices(e, end), i);
 }
 
-/// All motions of an element; returns its stresses.
+/// Loads all motions of an element; returns its stresses.
 const double* load_motions(const VibratingBlock& vibrating, int e, const VibrationLayout& layout,
                            const KernelView<const double* [6]>& vertex, const KernelView<const double*>& increment,
                            double* motions) {
@@ -318,7 +318,7 @@ const double* load_motions(const VibratingBlock& vibrating, int e, const Vibrati
   return stress;
 }
 
-/// Rows of all motions with the stresses eliminated: dN = S^-1 (D dx + r) leaves f - D^T S^-1 r.
+/// Eliminates the stresses from the rows of all motions: dN = S^-1 (D dx + r) leaves f - D^T S^-1 r.
 KOKKOS_FORCEINLINE_FUNCTION void eliminate_stresses(const VibratingBlock& vibrating, int e,
                                                     const VibrationLayout& layout, const double* rows,
                                                     double* motions) {
@@ -482,11 +482,11 @@ void recover_motion(const VibratingBlock& vibrating, const KernelView<const doub
 
 namespace {
 
-/// Columns that pass through the matrices of an element at once, each in a lane; a pass with fewer costs the same.
+/// Columns per pass through the matrices of an element, one in each lane; a pass with fewer costs the same.
 constexpr int kColumns = 4;
 using Columns = Pack<kColumns>;
 
-/// Some columns of one element.
+/// A group of columns of one element.
 template <int K>
 struct ElementColumns {
   static constexpr VibrationLayout kLargest{K, 2 * K + 1};
@@ -510,7 +510,7 @@ struct ElementColumns {
   double* excess(int column) const { return &of.excess(local(), of.stresses * column); }
   double* momenta(int column) const { return of.momenta + of.momenta_of_column * column + of.place(local()); }
   const double* forces(int column) const { return of.forces + of.momenta_of_column * column + of.place(local()); }
-  /// For the stresses `capped`, which are all where a section is no plain one.
+  /// Multiplies over the stresses `capped`, which are all if the section is general.
   void multiply(const KernelView<double**>& matrix, const Columns* x, Columns* y) const {
     const StressMatrix m = of_element(vibrating, matrix, e);
     for (size_t i = 0; i < vibrating.capped.extent(0); ++i)
@@ -518,7 +518,7 @@ struct ElementColumns {
     if (!m.is_diagonal) add_product(m.numbers, m.size, m.size, m.size, x, y);
   }
 
-  /// Rows that act, and which of vibrating.rows(): momenta, or what eliminated rows of stresses leave.
+  /// Given rows and their range in vibrating.rows(): momenta, or the effect of eliminated rows of stresses.
   struct Given {
     Columns x[kRows];
     int begin, count;
@@ -559,7 +559,7 @@ struct ElementColumns {
       std::fill(momenta(column) + vibrating.momenta(), momenta(column) + of.of_element, 0.0);
     if (of.excess.extent(0) > 0) recover_excess(out + vibrating.momenta());
   }
-  /// From the strains of `capped`.
+  /// Computes the excess rows from the strains of `capped`.
   void recover_excess(Columns* strain) const {
     const int capped = static_cast<int>(vibrating.capped.extent(0));
     Columns stress[kStresses];
@@ -573,7 +573,7 @@ struct ElementColumns {
   }
 };
 
-/// Calls action(some columns of an element) for all of a block.
+/// Calls action(group of columns of an element) for all of a block.
 template <class Action>
 void for_each_of_columns(const char* label, const VibratingBlock& vibrating, const MomentumColumns& of,
                          const Action& action) {
@@ -675,7 +675,7 @@ void take_residual(const VibratingBlock& vibrating, const KernelView<double*>& i
 
 namespace {
 
-/// Calls action(element, carried element, its input, its layout).
+/// Calls action(element, carried element).
 template <class Action>
 void for_each_carried(const char* label, const ElementBlock& block, const FrameViews& frame, const StateViews& state,
                       const Action& action) {
