@@ -21,7 +21,7 @@
 
 namespace mixbeam {
 
-/// Fields that a parameter can fill, as values and back.
+/// Conversion between fields and values of parameters.
 namespace binding {
 
 template <class T>
@@ -81,11 +81,11 @@ struct BoundParameter {
   ParameterSpec spec;
   std::function<void(T&, const ParameterValue&)> set;
   std::function<ParameterValue(const T&)> get;
-  bool T::*given_flag = nullptr;  ///< says whether the user gave the parameter, as opposed to its default
+  bool T::*given_flag = nullptr;  ///< set if the user gave the parameter
   bool is_compared = true;        ///< two objects are equal only if this is equal
-  double tolerance = 0.0;         ///< of that comparison, for a number
+  double tolerance = 0.0;         ///< absolute, of that comparison; numbers only
   bool is_column = false;         ///< tables have a column of this name
-  std::string column_default{};  ///< meaning of the default for cells that are empty or absent; empty: they must not be
+  std::string column_default{};  ///< meaning of empty or absent cells; empty: not allowed
 
   BoundParameter& marks(bool T::*flag) { return given_flag = flag, *this; }
   BoundParameter& not_compared() { return is_compared = false, *this; }
@@ -100,7 +100,7 @@ struct BoundParameter {
     set(object, value);
     if (given_flag != nullptr) object.*given_flag = true;
   }
-  /// False if the validated list does not have the parameter; the field stays as it is then.
+  /// Reads the parameter from a validated list; false if the list lacks it, and the field stays as it is.
   bool read(const Teuchos::ParameterList& list, T& object) const {
     const Teuchos::ParameterEntry* entry = list.getEntryPtr(spec.name);
     if (entry == nullptr) return false;
@@ -118,10 +118,10 @@ class BoundList {
  public:
   explicit BoundList(const std::string& meaning) : spec(meaning) {}
 
-  ListSpec spec;  ///< parameters that are not bound, and lists, are added here
+  ListSpec spec;  ///< unbound parameters and sublists are added here
   std::vector<BoundParameter<T>> parameters{};
 
-  /// `field`: a member of T, or a function that finds the field in an object.
+  /// Binds a parameter to `field`: a member of T, or a function that finds the field in an object.
   template <class Field>
   BoundParameter<T>& bind(Field field, const ParameterSpec& parameter, const std::string& meaning) {
     return add({parameter.means(meaning),
@@ -129,7 +129,7 @@ class BoundList {
                 [field](const T& object) { return binding::value_from(std::invoke(field, object)); }});
   }
 
-  /// The same for words that stand for values of any kind.
+  /// The same for words that denote values of any type.
   template <class Field>
   BoundParameter<T>& bind(
       Field field, ParameterSpec parameter, const std::string& meaning,
@@ -148,7 +148,7 @@ class BoundList {
     return add({std::move(parameter), set, get});
   }
 
-  /// The same for a subset of words, of each of which the field says whether it is there.
+  /// The same for a subset of words; the field has a flag for each.
   template <std::size_t n>
   BoundParameter<T>& bind(std::array<bool, n> T::*field, const ParameterSpec& parameter, const std::string& meaning) {
     const std::vector<std::string> words = parameter.choices;
@@ -166,14 +166,14 @@ class BoundList {
     return add({parameter.means(meaning), set, get});
   }
 
-  /// The same for a parameter that fills its field in a way of its own.
+  /// The same with functions that set and get the field.
   BoundParameter<T>& bind_by(std::function<void(T&, const ParameterValue&)> set,
                              std::function<ParameterValue(const T&)> get, const ParameterSpec& parameter,
                              const std::string& meaning) {
     return add({parameter.means(meaning), std::move(set), std::move(get)});
   }
 
-  /// A list inside whose entries have names that the user chooses: each becomes an item {name, value}.
+  /// Binds a sublist whose entries have names chosen by the user: each becomes an item {name, value}.
   template <class Item, class Value>
   void bind_named(std::vector<Item> T::*items, const std::string& name, const std::string& meaning,
                   const std::string& placeholder, const ParameterSpec& value, std::string Item::*key,
@@ -190,7 +190,7 @@ class BoundList {
     });
   }
 
-  /// A list inside that fills a part of T, an optional part only if it is there.
+  /// Binds a sublist that fills a part of T; an optional part is filled only if the list is there.
   template <class Field, class Part>
   void bind_list(Field field, const std::string& name, const BoundList<Part>& part,
                  Presence presence = Presence::defaulted) {
@@ -200,7 +200,7 @@ class BoundList {
     });
   }
 
-  /// Fills the fields from a validated list; what is absent leaves its field as it is.
+  /// Fills the fields from a validated list; fields of absent parameters stay as they are.
   void read(const Teuchos::ParameterList& list, T& object) const {
     for (const BoundParameter<T>& parameter : parameters) parameter.read(list, object);
     for (const auto& reader : readers_) reader(list, object);

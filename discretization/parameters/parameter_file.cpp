@@ -48,7 +48,7 @@ void write_xml(std::ostream& out, const Teuchos::ParameterList& list, const std:
 
 // YAML
 
-/// Whether every reader of YAML takes it for this very text without quotes.
+/// Whether every reader of YAML takes the unquoted text for this very text.
 bool is_plain(const std::string& text) {
   static const std::set<std::string> kOtherThings = {"true", "false", "yes", "no", "on", "off", "null"};
   const auto is_harmless = [](unsigned char c) {
@@ -75,7 +75,7 @@ std::string yaml_scalar(const std::string& text) {
 std::string yaml_scalar(bool value) { return value ? "true" : "false"; }
 std::string yaml_scalar(int value) { return std::to_string(value); }
 
-/// `is_real`: the declaration says that it is no whole number. YAML 1.1 wants a point in front of an exponent.
+/// `is_real`: declared as a real number, so that it needs no point. YAML 1.1 requires a point before an exponent.
 std::string yaml_scalar(double value, bool is_real) {
   std::string text = shortest(value);
   if (!std::isfinite(value)) return is_real ? text : (value < 0.0 ? "-." : ".") + text.substr(value < 0.0 ? 1 : 0);
@@ -114,7 +114,7 @@ std::string yaml_value(const ParameterValue& value, const ParameterSpec* spec) {
   return std::visit(text, value);
 }
 
-/// Declarations inside a list; none where nothing is declared.
+/// Declaration of a list; null where nothing is declared.
 struct Declared {
   const ListSpec* list;
 
@@ -146,7 +146,7 @@ class YamlWriter {
  private:
   using List = Teuchos::ParameterList;
 
-  /// Lists of the user's own things, and lists in them.
+  /// Depth of lists that may stand in one line: entries named by the user, and lists in them.
   static constexpr std::size_t kFlowDepth = 3;
 
   void write_entries(const List& list, const Declared& declared, const ParameterPath& path) {
@@ -166,7 +166,7 @@ class YamlWriter {
     write_comments(path, Comment::Place::end, indent);
   }
 
-  /// Behind its name, which ends in `column`.
+  /// Writes a list behind its name, which ends in `column`.
   void write_list(const List& list, const Declared& declared, const ParameterPath& path, std::size_t column) {
     const bool may_flow = path.size() >= kFlowDepth && commented_.count(path) == 0;
     if (may_flow || list.numParams() == 0) {
@@ -200,7 +200,7 @@ class YamlWriter {
     }
   }
 
-  /// Ends the line.
+  /// Writes the comments behind an entry and ends the line.
   void write_comments_behind(const ParameterPath& path) {
     std::string all;
     for (const std::string& comment : comments_[{path, Comment::Place::behind}]) all += " " + comment;

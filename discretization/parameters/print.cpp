@@ -10,7 +10,7 @@ namespace {
 constexpr std::size_t kColumns = 100;
 constexpr int kIndent = 2;
 
-/// `text` broken at spaces; every line starts with `indent` spaces.
+/// Prints `text` broken at spaces; every line starts with `indent` spaces.
 void print_wrapped(std::ostream& out, const std::string& text, int indent) {
   std::istringstream words(text);
   std::string line(static_cast<std::size_t>(indent), ' ');
@@ -35,7 +35,7 @@ std::string described_values(ParameterSpec spec) {
   return allowed_values(spec);
 }
 
-/// Of a parameter without a default, or of a list, which may be left out whether its parameters have defaults or not.
+/// Presence of a parameter without default, or of a list, whatever the defaults of its parameters.
 std::string presence_text(Presence presence) { return presence == Presence::required ? "required" : "optional"; }
 
 void print_parameter(std::ostream& out, const ParameterSpec& spec, const std::string& name, int indent) {
@@ -61,7 +61,7 @@ void print_list(std::ostream& out, const ListSpec& spec, const std::string& head
   if (spec.unchecked) print_wrapped(out, "(any parameters and lists)", inside);
 }
 
-/// Text that Markdown shows as it is: no borders of cells, no tags.
+/// Escapes a text for Markdown: no borders of cells, no tags.
 std::string shown(const std::string& text) {
   std::string result;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -73,7 +73,7 @@ std::string shown(const std::string& text) {
   return result;
 }
 
-/// Where GitHub puts the heading `text`.
+/// Anchor that GitHub gives the heading `text`.
 std::string anchor(const std::string& text) {
   std::string result = "#";
   for (const char c : text) {

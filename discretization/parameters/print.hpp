@@ -1,4 +1,4 @@
-/// What is generated from the declaration of the parameters: manual pages, data for programs, schemas for editors.
+/// Output generated from the declaration of the parameters: manual pages, data for programs, schemas for editors.
 #pragma once
 
 #include "discretization/parameters/spec.hpp"
@@ -17,20 +17,20 @@ void print_parameters_markdown(std::ostream& out, const ListSpec& spec, const st
                                const std::string& introduction);
 
 /// The same as JSON, for programs. A list has its `path` (a free name as "<point>"), `presence`, `meaning`, its
-/// `parameters` and `lists`; where the user names what is inside, `free_names` with the `placeholder`, how many there
-/// must be and the `parameter` or `list` that each of them is; `forms`: by a word, what else it needs and allows.
+/// `parameters` and `lists`; if the user names its entries, `free_names` with the `placeholder`, their least number and
+/// the declaration of each (`parameter` or `list`); `forms`: for each word, the other entries that it needs and allows.
 void print_parameters_json(std::ostream& out, const ListSpec& spec);
 
-/// JSON Schema (draft 7) of files in YAML. It cannot know what compares values: numbers of a range in another place,
-/// names that something bears, lengths of vectors.
+/// JSON Schema (draft 7) of files in YAML. It cannot express comparisons of values: ranges that depend on another
+/// parameter, references to names, lengths of vectors.
 void print_json_schema(std::ostream& out, const ListSpec& spec, const std::string& title);
 
-/// RELAX NG schema of files in XML. Besides, it cannot say of elements, which all have the same name, that one is
-/// needed, stands once, or depends on another.
+/// RELAX NG schema of files in XML. Nor can it express that an entry is required, unique, or depends on another: all
+/// elements have the same tag.
 void print_relax_ng(std::ostream& out, const ListSpec& spec);
 
-/// Name of a parameter or list in programs: `Point Loads` is point_loads; symbols (E, EI2, GIt) stay what they
-/// are, and a word that Python keeps for itself gets an underscore (import_).
+/// Identifier of a parameter or list in programs: `Point Loads` is point_loads; symbols (E, EI2, GIt) stay as they are,
+/// and keywords of Python get an underscore (import_).
 std::string program_name(const std::string& name);
 
 }  // namespace mixbeam

@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// JSON has no infinite numbers: a word.
+/// A number, or a word if it is infinite: JSON has no infinity.
 Json json_number(double number) { return std::isfinite(number) ? Json(number) : Json(shortest(number)); }
 
 Json json_value(const ParameterValue& value) {
@@ -49,7 +49,7 @@ std::string json_presence(Presence presence) {
   return presence == Presence::defaulted ? "default" : "optional";
 }
 
-/// `force / length` of a meaning that ends with [force / length]; empty where it names none.
+/// Unit at the end of a meaning, `force / length` of [force / length]; empty: none.
 std::string unit_of(const ParameterSpec& spec) {
   const std::size_t begin = spec.meaning.rfind(" [");
   const std::size_t end = spec.meaning.find(']', begin == std::string::npos ? 0 : begin);
@@ -110,7 +110,7 @@ Json json_list(const ListSpec& spec, const std::vector<std::string>& path, Prese
 
 // JSON Schema
 
-/// Of each number of an array too.
+/// Schema of a number, or of each number of an array.
 Json schema_of_number(const Range& range, bool is_whole, bool is_any_text_formula) {
   Json schema = {{"type", is_whole ? "integer" : "number"}};
   if (std::isfinite(range.minimum)) schema[range.minimum_excluded ? "exclusiveMinimum" : "minimum"] = range.minimum;
@@ -124,7 +124,7 @@ Json schema_of_number(const Range& range, bool is_whole, bool is_any_text_formul
   return schema;
 }
 
-/// Text without quotes may look like a number or a switch.
+/// Unquoted text may look like a number or a boolean.
 Json schema_of_text(const ParameterSpec& spec) {
   const Json any = {{"type", {"string", "number", "boolean"}}};
   if (spec.choices.empty()) return any;
@@ -181,14 +181,14 @@ std::set<std::string> all_names_of_forms(const ListSpec& spec) {
   return names;
 }
 
-/// Without the word that decides, nothing that goes with one.
+/// Forbids all entries of the forms if the deciding word is absent.
 Json schema_without_form(const ListSpec& spec) {
   Json refused = Json::object();
   for (const std::string& name : all_names_of_forms(spec)) refused[name] = false;
   return {{"if", {{"not", {{"required", Json::array({spec.form_parameter})}}}}}, {"then", {{"properties", refused}}}};
 }
 
-/// What else a word needs and allows. The default word counts where none is given.
+/// Other entries that a word needs and allows. If none is given, the default word counts.
 Json schema_of_forms(const ListSpec& spec, const std::string& word, const std::vector<Form>& forms) {
   std::set<std::string> names = all_names_of_forms(spec);
   names.insert(spec.formless.begin(), spec.formless.end());
@@ -233,14 +233,14 @@ Json schema_of_list(const ListSpec& spec) {
   return schema;
 }
 
-/// EI2, GIt, E, nu as engineers write them; not a title of several words.
+/// Whether a word is a symbol as engineers write it (EI2, GIt, E), not a title of several words.
 bool is_symbol(const std::string& word) {
   if (word.find(' ') != std::string::npos) return false;
   const auto capitals = std::count_if(word.begin(), word.end(), [](unsigned char c) { return std::isupper(c) != 0; });
   return word.size() == 1 || capitals > 1 || std::isdigit(static_cast<unsigned char>(word.back())) != 0;
 }
 
-/// Words that Python keeps for itself.
+/// Keywords of Python.
 const std::set<std::string> kReserved = {
     "and",      "as",     "assert",  "async", "await", "break",  "class", "continue", "def",  "del",  "elif",
     "else",     "except", "finally", "for",   "from",  "global", "if",    "import",   "in",   "is",   "lambda",

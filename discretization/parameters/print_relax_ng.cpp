@@ -14,7 +14,7 @@ namespace {
 const std::string kNumber = R"([+\-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+\-]?[0-9]+)?)";
 const std::string kInfinity = "inf";
 
-/// Elements of a schema below `parent`.
+/// Adds elements of a schema below `parent`.
 xmlNodePtr add(xmlNodePtr parent, const char* tag) { return xmlNewChild(parent, nullptr, BAD_CAST tag, nullptr); }
 xmlNodePtr add_text(xmlNodePtr parent, const char* tag, const std::string& text) {
   return xmlNewTextChild(parent, nullptr, BAD_CAST tag, BAD_CAST text.c_str());
@@ -38,7 +38,7 @@ void add_words(xmlNodePtr parent, const std::vector<std::string>& words) {
   for (const std::string& word : words) add_word(choice, word);
 }
 
-/// What stands between braces: `one` so many times, 0: any.
+/// Pattern of an array in braces: `length` times `one`; 0: any number.
 std::string array_pattern(const std::string& one, int length, bool empty_allowed) {
   const std::string repeated = "(\\s*,\\s*" + one + ")" + (length > 0 ? "{" + std::to_string(length - 1) + "}" : "*");
   const std::string entries = one + repeated + "\\s*";
@@ -104,14 +104,14 @@ void add_value(xmlNodePtr parent, const ParameterSpec& spec, ParameterType type)
   }
 }
 
-/// Attributes "type" and "value" that fit to each other.
+/// Adds attributes "type" and "value" that match each other.
 void add_typed_value(xmlNodePtr choice, const ParameterSpec& spec, ParameterType type) {
   xmlNodePtr group = add(choice, "group");
   add_word(add_attribute(group, "type"), xml_name(type));
   add_value(add_attribute(group, "value"), spec, type);
 }
 
-/// In place of numbers: one formula, or an array with some.
+/// Allows a formula in place of a number, or an array with some.
 void add_formula(xmlNodePtr choice, const ParameterSpec& spec) {
   const bool numbers = spec.type == ParameterType::integer_array || spec.type == ParameterType::real_array;
   if (!numbers && spec.type != ParameterType::integer && spec.type != ParameterType::real) return;
@@ -124,14 +124,14 @@ void add_formula(xmlNodePtr choice, const ParameterSpec& spec) {
   if (!spec.other_words.empty()) add_typed_value(choice, ParameterSpec(), ParameterType::text);
 }
 
-/// With what Teuchos writes into each tag.
+/// Adds an element that may have the attributes that Teuchos writes.
 xmlNodePtr add_element(xmlNodePtr parent, const char* tag) {
   xmlNodePtr element = with(add(parent, "element"), "name", tag);
   with(add(element, "ref"), "name", "other");
   return element;
 }
 
-/// Any name but those of `spec`.
+/// Adds an element with any name but those of `spec`.
 xmlNodePtr add_free(xmlNodePtr parent, const char* tag, const ListSpec& spec) {
   xmlNodePtr element = add_element(parent, tag), data = add_data(add_attribute(element, "name"), "string");
   add_param(data, "pattern", R"([\s\S]*\S[\s\S]*)");
@@ -145,10 +145,10 @@ xmlNodePtr add_named(xmlNodePtr parent, const char* tag, const std::string& name
   return element;
 }
 
-/// Editors show it.
+/// Adds text that editors show.
 void add_documentation(xmlNodePtr element, const std::string& text) { add_text(element, "a:documentation", text); }
 
-/// Of an element that has its name already.
+/// Adds the content of an element that has its name already.
 void add_parameter(xmlNodePtr element, const ParameterSpec& spec) {
   add_documentation(element, spec.meaning + " (" + allowed_values(spec) + ")");
   xmlNodePtr choice = add(element, "choice");

@@ -26,7 +26,7 @@ std::string key(const ParameterPath& path) {
 
 bool is_blank(char c) { return c == ' ' || c == '\t'; }
 
-/// Of the value of an attribute in the tag that begins at `tag`: of "value" or of "name".
+/// Offset of the value of the attribute "value" or "name" in the tag that begins at `tag`; `tag` if there is none.
 std::size_t offset_of_attribute(const std::string& text, std::size_t tag, bool of_value) {
   const std::size_t end = text.find('>', tag);
   for (const std::string quote : {"\"", "'"}) {
@@ -37,7 +37,7 @@ std::size_t offset_of_attribute(const std::string& text, std::size_t tag, bool o
   return tag;
 }
 
-/// Of a key in YAML, or of its value where that stands in the same line.
+/// Offset of a key in YAML, or of its value if that is in the same line.
 std::size_t offset_of_entry(const std::string& text, std::size_t key_begin, bool of_value) {
   if (!of_value || key_begin >= text.size()) return key_begin;
   const char quote = text[key_begin];
@@ -99,7 +99,7 @@ ParameterSource::Position ParameterSource::position_around(std::string place) co
   for (; !place.empty(); place.resize(place.find_last_of(kSeparator, place.size() - 2) + 1)) {
     const auto found = positions_.find(place);
     if (found != positions_.end()) return found->second;
-    if (place.find(kSeparator) == std::string::npos) break;  // in a table: behind those of the file
+    if (place.find(kSeparator) == std::string::npos) break;  // in a table: sorted behind those of the file
   }
   return place.empty() ? Position{} : Position{std::numeric_limits<int>::max(), 0};
 }
@@ -123,7 +123,7 @@ std::string ParameterSource::where(const ParameterPath& path) const {
   }
 }
 
-/// Of `loads.csv:12:7`, the place in a table, whose text is among the files that the input names.
+/// Marked line of `loads.csv:12:7`, a place in a table whose text is among the files that the input names.
 std::string ParameterSource::marked_in_table(const std::string& place) const {
   const std::size_t last = place.rfind(':'), before = place.rfind(':', last - 1);
   for (const auto& [name, text] : files_)
@@ -146,7 +146,7 @@ std::string ParameterSource::marked(ParameterPath path, const std::string& probl
 }
 
 void ParameterSource::keep(const InputError& mistake, const ParameterPath& path) const {
-  if (std::string(mistake.what()).empty()) return;  // of require_mended()
+  if (std::string(mistake.what()).empty()) return;  // thrown by require_mended()
   const std::string place = mistake.place().empty() ? key(path) : mistake.place();
   const auto covers = [&](const Kept::Mistake& earlier) {
     const std::string& other = earlier.error.place();

@@ -1,4 +1,4 @@
-/// Where parameters came from: the file and the place of each in it, for error messages.
+/// Origin of parameters, for error messages: the file, and the place of each entry in it.
 #pragma once
 
 #include "discretization/text/errors.hpp"
@@ -25,18 +25,18 @@ ParameterPath child(ParameterPath path, const std::string& name);
 
 enum class InputLanguage { xml, yaml, python };
 
-/// What a reader does with mistakes after which it could go on.
+/// Treatment of mistakes after which a reader can go on.
 enum class Mistakes {
-  thrown,  ///< all at once, at its end
-  kept     ///< in the source, beside those that are found later: whoever asks for that throws them
+  thrown,  ///< together, at the end of reading
+  kept     ///< in the source, with those found later; a caller that asks for this throws them
 };
 
-/// `scene` of `folder/scene.yaml`.
+/// Name of a file without folder and extension: `scene` of `folder/scene.yaml`.
 std::string name_of_file(const std::string& file);
 
 class ParameterSource {
  public:
-  /// Without a file name: a list that the program made itself.
+  /// Without a file name: a list made by the program itself.
   explicit ParameterSource(std::string file = "", std::string root_name = "");
 
   const std::string& file() const { return file_; }
@@ -44,26 +44,26 @@ class ParameterSource {
   const std::string& root_name() const { return root_name_; }
 
   void set_root_name(const std::string& name) { root_name_ = name; }
-  /// Its content, of which errors show the line.
+  /// Sets the text of the file; errors show the line in it.
   void set_text(std::string text) { text_ = std::move(text); }
-  /// Language of the input, for messages. Of one in Python nobody sees the text: its places are the paths of lists.
+  /// Language of the input, for messages. The text of input from Python is not shown: its places are paths of lists.
   void set_language(InputLanguage language) { language_ = language; }
   InputLanguage language() const { return language_; }
-  /// What the language of the file calls a list and a parameter.
+  /// Word for a list or a parameter in the language of the file.
   std::string list_word() const { return word({"ParameterList", "map", "list"}); }
   std::string parameter_word() const { return word({"Parameter", "value", "parameter"}); }
-  /// Remembers the place of an entry: in YAML line and column, in XML the line and where in the text its tag begins.
-  /// Throws InputError if there was one of this path before: names in a list differ.
+  /// Remembers the place of an entry: line and column in YAML, line and offset of its tag in XML. Throws InputError if
+  /// the path was recorded before: names in a list must differ.
   void record(const ParameterPath& path, int line, int column);
-  /// Of what comes from another file: `where` as messages say it, "loads.csv:12".
+  /// Remembers the place of an entry from another file: `where` as in messages, "loads.csv:12".
   void record(const ParameterPath& path, const std::string& where);
 
-  /// Texts of the files that the input names, by that name: readers take them instead of what is on the disk now.
+  /// Texts of the files that the input names, by that name: readers use them instead of the files on disk.
   const std::map<std::string, std::string>& files() const { return files_; }
   void set_files(std::map<std::string, std::string> files) { files_ = std::move(files); }
 
-  /// Runs the action. A mistake that it meets is kept, so that others are found too; false then, and for all that
-  /// follows once too many are kept. What stands at or below the place of an earlier mistake follows from that.
+  /// Runs the action; keeps a mistake that it throws, so that others are found too, and returns false. Does nothing
+  /// once too many are kept. A mistake at, above or below the place of an earlier one follows from it and is dropped.
   template <class Action>
   bool attempt(const Action& action) const {
     if (is_full()) return false;
@@ -75,23 +75,23 @@ class ParameterSource {
       return false;
     }
   }
-  /// Runs the action, then throws all mistakes that were kept, the first twenty in full: as one InputError, in the
-  /// order of the file. Inside another collect() they wait for the end of that.
+  /// Runs the action, then throws all mistakes kept as one InputError, the first twenty in full, in the order of the
+  /// file. Inside another collect() they wait for its end.
   template <class Action>
   void collect(const Action& action) const {
     const Depth inside(*kept_);
     attempt(action);
     throw_kept();
   }
-  /// `path`: where it stands unless the mistake knows that itself.
+  /// Keeps a mistake; `path`: its place, unless it knows that itself.
   void keep(const InputError& mistake, const ParameterPath& path = {}) const;
   bool is_full() const { return kept_->mistakes.size() >= Kept::kMost; }
   /// Whether some mistake stands at or below this path.
   bool has_mistake(const ParameterPath& path) const;
   bool has_mistakes() const { return !kept_->mistakes.empty(); }
-  /// Nothing of the kind that belongs there could take the place of a mistake.
+  /// Notes that a mistake could not be replaced by an allowed value.
   void cannot_mend() const { kept_->is_mended = false; }
-  /// Leaves collect() where what follows would depend on a mistake that could not be mended.
+  /// Leaves collect() if a mistake could not be mended: what follows would depend on it.
   void require_mended() const {
     if (!kept_->is_mended || is_full()) throw InputError("");
   }
@@ -102,13 +102,13 @@ class ParameterSource {
   /// Line of this very path, 0 if it was not in the file.
   int line(const ParameterPath& path) const;
 
-  /// `scene.xml:12`, `scene.yaml:12:3`; for something that is missing, the place of the innermost list around it.
+  /// `scene.xml:12`, `scene.yaml:12:3`; for a missing entry, the place of the innermost list around it.
   std::string where(const ParameterPath& path) const;
 
   /// `scene.xml:12: XML path "Scene / Members": <remark>`
   std::string message(const ParameterPath& path, const std::string& remark) const;
-  /// The same as an error, with the line of the file and a mark below the place: the value where `problem` speaks of
-  /// one, else the name.
+  /// The same as an error, with the line of the file and a mark below the place: below the value if `problem` begins
+  /// with that word, else below the name.
   InputError error(const ParameterPath& path, const std::string& problem) const;
 
  private:
@@ -122,16 +122,16 @@ class ParameterSource {
   std::unordered_map<std::string, Position> positions_;
   std::unordered_map<std::string, std::string> elsewhere_;
 
-  /// What attempt() has kept: a notebook that all copies of a source share.
+  /// Mistakes kept by attempt(); all copies of a source share them.
   struct Kept {
     struct Mistake {
       InputError error;
       Position position;
     };
-    static constexpr std::size_t kMost = 40;  ///< names near each of them may be looked for among a million
+    static constexpr std::size_t kMost = 40;  ///< each may cost a search for the nearest among a million names
     std::vector<Mistake> mistakes{};
     bool is_mended = true;
-    int depth = 0;  ///< of collect()
+    int depth = 0;  ///< nesting of collect()
   };
   struct Depth {
     explicit Depth(Kept& of) : kept(of) { ++kept.depth; }
@@ -144,7 +144,7 @@ class ParameterSource {
   std::shared_ptr<Kept> kept_ = std::make_shared<Kept>();
 
   Position position(const ParameterPath& path) const;
-  /// Of the place, or of the innermost list around it.
+  /// Position of the place, or of the innermost list around it.
   Position position_around(std::string place) const;
   std::string text_of(const Position& position) const;
   std::string word(const std::array<const char*, 3>& by_language) const;
@@ -154,8 +154,7 @@ class ParameterSource {
   std::map<std::string, std::string> files_;
 };
 
-/// A place in what a user wrote: a list or a parameter, which errors point to and formulas stand at. The source must
-/// outlive it.
+/// Place in the input, a list or a parameter, that errors and formulas refer to. The source must outlive it.
 class InputPlace {
  public:
   InputPlace(const ParameterSource& source, ParameterPath path) : source_(&source), path_(std::move(path)) {}
@@ -164,8 +163,7 @@ class InputPlace {
   /// One level deeper.
   InputPlace operator[](const std::string& name) const { return {*source_, child(path_, name)}; }
   InputError error(const std::string& problem) const { return source_->error(path_, problem); }
-  /// As that of the source. A mistake is not kept where the entry that stands here has one already: it may follow from
-  /// that.
+  /// Like ParameterSource::attempt(), but drops a mistake if this entry has one already: it may follow from that.
   template <class Action>
   bool attempt(const Action& action) const {
     if (source_->is_full()) return false;
@@ -183,12 +181,12 @@ class InputPlace {
   ParameterPath path_;
 };
 
-/// The formula that a parameter holds. Throws InputError for a text that is none, or that uses other names than
+/// Parses the formula of a parameter. Throws InputError for a text that is not a formula, or that uses other names than
 /// `variables`.
 Expression checked_formula(const std::string& text, const std::vector<std::string>& variables, const InputPlace& place);
 
-/// Throws InputError unless the formula has a finite value at each of the `samples` (one value per variable each). A
-/// sample can miss a pole; it finds the slips that matter: a division by s at the start, a root of 1 - x that should
+/// Throws InputError unless the formula has a finite value at each of the `samples` (one value per variable each).
+/// Samples can miss a pole, but find the slips that matter: a division by s at the start, a root of 1 - x that should
 /// have been one of x - 1.
 void check_finite(const Expression& formula, const std::vector<std::string>& variables,
                   const std::vector<std::vector<double>>& samples, const InputPlace& place);

@@ -1,5 +1,5 @@
-/// The one declaration of every parameter: its name, type, presence, range and meaning. From it come the checks of
-/// what a user wrote (validate.hpp) and the manual page (parameters/print.hpp).
+/// Declaration of every parameter, in one place: name, type, presence, range and meaning. The checks of input
+/// (validate.hpp) and the manual page (parameters/print.hpp) follow from it.
 ///
 ///     ListSpec section;
 ///     section.add(real("GIt").above(0.0).required().means("torsional stiffness, force * length^2"));
@@ -38,12 +38,12 @@ struct ParameterSpec {
   Presence presence = Presence::optional;
   ParameterValue default_value;
   Range range;
-  int length = 0;                    ///< arrays: how many values; 0: any number
-  bool empty_allowed = false;        ///< arrays: no value at all is allowed too
+  int length = 0;                    ///< arrays: number of values; 0: any
+  bool empty_allowed = false;        ///< arrays: may be empty
   double shortest = 0.0;             ///< vectors: smallest Euclidean norm, below which there is no direction
-  std::vector<std::string> choices;  ///< strings and arrays of strings: the only ones allowed; none given: any
-  std::string other_words;           ///< strings: other values allowed, checked elsewhere
-  std::vector<std::string> words;    ///< numbers: strings (or booleans of these names) that may stand in their place
+  std::vector<std::string> choices;  ///< strings and arrays of strings: allowed values; empty: any
+  std::string other_words;           ///< describes other texts that are allowed, and checked elsewhere
+  std::vector<std::string> words;    ///< numbers: strings (or booleans of these names) allowed instead
   std::string meaning;               ///< one sentence, with units and frame
 
   // The declaration reads as a sentence: real("EA").above(0.0).required().means("axial stiffness, force").
@@ -85,14 +85,14 @@ ParameterSpec real(const std::string& name);
 ParameterSpec text(const std::string& name);
 ParameterSpec choice(const std::string& name, const std::vector<std::string>& choices);
 ParameterSpec array(const std::string& name, ParameterType type, int length = 0);
-/// Three components.
+/// Array of three numbers.
 ParameterSpec vector3(const std::string& name);
-/// Any of the given words, each at most once.
+/// Array of any of the given words, each at most once.
 ParameterSpec subset(const std::string& name, const std::vector<std::string>& choices);
 
 struct SublistSpec;
 
-/// One way to fill a list.
+/// One combination of entries that a list may have.
 struct Form {
   std::vector<std::string> needed, optional{};
 };
@@ -105,14 +105,14 @@ struct ListSpec {
   std::string meaning;
   std::vector<ParameterSpec> parameters;
   std::vector<SublistSpec> sublists;
-  std::string form_parameter;                      ///< the word that decides which forms are allowed
+  std::string form_parameter;                      ///< parameter whose word selects the allowed forms
   std::map<std::string, std::vector<Form>> forms;  ///< by that word; names in none of them are always allowed
-  std::vector<std::string> formless;               ///< names that only go without that word
+  std::vector<std::string> formless;               ///< names allowed only without that parameter
   std::vector<std::string> removed;  ///< parameters of earlier versions: validate() warns and goes on without them
-  std::shared_ptr<const ParameterSpec> named_parameter;  ///< what every parameter of a free name must be
-  std::shared_ptr<const ListSpec> named_list;            ///< what every list of a free name must be
+  std::shared_ptr<const ParameterSpec> named_parameter;  ///< declaration of parameters with free names
+  std::shared_ptr<const ListSpec> named_list;            ///< declaration of lists with free names
   std::string placeholder;                               ///< stands for the free name in the manual: `point`
-  int minimum_named = 0;                                 ///< how many free names there must be
+  int minimum_named = 0;                                 ///< least number of free names
   bool unchecked = false;                                ///< any content: this list is checked elsewhere
 
   ListSpec& add(const ParameterSpec& parameter);
@@ -120,17 +120,17 @@ struct ListSpec {
   ListSpec& add_list(const std::string& name, const ListSpec& list, Presence presence = Presence::defaulted);
   ListSpec& with_named_parameters(const std::string& placeholder_name, const ParameterSpec& parameter, int minimum = 0);
   ListSpec& with_named_lists(const std::string& placeholder_name, const ListSpec& list, int minimum = 0);
-  /// Which other entries of the list are needed or allowed depends on the word that `parameter` says.
+  /// Makes the other entries that are needed or allowed depend on the word given by `parameter`.
   ListSpec& with_forms(const std::string& parameter, const std::map<std::string, std::vector<Form>>& forms_of_words);
-  /// These may only be given where `parameter` of the forms is not.
+  /// Allows these entries only if the parameter of the forms is absent.
   ListSpec& without_form(const std::vector<std::string>& names);
   ListSpec& without_checks();
-  /// A parameter that earlier versions had, and that no result depends on.
+  /// Accepts, with a warning, a parameter of earlier versions that no result depends on.
   ListSpec& had_once(const std::string& name);
 
   const ParameterSpec* find_parameter(const std::string& name) const;
   const SublistSpec* find_list(const std::string& name) const;
-  /// What a parameter or list of this name, fixed or free, must be; nullptr: there is none.
+  /// Declaration of a parameter or list of this name, fixed or free; nullptr: there is none.
   const ParameterSpec* parameter(const std::string& name) const;
   const ListSpec* list(const std::string& name) const;
   /// All fixed names, parameters first.
@@ -143,10 +143,10 @@ struct SublistSpec {
   std::shared_ptr<const ListSpec> list;
 };
 
-/// `double, value > 0, or inf`: what may be written for this parameter.
+/// Allowed values of a parameter in words: `double, value > 0, or inf`.
 std::string allowed_values(const ParameterSpec& parameter);
 
-/// Whether it stands in place of what the parameter declares. A number with other words takes any text for a formula.
+/// Whether the value is a formula in place of a number. For a number with other words, any text is a formula.
 bool stands_for_number(const ParameterValue& value, const ParameterSpec& spec);
 
 }  // namespace mixbeam

@@ -23,7 +23,7 @@ std::string type_of(const ParameterValue& value) {
   return "type " + xml_name(static_cast<ParameterType>(value.index() - 1));
 }
 
-/// A whole number is a real number too.
+/// Converts integers to reals if reals are declared.
 ParameterValue widened(const ParameterValue& value, ParameterType type) {
   if (type == ParameterType::real && std::holds_alternative<int>(value)) {
     return static_cast<double>(std::get<int>(value));
@@ -80,7 +80,7 @@ bool is_long_enough(const ParameterValue& value, double shortest) {
   return norm >= shortest;
 }
 
-/// Of words that must be among the choices, each at most once.
+/// Problem of words that must be among the choices, each at most once.
 Problem problem_of_words(const ParameterValue& value, const ParameterSpec& spec) {
   Teuchos::Array<std::string> words;
   if (std::holds_alternative<std::string>(value)) words.push_back(std::get<std::string>(value));
@@ -96,12 +96,12 @@ Problem problem_of_words(const ParameterValue& value, const ParameterSpec& spec)
   return "";
 }
 
-/// What keeps a list from being of some form.
+/// Entries in which a list differs from a form.
 struct Misfits {
   std::vector<std::string> missing, too_many;
   std::size_t needed_given = 0;
   std::size_t size() const { return missing.size() + too_many.size(); }
-  /// Of two that miss as much, the form of which more was given is meant.
+  /// Of two forms that differ as much, the one with more needed entries given is meant.
   bool is_nearer_than(const Misfits& other) const {
     return size() != other.size() ? size() < other.size() : needed_given > other.needed_given;
   }
@@ -117,7 +117,7 @@ bool is_of_some_form(const ListSpec& spec, const std::string& name) {
   return false;
 }
 
-/// All names that some form speaks of.
+/// All names that occur in some form.
 std::vector<std::string> names_of_forms(const ListSpec& spec) {
   std::vector<std::string> names;
   for (const std::string& name : spec.fixed_names())
@@ -152,7 +152,7 @@ bool is_array_value(const ParameterValue& value) {
   return value.index() > static_cast<std::size_t>(ParameterType::integer_array);
 }
 
-/// One walk over a list and its sublists; `path_` follows the walk.
+/// Visits a list and its sublists; `path_` is the current place.
 class Validator {
  public:
   Validator(const ParameterSource& source, ParameterPath path, bool keep_formulas)
@@ -178,7 +178,7 @@ class Validator {
  private:
   InputError error(const std::string& problem) const { return source_.error(path_, problem); }
 
-  /// Runs the action one level deeper. False: it met a mistake, which is kept.
+  /// Runs the action one level deeper. False: it threw a mistake, which is kept.
   template <class Action>
   bool at(const std::string& name, const Action& action) {
     const std::size_t depth = path_.size();
@@ -204,7 +204,7 @@ class Validator {
     return are_known;
   }
 
-  /// False: nobody knows what was meant. An entry of the wrong kind is taken out.
+  /// False: it is unknown which name was meant. Removes an entry of the wrong kind.
   bool check_name(ParameterList& list, const ListSpec& spec, const std::string& name) {
     const bool is_list = list.isSublist(name);
     const ParameterSpec* parameter = spec.find_parameter(name);
@@ -236,7 +236,7 @@ class Validator {
     return names.empty() ? "" : ", with " + quoted_list(names);
   }
 
-  /// Reads an entry of an unknown name as the one of which it seems to be a slip.
+  /// Reads an entry of an unknown name as the one that it seems to misspell.
   static bool take_for_nearest(ParameterList& list, const ListSpec& spec, const std::string& name) {
     const std::string nearest = nearest_name(name, names_that_fit(list, spec));
     const bool is_list = list.isSublist(name);
@@ -252,7 +252,7 @@ class Validator {
     return true;
   }
 
-  /// Names that fit to the form that was chosen.
+  /// Names that the chosen form allows.
   static std::vector<std::string> names_that_fit(const ParameterList& list, const ListSpec& spec) {
     const auto* word =
         list.isType<std::string>(spec.form_parameter) ? &list.get<std::string>(spec.form_parameter) : nullptr;
@@ -269,7 +269,7 @@ class Validator {
     return names;
   }
 
-  /// Where else in the file a name stands: `; it belongs in the list "Material"`.
+  /// Hint at another place in the file for a name: `; it belongs in the list "Material"`.
   std::string other_place_of(const std::string& name, const ListSpec& spec, bool is_list) const {
     const auto has_name = [&](const ListSpec& other) {
       return is_list ? other.find_list(name) != nullptr : other.find_parameter(name) != nullptr;
@@ -287,7 +287,7 @@ class Validator {
 
   void check_free_name(const ParameterList& list, const ListSpec& spec, const std::string& name, bool is_list) const {
     const bool allowed = is_list ? spec.named_list != nullptr : spec.named_parameter != nullptr;
-    const auto is_control = [](unsigned char c) { return c < ' ' || c == 127; };  // tables have a name in each line
+    const auto is_control = [](unsigned char c) { return c < ' ' || c == 127; };  // tables list one name per line
     if (allowed && std::any_of(name.begin(), name.end(), is_control))
       throw error("a name with control characters; allowed: names of one line");
     if (allowed) return;
@@ -315,7 +315,7 @@ class Validator {
     return true;
   }
 
-  /// `is_needed`: a required one may not be absent; it may where a name that nobody knows could be its.
+  /// `is_needed`: reports a required parameter that is absent; false if an unknown name could stand for it.
   void check_parameter(ParameterList& list, const ParameterSpec& spec, const std::string& name, bool is_needed) {
     const ParameterEntry* entry = list.getEntryPtr(name);
     if (entry == nullptr && spec.presence == Presence::defaulted) set_value(list, name, spec.default_value, true);
@@ -333,13 +333,13 @@ class Validator {
     if (entry == nullptr || !is_right) mend(list, spec, name);
   }
 
-  /// What a value has come from.
+  /// Prefix of a message: the formula that gave the value.
   static std::string of_formula(const ParameterEntry& entry) {
     const std::string written = to_text(written_value(entry).value);
     return written == to_text(value_of(entry)) ? "" : "formula " + excerpt(written) + ": ";  // as texts: NaN too
   }
 
-  /// Puts something allowed in the place of what is wrong or missing.
+  /// Replaces a wrong or missing value by an allowed one.
   void mend(ParameterList& list, const ParameterSpec& spec, const std::string& name) {
     list.remove(name, false);
     if (spec.presence == Presence::optional) return;
@@ -348,7 +348,7 @@ class Validator {
     source_.cannot_mend();
   }
 
-  /// In YAML and Python [1, 2], in XML {1, 2}.
+  /// Array of entries: [1, 2] in YAML and Python, {1, 2} in XML.
   std::string bracketed(const std::string& entries) const {
     return source_.language() == InputLanguage::xml ? "{" + entries + "}" : "[" + entries + "]";
   }
@@ -361,7 +361,7 @@ class Validator {
     return ", like " + bracketed(entries);
   }
 
-  /// What is usually meant by a value that is not allowed.
+  /// Suggestion for a value that is not allowed.
   std::string hint(const ParameterValue& value, const ParameterSpec& spec, const ListSpec& around) const {
     const auto meant = [](const std::string& text) { return "; did you mean " + text + "?"; };
     const auto* text = std::get_if<std::string>(&value);
@@ -423,7 +423,7 @@ class Validator {
     }
   }
 
-  /// Against the form of this word that is nearest to what was given.
+  /// Checks against the form of this word that is nearest to the given entries.
   void check_form(const ParameterList& list, const ListSpec& spec, const std::string& word) const {
     const std::vector<Form>& forms = spec.forms.at(word);
     Misfits nearest = misfits(list, spec, forms.front());

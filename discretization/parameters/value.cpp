@@ -36,8 +36,8 @@ Problem parse_text(const std::string& text, std::string& value) {
   return "";
 }
 
-/// Where the entries of an array end: at its commas and at its end. A comma inside parentheses belongs to the entry,
-/// like in max(x, 1), unless the parentheses do not match.
+/// Offsets where the entries of an array end. A comma inside parentheses belongs to the entry, as in max(x, 1), unless
+/// the parentheses do not match.
 std::vector<std::size_t> ends_of_entries(const std::string& text) {
   std::vector<std::size_t> all, outside;
   int depth = 0;

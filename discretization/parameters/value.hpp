@@ -33,9 +33,9 @@ inline bool has_type(const ParameterValue& value, ParameterType type) {
 /// `"text"`, `0.5`, `true`, `{1, 2, 3}`.
 std::string to_text(const ParameterValue& value);
 
-/// What an attribute of XML or a cell of a table says: `text`, `0.5`, `true`, `{1, 2, 3}`.
+/// Text of a value in an XML attribute or a cell of a table: `text`, `0.5`, `true`, `{1, 2, 3}`.
 std::string attribute_text(const ParameterValue& value);
-/// Reads it: `text`, `0.5`, `true`, `{1, 2, 3}`.
+/// Parses such a text; a number may be a formula.
 Problem parse_value(const std::string& text, ParameterType type, ParameterValue& value);
 
 /// The value of an entry; empty for a type that XML cannot express (a list that the program made itself).
@@ -62,19 +62,19 @@ inline Vector3 get_vector(const Teuchos::ParameterList& list, const std::string&
   return {values[0], values[1], values[2]};
 }
 
-/// Whether a formula stands in place of a number: `=2*L`. What it says: reading/variables.hpp.
+/// Whether a text is a formula in place of a number: `=2*L`. For its value see reading/variables.hpp.
 bool is_formula(const std::string& text);
-/// The same of a value, in an array of any entry.
+/// The same for a value; for an array, of any entry.
 bool holds_formula(const ParameterValue& value);
 
-/// An entry as it was written, formulas in it. Behind the number that a formula has become, the entry keeps both in its
+/// Entry as written, with its formulas. Once a formula is evaluated, the entry keeps type and formula in its
 /// documentation: `double =2*L`.
 struct WrittenValue {
-  std::string type{};  ///< in XML; empty: that of the value, or nobody said it
+  std::string type{};  ///< in XML; empty: that of the value, or unknown
   ParameterValue value;
 };
 WrittenValue written_value(const Teuchos::ParameterEntry& entry);
-/// The number (text, array) that `written` has become.
+/// Sets the value (number, text, array) that `written` evaluates to.
 void set_result(Teuchos::ParameterEntry& entry, const ParameterValue& result, const WrittenValue& written);
 
 }  // namespace mixbeam

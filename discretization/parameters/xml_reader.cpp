@@ -18,15 +18,15 @@
 namespace mixbeam {
 namespace {
 
-constexpr std::size_t kMaximumBytes = std::size_t{256} << 20U;  // as of files
+constexpr std::size_t kMaximumBytes = std::size_t{256} << 20U;  // as for files
 
 const std::vector<std::string> kTags = {"ParameterList", "Parameter"};
-// Teuchos writes the last four of each itself; they say nothing that is needed here.
+// Teuchos itself writes the last four of each; they are not needed here.
 const std::vector<std::string> kListAttributes = {"name", "id", "docString", "isDefault", "isUsed"};
 const std::vector<std::string> kParameterAttributes = {"name",      "type",      "value", "id",
                                                        "docString", "isDefault", "isUsed"};
 
-/// Name and value; a tag has a few only, and the parser refuses equal names.
+/// Names and values; a tag has few, and the parser refuses equal names.
 using Attributes = std::vector<std::pair<std::string, std::string>>;
 
 const std::string* find_attribute(const Attributes& attributes, const std::string& name) {
@@ -41,7 +41,7 @@ class ListBuilder {
  public:
   ListBuilder(xmlParserCtxtPtr parser, XmlParameters& result) : parser_(parser), result_(result) {}
 
-  /// The first one; empty while there is none.
+  /// First error; null while there is none.
   const std::exception_ptr& error() const { return error_; }
   bool has_root() const { return has_root_; }
 
@@ -83,7 +83,7 @@ class ListBuilder {
     if (!path_.empty()) path_.pop_back();
   }
 
-  /// One behind an entry, in its line, belongs to that entry.
+  /// A comment behind an entry in its line belongs to that entry.
   void comment(const std::string& text) {
     const bool is_behind = line_of_end_ > 0 && line_of_end_ == tag_place().line && pending_comments_.empty();
     if (is_behind) return result_.comments.push_back({Comment::Place::behind, last_ended_, trimmed(text)});
@@ -124,7 +124,7 @@ class ListBuilder {
     int line = 0, offset = 0;
   };
 
-  /// The parser stands at the end of the tag, which may be lines below its start.
+  /// Place where a tag begins; the parser is at its end, maybe lines below.
   Place tag_place() const {
     Place place{line(), 0};
     const xmlChar* begin = parser_->input->cur;
@@ -136,7 +136,7 @@ class ListBuilder {
     return *begin == '<' ? place : Place{line(), place.offset};
   }
 
-  /// Bytes in front of the tag in its line; 0 in a line without end.
+  /// Bytes before the tag in its line; 0 if there are very many.
   int indent(const Place& place) const {
     constexpr int kMost = 200;
     for (int i = 1; i <= std::min(place.offset, kMost); ++i)
@@ -191,7 +191,7 @@ class ListBuilder {
     indents_.push_back(indent(place));
   }
 
-  /// Teuchos does not demand a name for the outermost list: it takes that of the file.
+  /// Teuchos does not require a name of the outermost list; here that of the file is used.
   void start_root(const Attributes& attributes, const Place& place) {
     const std::string* name = find_attribute(attributes, "name");
     result_.list->setName(name == nullptr ? name_of_file(result_.source.file()) : *name);
@@ -234,7 +234,7 @@ class ListBuilder {
       open_.back()->getEntry(name).setDocString(type);
   }
 
-  /// Those that were read since the last entry belong to this one.
+  /// Assigns the comments read since the last entry to this one.
   void take_comments(Comment::Place place, const ParameterPath& path) {
     for (std::string& text : pending_comments_) result_.comments.push_back({place, path, std::move(text)});
     pending_comments_.clear();
@@ -243,9 +243,9 @@ class ListBuilder {
   xmlParserCtxtPtr parser_;
   XmlParameters& result_;
   std::exception_ptr error_;
-  std::vector<Teuchos::ParameterList*> open_;  ///< lists whose end has not come yet
+  std::vector<Teuchos::ParameterList*> open_;  ///< lists that have not ended
   std::vector<int> indents_;                   ///< of their tags
-  std::string not_closed_;                     ///< of the first list in which another one stands without more indent
+  std::string not_closed_;                     ///< for the first list that contains another one with no more indent
   ParameterPath path_;
   std::vector<std::string> pending_comments_;
   ParameterPath last_ended_;  ///< the entry whose tag ended last
@@ -325,8 +325,8 @@ void connect(xmlParserCtxt& parser, ListBuilder& builder) {
 
 void say_nothing(void* /*context*/, const char* /*message*/, ...) {}
 
-/// Errors of encodings do not come through the parser's own handler: libxml2 would print them to stderr. They are also
-/// seen as a document that is not well-formed.
+/// Silences errors of encodings, which bypass the parser's own handler: libxml2 would print them to stderr. They also
+/// make the document ill-formed.
 class SilentParsing {
  public:
   SilentParsing() : print_(xmlGenericError), context_(xmlGenericErrorContext) {
@@ -341,7 +341,7 @@ class SilentParsing {
   void* context_;
 };
 
-/// The parser compares each attribute of a tag with each.
+/// The parser compares all pairs of attributes of a tag.
 constexpr int kMostAttributes = 100;
 
 }  // namespace

@@ -17,14 +17,14 @@
 namespace mixbeam {
 namespace {
 
-/// What aliases may add: a real file repeats a few lists, a bomb repeats repetitions.
+/// Nodes that aliases may add: a real file repeats a few lists, a bomb repeats repetitions.
 constexpr std::size_t kMostAliasNodes = 100'000;
 
 /// A scalar, sequence or map. The children of a map are its keys and values in turn.
 struct YamlNode {
   enum class Kind { plain, quoted, sequence, map };
   Kind kind = Kind::plain;
-  bool is_absent = false;  ///< nothing stands there
+  bool is_absent = false;  ///< no value was written
   YAML::Mark mark{};
   std::string text{};
   std::vector<std::size_t> children{};
@@ -36,7 +36,7 @@ std::string described(YamlNode::Kind kind) {
 
 const std::string kNothingAfter = "; nothing after this line was read";
 
-/// In which file, and its text.
+/// Name and text of a file.
 struct YamlFile {
   const std::string& name;
   const std::string& text;
@@ -50,7 +50,7 @@ struct YamlFile {
   }
 };
 
-/// Receives the parser's events and keeps the nodes. An alias is one more parent of its node.
+/// Keeps the nodes that the parser's events describe. An alias adds a parent to its node.
 class YamlTree : public YAML::EventHandler {
  public:
   explicit YamlTree(const YamlFile& file) : file_(file) {}
@@ -96,7 +96,7 @@ class YamlTree : public YAML::EventHandler {
   YamlNode& add(YamlNode::Kind kind, const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor) {
     if (tag != "?" && tag != "!" && !tag.empty())
       throw file_.error(mark, "tag \"" + excerpt(tag) + "\"; allowed: !!str for text, types follow from the names");
-    // The parser places a value that is absent where the next token stands, which may be the word null.
+    // The parser places an absent value at the next token, which may be the word null.
     if (!nodes_.empty() && nodes_.back().kind == YamlNode::Kind::plain && nodes_.back().mark.pos == mark.pos) {
       nodes_.back().text.clear();
       nodes_.back().is_absent = true;
@@ -113,7 +113,7 @@ class YamlTree : public YAML::EventHandler {
     add(kind, mark, tag, anchor);
     open_.push_back(nodes_.size() - 1);
   }
-  /// The parser takes the end of the file for the end of a quote.
+  /// Whether the quote at `at` is not closed: the parser ends it with the file.
   bool is_open_quote(std::size_t at) const {
     const char quote = at < file_.text.size() ? file_.text[at] : ' ';
     if (quote != '"' && quote != '\'') return false;
@@ -121,7 +121,7 @@ class YamlTree : public YAML::EventHandler {
       if (quote == '"' && file_.text[at] == '\\') ++at;
     return at >= file_.text.size();
   }
-  /// The parser tells that a scalar means null, not how it was written, which matters where it is a name.
+  /// Spelling of a null scalar, which the parser does not report and which matters if it is a name.
   std::string null_word(const YAML::Mark& mark) const {
     for (const char* word : {"null", "Null", "NULL", "~"})
       if (file_.text.compare(static_cast<std::size_t>(mark.pos), std::string(word).size(), word) == 0) return word;
@@ -130,7 +130,7 @@ class YamlTree : public YAML::EventHandler {
 
   const YamlFile file_;
   std::vector<YamlNode> nodes_;    ///< the root is the first
-  std::vector<std::size_t> open_;  ///< sequences and maps whose end has not come yet
+  std::vector<std::size_t> open_;  ///< sequences and maps that have not ended
   std::map<YAML::anchor_t, std::size_t> anchors_;
 };
 
@@ -139,7 +139,7 @@ Problem parse_plain(const std::string& text, bool& value) {
   return value || text == "false" || text == "False" || text == "FALSE" ? "" : "no switch";
 }
 Problem parse_plain(const std::string& text, int& value) { return parse_number(text, value); }
-/// YAML writes .inf where a scene may also say inf.
+/// Accepts .inf, as YAML writes it, besides inf.
 Problem parse_plain(const std::string& text, double& value) {
   const std::size_t sign = text.find_first_not_of("+-") == 1 ? 1 : 0;
   const bool is_infinite = lower_case(text.substr(sign)) == ".inf";
@@ -167,7 +167,7 @@ class YamlFiller {
     return file_.error(node.mark, place + problem);
   }
 
-  /// `entry`: how many keys and values of the map stand before the node.
+  /// `entry`: number of keys and values of the map before the node.
   InputError missing_value(const YamlNode& node, std::size_t entry = 0) const {
     double number = 0.0;
     const bool follows_a_comma = entry > 0 && parse_plain(node.text, number).empty();
@@ -175,7 +175,7 @@ class YamlFiller {
                            (follows_a_comma ? "; decimals have a point: a comma separates entries" : hint_));
   }
 
-  /// `spec`: none where nothing is declared.
+  /// `spec`: null where nothing is declared.
   void fill(Teuchos::ParameterList& list, const ListSpec* spec, const YamlNode& map) {
     if (path_.size() > kDeepestLists)
       throw error(map, "lists nested deeper than " + std::to_string(kDeepestLists) + " by an alias");
@@ -238,7 +238,7 @@ class YamlFiller {
     return value;
   }
 
-  /// The scalar itself, or those of a sequence.
+  /// The scalar itself, or the scalars of a sequence.
   std::vector<const YamlNode*> entries_of(const YamlNode& node) {
     std::vector<const YamlNode*> entries;
     if (node.kind != Kind::sequence) entries.push_back(&node);
@@ -252,7 +252,7 @@ class YamlFiller {
     return entries;
   }
 
-  /// False where an entry does not have the type.
+  /// False if an entry does not have the type.
   static bool parse(const std::vector<const YamlNode*>& entries, bool is_array, ParameterType type,
                     ParameterValue& value) {
     using Parse = bool (*)(const std::vector<const YamlNode*>&, ParameterValue&);
@@ -296,11 +296,11 @@ class YamlFiller {
   const YamlFile file_;
   XmlParameters& result_;
   ParameterPath path_;
-  std::string hint_;  ///< of a value that is absent in the list that is being filled
+  std::string hint_;  ///< for values absent in the list being filled
   std::size_t visited_ = 0;
 };
 
-/// Line of the first byte that is no text in UTF-8, 0 if there is none.
+/// First line that is not text in UTF-8; 0 if there is none.
 int line_without_text(const std::string& text) {
   int number = 1;
   std::istringstream lines(text);
@@ -312,7 +312,7 @@ int line_without_text(const std::string& text) {
   return 0;
 }
 
-/// The first tab in the indentation of one of the lines up to this one, counted from 1; 0 if there is none.
+/// Line and column, from 1, of the first tab in the indentation of a line up to `last_line`; zeros if there is none.
 std::pair<int, int> place_of_tab(const std::string& text, int last_line) {
   int number = 1;
   std::istringstream lines(text);
@@ -323,7 +323,7 @@ std::pair<int, int> place_of_tab(const std::string& text, int last_line) {
   return {};
 }
 
-/// The last quote of the first line, up to `last_line`, that has an odd number of them before its comment.
+/// Place of the last quote in the first line, up to `last_line`, with an odd number of them before its comment.
 std::pair<int, int> place_of_open_quote(const std::string& text, int last_line) {
   int number = 1;
   std::istringstream lines(text);
@@ -334,7 +334,7 @@ std::pair<int, int> place_of_open_quote(const std::string& text, int last_line) 
   return {};
 }
 
-/// What the parser says, and what is usually meant.
+/// Message of the parser, with a hint at the usual cause.
 InputError syntax_error(const YAML::ParserException& problem, const YamlFile& file) {
   using namespace YAML::ErrorMsg;
   const auto is_one_of = [&](std::initializer_list<const char*> messages) {

@@ -16,12 +16,12 @@ const std::string kByteOrderMark = "\xEF\xBB\xBF";
 bool is_line_end(char c) { return c == '\n' || c == '\r'; }
 bool is_blank(char c) { return c == ' ' || c == '\t'; }
 
-/// One walk through the text.
+/// Reads the records of a text, from start to end.
 class CsvScanner {
  public:
   CsvScanner(const CsvFile& file, const std::string& text) : file_(file), text_(text) {}
 
-  /// False at the end of the text.
+  /// Reads the next record; false at the end of the text.
   bool next(CsvRecord& record) {
     record.cells.clear();
     record.columns.clear();
@@ -39,7 +39,7 @@ class CsvScanner {
   bool at_end() const { return at_ == text_.size(); }
   bool at_line_end() const { return at_end() || is_line_end(text_[at_]); }
 
-  /// Characters of UTF-8, not bytes. Counts on from where it was asked last.
+  /// Column in characters of UTF-8, not bytes. Continues counting from the place of the last call.
   int column() {
     if (counted_to_ < line_begin_ || counted_to_ > at_) {
       counted_to_ = line_begin_;
@@ -57,7 +57,7 @@ class CsvScanner {
     line_begin_ = at_;
   }
 
-  /// Past empty lines and comments.
+  /// Skips empty lines and comments; false at the end of the text.
   bool skip_to_record() {
     while (!at_end()) {
       while (!at_line_end() && is_blank(text_[at_])) ++at_;
@@ -65,7 +65,7 @@ class CsvScanner {
       if (comment)
         while (!at_line_end()) ++at_;
       if (!at_line_end()) {
-        at_ = line_begin_;  // an empty first cell may be in front of a tabulator
+        at_ = line_begin_;  // an empty first cell may precede a tabulator
         return true;
       }
       end_line();
@@ -129,7 +129,7 @@ class CsvScanner {
   const CsvFile& file_;
   const std::string& text_;
   std::size_t at_ = 0, line_begin_ = 0;
-  std::size_t counted_to_ = 0;  ///< characters of the line before it: counted_
+  std::size_t counted_to_ = 0;  ///< counted_: characters of the line before this
   int counted_ = 0;
   int line_ = 1;
   char separator_ = '\0';

@@ -10,10 +10,10 @@
 
 namespace mixbeam {
 
-/// What the user gave cannot be used; the message says where, what was seen and what is allowed. Exit code 2.
+/// Invalid input; the message gives the place, what was found and what is allowed. Exit code 2.
 class InputError : public std::runtime_error {
  public:
-  /// `place`: of what the user gave, in words that only compare places (ParameterSource); empty: not known.
+  /// `place`: key of the faulty entry (ParameterSource), used only to compare places; empty: unknown.
   explicit InputError(const std::string& text, std::string place = "")
       : std::runtime_error(text), place_(std::move(place)) {}
 
@@ -23,11 +23,11 @@ class InputError : public std::runtime_error {
   std::string place_;
 };
 
-/// An error that shows only when a member is divided into elements, where the file that it came from is not known:
-/// whoever knows the file adds the place (scene_file.hpp).
+/// An error found only when a member is divided into elements, where its file is unknown; the caller that knows the
+/// file adds the place (scene_file.hpp).
 class MemberError : public InputError {
  public:
-  /// `remark`: after the name, such as ", element 1 of 4".
+  /// `remark`: text after the name, such as ", element 1 of 4".
   MemberError(std::string member, const std::string& remark, const std::string& problem)
       : InputError("member \"" + member + "\"" + remark + ": " + problem), member_(std::move(member)) {}
 
@@ -43,20 +43,20 @@ class ConvergenceError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// For functions that do not know where their numbers come from: whoever does catches it and names the place.
+/// Throws for functions that do not know where their numbers come from; a caller that does adds the place.
 template <class Text>
 void require(bool condition, const Text& otherwise) {
   if (!condition) throw std::invalid_argument(otherwise);
 }
 
-/// Whether memory is not there. Kokkos and Tpetra throw texts of their own, which name the view and its size.
+/// Whether memory ran out. Kokkos and Tpetra throw texts of their own, which name the view and its size.
 inline bool is_out_of_memory(const std::exception& error) {
   return dynamic_cast<const std::bad_alloc*>(&error) != nullptr ||
          std::strstr(error.what(), "failed to allocate memory") != nullptr ||
          std::strstr(error.what(), "insufficient memory") != nullptr;
 }
 
-/// Message of an error: its text, but of std::bad_alloc itself, which has none.
+/// Message of an error; std::bad_alloc has no useful one of its own.
 inline std::string reason_of(const std::exception& error) {
   return std::strcmp(error.what(), std::bad_alloc().what()) == 0 ? "not enough memory" : error.what();
 }

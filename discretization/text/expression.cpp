@@ -16,11 +16,11 @@ namespace mixbeam {
 namespace {
 
 constexpr double kEuler = 2.71828182845904523536;
-constexpr std::size_t kLongestFormula = 10000;  // a formula longer than that is a mistake, and deep nesting costs stack
+constexpr std::size_t kLongestFormula = 10000;  // longer ones are mistakes, and deep nesting costs stack
 
 double two_argument_arctangent(double y, double x) { return std::atan2(y, x); }
 
-/// muParser would change its variables.
+/// Assignments would let muParser change its variables.
 void refuse_assignments(const std::string& text) {
   for (std::size_t i = text.find('='); i != std::string::npos; i = text.find('=', i + 1)) {
     const bool follows = i > 0 && std::string("<>!=").find(text[i - 1]) != std::string::npos;
@@ -44,10 +44,10 @@ void check_text(const std::string& text) {
   refuse_assignments(text);
 }
 
-/// What the parser asks while it reads one formula.
+/// Callbacks of the parser for the names in one formula.
 struct NameFinder {
   const FormulaNames& names;
-  std::list<double> values{};  ///< whose addresses the parser holds
+  std::list<double> values{};  ///< a list: the parser holds their addresses
 
   static double* variable(const char* name, void* finder) {
     auto& self = *static_cast<NameFinder*>(finder);
@@ -67,7 +67,7 @@ struct Expression::Formula {
   mu::Parser parser;
 };
 
-Expression::Expression() = default;  // a parser for nothing takes as long as reading ten parameters
+Expression::Expression() = default;  // constructing an unused parser costs as much as reading ten parameters
 
 Expression::Expression(const std::string& text, const std::vector<std::string>& variables)
     : formula_(std::make_shared<Formula>()) {
@@ -90,7 +90,7 @@ double Expression::operator()(const std::vector<double>& values) const {
   if (values.size() != (formula_ == nullptr ? 0 : formula_->values.size()))
     throw std::invalid_argument("formula \"" + text() + "\": wrong number of variables");
   if (formula_ == nullptr) return 0.0;
-  formula_->values = values;  // same size: the addresses that the parser holds stay
+  formula_->values = values;  // same size: the parser's addresses stay valid
   try {
     return formula_->parser.Eval();
   } catch (const mu::Parser::exception_type& error) {
@@ -115,7 +115,7 @@ double value_of_formula(const std::string& text, const FormulaNames& names) {
     parser.DefineFunUserData("y", NameFinder::coordinate<1>, &finder, false);
     parser.DefineFunUserData("z", NameFinder::coordinate<2>, &finder, false);
     parser.SetVarFactory(NameFinder::variable, &finder);
-    std::string quoted = text;  // XML and YAML have uses of their own for double quotes
+    std::string quoted = text;  // XML and YAML use double quotes themselves
     if (text.find('"') == std::string::npos) std::replace(quoted.begin(), quoted.end(), '\'', '"');
     parser.SetExpr(quoted);
     const double value = parser.Eval();

@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kLongestText = 100;
 constexpr std::size_t kLongestComparedName = 200;  // the comparison takes time and memory in proportion to the length
 
-/// Of a character in UTF-8, whose later bytes are 10xxxxxx.
+/// Whether a byte begins a character of UTF-8, whose later bytes are 10xxxxxx.
 bool is_first_byte(char byte) { return (static_cast<unsigned char>(byte) & 0xC0U) != 0x80U; }
 
 std::string printable(std::string text) {
@@ -40,7 +40,7 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
   return last[b.size()];
 }
 
-/// Words of other programs for names of scenes: a name, then what others call it (- for a blank).
+/// Synonyms of other programs: a name in scenes, then what others call it (- for a blank).
 const char* const kOtherWords[] = {
     "start: begin from first node1 node-1 start-point start-node i points nodes",
     "end: to last node2 node-2 end-point end-node finish j",
@@ -88,7 +88,7 @@ const char* const kOtherWords[] = {
     "bool: boolean logical",
     "array(double): vector array list"};
 
-/// In lower case, with blanks for the underscores of Python.
+/// Converts to lower case, and Python's underscores to blanks.
 std::string plain_words(const std::string& name) {
   std::string words = lower_case(name);
   std::replace(words.begin(), words.end(), '_', ' ');
@@ -116,25 +116,25 @@ std::string translated(const std::string& name, const std::vector<std::string>& 
   return "";
 }
 
-/// `frequency` in `natural frequency`.
+/// Whether `candidate` contains `words` as whole words: `frequency` in `natural frequency`.
 bool has_words(const std::string& candidate, const std::string& words) {
   return (" " + lower_case(candidate) + " ").find(" " + words + " ") != std::string::npos;
 }
 
-/// `boolean` for `bool`, `disp` for `displacement`.
+/// Whether one abbreviates the other: `boolean` for `bool`, `disp` for `displacement`.
 bool one_begins_with_the_other(const std::string& a, const std::string& b) {
   constexpr std::size_t kShortestBeginning = 3;
   const std::size_t common = std::min(a.size(), b.size());
   return common >= kShortestBeginning && a.compare(0, common, b, 0, common) == 0;
 }
 
-/// Behind the bracket that closes the one at `i`, 0 if they hold nothing.
+/// Index behind the bracket that closes the one at `i`; 0 if none does or nothing stands between them.
 std::size_t end_of_choice(const std::string& pattern, std::size_t i) {
   const std::size_t close = pattern.find(']', i + 1);
   return close == std::string::npos || close == i + 1 ? 0 : close + 1;
 }
 
-/// Bytes of the pattern at `p` and of the name at `n` that stand for each other, without a `*`; zeros if none do.
+/// Bytes of the pattern at `p` and of the name at `n` that match each other, `*` excluded; zeros: no match.
 std::pair<std::size_t, std::size_t> fitting(const std::string& pattern, std::size_t p, const std::string& name,
                                             std::size_t n) {
   if (p >= pattern.size()) return {0, 0};
@@ -221,7 +221,7 @@ std::size_t offset_of(const std::string& text, int line, int column) {
 }
 
 std::string marked_line(const std::string& text, std::size_t offset) {
-  constexpr std::size_t kWindow = 100, kBefore = 60;  // bytes of a line that is too long, and those before the mark
+  constexpr std::size_t kWindow = 100, kBefore = 60;  // bytes shown of a long line, and those before the mark
   offset = std::min(offset, text.size());
   const std::size_t line = offset == 0 ? 0 : text.rfind('\n', offset - 1) + 1;
   const std::size_t end = std::min(text.find('\n', offset), text.size());
@@ -244,7 +244,7 @@ bool has_wildcard(const std::string& text) {
 }
 
 bool matches(const std::string& pattern, const std::string& name) {
-  // After a mismatch only the last `*` has to give way: it takes one character more.
+  // After a mismatch only the last `*` is extended, by one character.
   std::size_t p = 0, n = 0, star = std::string::npos, taken_from = 0;
   while (n < name.size()) {
     if (p < pattern.size() && pattern[p] == '*') {

@@ -12,7 +12,7 @@
 namespace mixbeam {
 namespace {
 
-/// from_chars, which knows no leading plus sign, over the whole of `text`.
+/// Applies from_chars, which rejects a leading plus sign, to the whole of `text`.
 template <typename Number>
 std::errc read_all(const std::string& text, Number& value) {
   const bool plus = text.size() > 1 && text[0] == '+' && text[1] != '-';

@@ -7,30 +7,30 @@
 
 namespace mixbeam {
 
-/// What went wrong; empty if nothing.
+/// Error message; empty: no error.
 using Problem = std::string;
 
-/// `12`, `+12`, `-12`; the whole text must be the number.
+/// Parses `12`, `+12`, `-12`; the whole text must be the number.
 Problem parse_number(const std::string& text, int& value);
 
-/// `1`, `1.5`, `-1e-3`, `inf`, `nan`: whether the last two make sense is decided by the parameter's range.
+/// Parses `1`, `1.5`, `-1e-3`, `inf`, `nan`; the parameter's range decides whether the last two are allowed.
 Problem parse_number(const std::string& text, double& value);
 
-/// What is usually meant by a text that is no number: `; did you mean 0.3?` for "0,3".
+/// Suggestion for a text that is not a number: `; did you mean 0.3?` for "0,3".
 std::string number_hint(const std::string& text);
 
 /// Shortest text that reads back as the same number.
 std::string shortest(double value);
 
-/// With so many significant digits at most, like "%.3g".
+/// Rounds to at most `digits` significant digits, like "%.3g".
 std::string rounded(double value, int digits);
 
 /// `(1, 0, 0.5)`
 std::string to_text(const std::array<double, 3>& vector);
 
-/// Without blanks at both ends.
+/// Removes blanks at both ends.
 std::string trimmed(const std::string& text);
-/// Without their ends; none of an empty text.
+/// Lines of a text, without their ends; an empty text has none.
 std::vector<std::string> lines_of(const std::string& text);
 
 }  // namespace mixbeam

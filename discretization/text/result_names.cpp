@@ -7,7 +7,7 @@
 namespace mixbeam {
 namespace {
 
-// File systems take names of 255 bytes, of which the scene's own name and endings like "-monitor.csv" need their share.
+// File systems allow names of 255 bytes, shared with the scene's own name and endings like "-monitor.csv".
 constexpr std::size_t kLongestPartOfFileName = 100;
 
 }  // namespace

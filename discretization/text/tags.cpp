@@ -16,7 +16,7 @@ class TagScanner {
     for (at_ = 0; at_ < text_.size(); ++at_) {
       const char c = text_[at_];
       if (c == '\n') ++line_;
-      if (c == '<') {  // also where a quote is missing
+      if (c == '<') {  // even if a quote is not closed
         begin_tag();
       } else if (in_tag_ && quote_ != '\0') {
         if (c == quote_) quote_ = '\0';

@@ -24,16 +24,16 @@ constexpr std::size_t kMaximumBytes = std::size_t{256} << 20U;
 
 using FileKey = std::pair<dev_t, ino_t>;
 
-/// Zeros where there is no such file.
+/// Device and inode; zeros if there is no such file.
 FileKey key_of(const std::string& path) {
   struct stat facts {};
   return ::stat(path.c_str(), &facts) == 0 ? FileKey{facts.st_dev, facts.st_ino} : FileKey{};
 }
 
-/// Files that were read. A host of the library may read any number, on several threads.
+/// Files read so far. A host of the library may read any number, on several threads.
 struct Inputs {
   std::mutex mutex;
-  std::map<FileKey, std::string> names;  ///< complete: the folder may change
+  std::map<FileKey, std::string> names;  ///< absolute: the working directory may change
 };
 Inputs& inputs() {
   static Inputs all;
@@ -46,7 +46,7 @@ void remember_input(const std::string& path) {
   inputs().names[key_of(path)] = name;
 }
 
-/// Results and their pages bear the name of the scene.
+/// Refuses unprintable file names: results and their pages carry the name of the scene.
 void require_text(const std::string& path) {
   const std::string name = std::filesystem::path(path).filename().string();
   const bool has_control = std::any_of(name.begin(), name.end(), [](unsigned char c) { return c < ' ' || c == 127; });
@@ -75,7 +75,7 @@ std::string text_of_file(const std::string& path, const std::string& kind) {
     if (text.size() > kMaximumBytes)
       throw InputError(path + ": larger than " + std::to_string(kMaximumBytes >> 20U) + " MiB");
   }
-  // A stream keeps quiet about a disk that fails in the middle: the rest would be missing without a word.
+  // A stream does not throw if the disk fails in the middle: the rest would be missing silently.
   if (stream.bad()) throw InputError(path + ": cannot be read: " + std::strerror(errno));
   return text;
 }
@@ -90,7 +90,7 @@ void require_no_input(const std::string& output) {
   const FileKey key = key_of(output);
   const std::lock_guard<std::mutex> lock(inputs().mutex);
   const auto found = inputs().names.find(key);
-  if (found != inputs().names.end() && key_of(found->second) == key)  // else it is gone, and its number another file's
+  if (found != inputs().names.end() && key_of(found->second) == key)  // otherwise deleted, its inode reused
     throw InputError(output + ": cannot be written: it is the input " + found->second +
                      "; allowed: another name or folder of results");
 }

@@ -1,17 +1,17 @@
-/// Reading a whole file of input.
+/// Reads whole input files.
 #pragma once
 
 #include <string>
 
 namespace mixbeam {
 
-/// Its bytes. Throws InputError, with the name and the system's reason, for what is missing, no file ("allowed:
-/// `kind`"), larger than 256 MiB (some million members; keeps a wrong file from eating memory) or not readable to its
-/// end. It is an input of this process from now on.
+/// Bytes of a file, which becomes an input of this process. Throws InputError, with the name and the system's reason,
+/// if it is missing, not a regular file ("allowed: `kind`"), larger than 256 MiB (some million members; a wrong file
+/// must not exhaust memory) or not readable to its end.
 std::string text_of_file(const std::string& path, const std::string& kind);
 
-/// Throws InputError, which names both, where `output` is an input of this process, by whatever name, and where it is
-/// no file: whoever writes a file under that name replaces neither.
+/// Throws InputError if `output` is an input of this process (under any name; both are named) or exists but is not a
+/// regular file. To be called before a file of that name is replaced.
 void require_no_input(const std::string& output);
 
 }  // namespace mixbeam
