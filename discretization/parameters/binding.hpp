@@ -85,7 +85,7 @@ struct BoundParameter {
   bool is_compared = true;        ///< two objects are equal only if this is equal
   double tolerance = 0.0;         ///< absolute, of that comparison; numbers only
   bool is_column = false;         ///< tables have a column of this name
-  std::string column_default{};  ///< meaning of empty or absent cells; empty: not allowed
+  std::string column_default{};   ///< meaning of empty or absent cells; empty: not allowed
 
   BoundParameter& marks(bool T::*flag) { return given_flag = flag, *this; }
   BoundParameter& not_compared() { return is_compared = false, *this; }

@@ -14,24 +14,24 @@ namespace mixbeam {
 
 namespace {
 
-// Where rounding (1e-16 / step) and truncation (step^4) of the difference below are both about 1e-12.
+// Step for which rounding (1e-16 / step) and truncation (step^4) of the difference below are both about 1e-12.
 constexpr double kDifferenceStep = 1e-3;
 
-/// Samples of a stage, a prime lest a periodic formula hides between them: pulses of 1e-4 of it are seen by three.
+/// Samples of a stage, a prime lest a periodic formula hides between them: three meet a pulse of 1e-4 of it.
 constexpr int kSamples = 32749;
 /// Samples of a stage's length before the first stage and after the last one, where a path may stray.
 constexpr int kSamplesOutside = 1021;
-/// A formula turns when it goes back by this share of its range, or of its size: less is rounding.
+/// Least reversal that counts, over the range and the size of a formula: less is rounding.
 constexpr double kLeastSwing = 1e-9, kRounding = 1e-13;
-/// Turning points closer than this are one; jumps are no wider.
+/// Distance below which turning points are merged; largest width of a jump.
 constexpr double kSamePlace = 1e-12, kJumpWidth = 1e-15;
-/// Of an interval that holds a jump the halves with most of the change keep this share of it, of others an eighth after
-/// so many halvings.
+/// Halving an interval with a jump keeps at least this share of its change in one half; of other changes an eighth is
+/// left after so many halvings.
 constexpr double kShareOfJump = 0.3;
 constexpr int kHalvings = 3;
 /// Intervals with this share of the range, or so many times the change of their neighbours, may hold a jump.
 constexpr double kLargeChange = 1e-3, kUnlikeNeighbours = 4.0;
-/// A smooth peak is found to 1e-8; a rounded place with the same value is taken in its stead.
+/// Smooth peaks are found to 1e-8; a rounded place with the same value is preferred.
 constexpr double kRoundedPlace = 1e7;
 constexpr double kGolden = 0.6180339887498949;
 
@@ -47,7 +47,7 @@ class CourseFinder {
 
   Course find() {
     std::vector<Node> nodes = sampled(0.0, stages_, kSamples * stages_);
-    if (!all_finite(nodes)) return {};  // told where the scene is read, or where the path meets it
+    if (!all_finite(nodes)) return {};  // reported when the scene is read, or when the path meets it
     const auto [low, high] =
         std::minmax_element(nodes.begin(), nodes.end(), [](const Node& a, const Node& b) { return a.value < b.value; });
     course_.range = high->value - low->value;
@@ -116,7 +116,7 @@ class CourseFinder {
     return std::pair{left, right};
   }
 
-  /// Between jumps.
+  /// Finds the turning points between two jumps.
   void find_turns(const std::vector<Node>& nodes) {
     size_t low = 0, high = 0;
     int direction = 0;
@@ -136,7 +136,7 @@ class CourseFinder {
     }
   }
 
-  /// Golden section between the neighbours of an extreme sample.
+  /// Refines an extreme sample by golden sections between its neighbours.
   void add_turn(const std::vector<Node>& nodes, size_t extreme, double sign) {
     double left = nodes[extreme - 1].at, right = nodes[std::min(extreme + 1, nodes.size() - 1)].at;
     const auto at = [&](double t) { return sign * formula_(t); };
@@ -165,7 +165,7 @@ class CourseFinder {
   Course course_;
 };
 
-/// Models are built again and again for one scene: on other meshes, for errors, for its cases.
+/// Course of a formula, cached: models of a scene are built repeatedly, on other meshes, for errors, for its cases.
 Course course_of(const std::string& formula, int stages) {
   constexpr size_t kMostKept = 10000;
   thread_local std::map<std::pair<std::string, int>, Course> known;
@@ -175,21 +175,21 @@ Course course_of(const std::string& formula, int stages) {
   return known[{formula, stages}] = CourseFinder(Expression(formula, {"t"}), stages).find();
 }
 
-/// Loads are along one line to this share of the largest component; a sum whose range is a smaller share of those of
-/// its parts may be rounding; each different one costs the samples of a formula, 2 ms for each stage.
+/// Tolerance for loads along one line, over the largest component; range of a sum, over those of its parts, below which
+/// it may be rounding. Each distinct sum costs the samples of a formula, 2 ms for each stage.
 constexpr double kAlongOneLine = 1e-12, kLeastSum = 1e-6;
 constexpr size_t kMostSums = 20;
-/// By what all amplitudes may differ from a straight line, over their ranges, to be one.
+/// Largest deviation of amplitudes from straight lines, over their ranges.
 constexpr double kPlain = 1e-12;
 constexpr int kPlainSamples = 64;
-/// Load factors beyond a stage up to which its formulas are looked at.
+/// Distance beyond a stage up to which its formulas are sampled, in load factors.
 constexpr double kStrays = 1.0;
-/// A history is looked at in so many parts of a step.
+/// Parts of a step at which a load history is sampled.
 constexpr int kParts = 8;
-/// What it leaves a straight line by, over its length, before a step along that line is another one.
+/// Largest deviation of a load history from a straight line, over its length, for a step to be straight.
 constexpr double kOffLine = 1e-2;
-/// Shares of a piece that are its end, and in which rates at the ends of the range are taken: loads that cancel each
-/// other over the whole piece do not at its ends.
+/// Share of a piece that counts as its end, and share over which rates at the ends of the range are taken: loads that
+/// cancel each other over the whole piece do not at its ends.
 constexpr double kEndOfPiece = 1e-12, kShareOfRates = 1e-3;
 
 }  // namespace
@@ -230,7 +230,7 @@ double Amplitude::slope(double load_factor) const {
 
 namespace {
 
-/// An amplitude in words, that of a ramp too.
+/// Formula of an amplitude, that of a ramp too.
 std::string formula_of(const std::string& amplitude, Stage stage, Stage stages) {
   if (!amplitude.empty()) return amplitude;
   std::string ramp = "t-" + std::to_string(stage - 1);
@@ -246,7 +246,7 @@ std::string centrifugal_growth(const RotatingFrame& frame, Stage stages) {
 
 namespace {
 
-/// Loads with one place act alike but for their vectors.
+/// Loads of one place act alike except for their vectors.
 using Place = std::tuple<std::string, std::string, LoadFrame, std::string, bool, bool, std::array<double, 2>>;
 Place place_of(const PointLoad& load) {
   return {load.point, load.member, load.frame, load.load_case, false, false, {-1.0, -1.0}};
@@ -258,12 +258,12 @@ Place place_of(const DistributedLoad& load) {
 /// Amplitudes by stage and formula, and the size with which each of them acts.
 using Growths = std::map<std::pair<Stage, std::string>, double>;
 
-/// The loads along one line at one place: it is the sum of their amplitudes that turns back.
+/// Loads along one line at one place: they reverse where the sum of their amplitudes does.
 struct Together {
-  std::array<double, 6> way{};  ///< of the first, its largest component 1
+  std::array<double, 6> way{};  ///< direction of the first, scaled to a largest component of 1
   Growths growths{};
 
-  /// Takes a load that is along the line; false: it is not.
+  /// Adds a load that is along the line; otherwise false.
   bool take(const std::pair<Stage, std::string>& growth, const std::array<double, 6>& load) {
     const size_t largest = std::max_element(way.begin(), way.end(), is_smaller) - way.begin();
     const double size = load[largest];
@@ -275,7 +275,7 @@ struct Together {
   static bool is_smaller(double a, double b) { return std::abs(a) < std::abs(b); }
 };
 
-/// False where there are so many lines that no more are looked for.
+/// Adds a load to its line; false for a zero load, and if there are too many lines.
 bool take(std::vector<Together>& lines, const std::pair<Stage, std::string>& growth,
           const std::array<double, 6>& load) {
   for (Together& line : lines)
@@ -294,7 +294,7 @@ std::string sum_of(const Growths& growths, Stage stages) {
   return sum;
 }
 
-/// The formula of what grows; empty: a ramp.
+/// Formula by which a load grows; empty: a ramp.
 template <class Load>
 const std::string& growth_of(const Load& load, Stage) {
   return load.amplitude;
@@ -322,8 +322,8 @@ void add_to(std::map<Place, std::vector<Together>>& places, std::set<std::pair<S
   }
 }
 
-/// The different amplitudes of a scene, where those of loads along one line at one place are summed: parts of it may
-/// grow on while the load turns back. All of them where sums are many, or nearly vanish and turn as rounding does.
+/// Distinct amplitudes of a scene, with those of loads along one line at one place summed: a part may still grow where
+/// the load reverses. Returns `all` if sums are many, or nearly vanish and reverse by rounding.
 std::set<std::pair<Stage, std::string>> with_sums(const Scene& scene, std::set<std::pair<Stage, std::string>> all) {
   std::map<Place, std::vector<Together>> places;
   std::set<std::pair<Stage, std::string>> result;
@@ -376,8 +376,8 @@ LoadClock::LoadClock(const Scene& scene) : stages_(scene.stages) {
   }
 }
 
-/// Whether all amplitudes change at constant rates, formulas also where a path may stray, and the differences of their
-/// slopes reach: there a ramp goes on by itself.
+/// Whether all amplitudes change at constant rates; formulas also beyond the stage, where a path may stray and where
+/// differences for slopes reach (a ramp continues there by itself).
 bool LoadClock::is_plain(double from, double to) const {
   for (const Distinct& one : amplitudes_) {
     const double beyond = one.formula.empty() ? 0.0 : kStrays, begin = from - beyond, length = to - from + 2.0 * beyond;

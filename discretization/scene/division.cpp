@@ -22,7 +22,7 @@ std::vector<double> piece_ends(const Member& member) {
   return ends;
 }
 
-/// Number of elements in each piece: always one more where they are longest.
+/// Number of elements in each piece: one, and each further one where they are longest.
 std::vector<int> share_out(int elements, const std::vector<double>& ends) {
   struct Piece {
     double length;

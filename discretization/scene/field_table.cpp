@@ -7,7 +7,7 @@ namespace mixbeam {
 
 namespace {
 
-/// Rounding of an arc length that was written and read, or computed once more, relative to the largest one.
+/// Rounding of an arc length that was written and read, or recomputed, relative to the largest one.
 constexpr double kSamePointOfTable = 1e-13;
 
 }  // namespace

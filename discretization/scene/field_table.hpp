@@ -1,4 +1,4 @@
-/// Vectors along a member given by their values at points, element by element: strains that follow from a computation.
+/// Vectors along a member given by their values at points, element by element: strains computed elsewhere.
 #pragma once
 
 #include "kernels/math/vector_algebra.hpp"
@@ -7,8 +7,7 @@
 
 namespace mixbeam {
 
-/// In each piece the polynomial through its values, so that the mesh from whose Gauss points they come reads them back
-/// without a change.
+/// Polynomial in each piece through its values, so that a mesh reads back unchanged the values at its Gauss points.
 struct FieldTable {
   struct Piece {
     std::vector<double> s{};  ///< arc lengths from the start of the member, ascending
@@ -16,7 +15,7 @@ struct FieldTable {
   };
   std::vector<Piece> pieces{};  ///< ascending, one at least
 
-  /// In the piece that holds s, or is next to it.
+  /// Value in the piece that contains s, or in the nearest one.
   Vector3 at(double s) const;
 };
 

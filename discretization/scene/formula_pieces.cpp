@@ -23,13 +23,13 @@ namespace mixbeam {
 
 namespace {
 
-constexpr int kFirstLook = 16384;     // places of a member: two or more in whatever is 1e-4 of it wide
-constexpr int kLaterLook = 32;        // of a piece
+constexpr int kFirstLook = 16384;     // samples of a member: one or two in a feature of 1e-4 of it
+constexpr int kLaterLook = 32;        // samples of a piece
 constexpr double kUnresolved = 1e-9;  // error of a piece times its length, over the integral of |function|
 constexpr double kShortestPiece = 1e-12;
-constexpr double kClosestLook = 2e-6;      // at the ends of a piece
+constexpr double kClosestLook = 2e-6;      // distance of the closest samples from the ends of a piece
 constexpr std::size_t kMostPieces = 4096;  // of a formula that is noise, or oscillates as no beam does
-constexpr double kShortPiece = 1.0 / 32;   // longer ones need no vertices of their own: few equal elements see them
+constexpr double kShortPiece = 1.0 / 32;   // longer ones need no vertices of their own: few equal elements resolve them
 constexpr std::size_t kMostPlaces = 500;   // of one member: more are an oscillation, which equal elements meet
 constexpr int kPieceOrder = 8;             // points of a piece: degree 7
 
@@ -38,7 +38,7 @@ struct GaussRule {
   GaussRule() { gauss_rule(kPieceOrder, xi.data(), weight.data()); }
 };
 
-/// Through the Chebyshev points of [a, b].
+/// Polynomial through the Chebyshev points of [a, b].
 class Interpolation {
  public:
   Interpolation(const FormulaFunction& f, double a, double b) {
@@ -74,7 +74,7 @@ class PieceSearch {
       largest_ = std::max(largest_, std::abs(look_[i]));
     }
   }
-  /// Of a function that is as smooth as these pieces say, or nearly so.
+  /// For a function about as smooth as the known pieces.
   PieceSearch(FormulaFunction f, const FormulaPieces& known) : f_(std::move(f)) {
     for (const double x : known.end) largest_ = std::max(largest_, std::abs(f_(x)));
     size_ = largest_;
@@ -96,7 +96,7 @@ class PieceSearch {
     std::vector<double> value{};
   };
 
-  /// Of [a, b]: the first look where it holds enough of it.
+  /// Samples of [a, b]: those of the first look if enough of them lie there.
   Look look_at(double a, double b) const {
     const double margin = 1e-3 / kFirstLook;
     const int first = static_cast<int>(std::ceil((a + margin) * kFirstLook - 0.5)),
@@ -108,7 +108,7 @@ class PieceSearch {
     return look;
   }
 
-  /// Also close to the ends: a flank beside a jump or kink may be narrower than what was looked at.
+  /// Checks close to the ends too: a flank beside a jump or kink may be narrower than the distance of the samples.
   bool is_resolved(const Look& look, double a, double b) const {
     const Interpolation p(f_, a, b);
     const auto differs = [&](double x, double f) { return !(std::abs(f - p(x)) * (b - a) <= kUnresolved * size_); };
@@ -120,7 +120,7 @@ class PieceSearch {
   }
 
   /// Jump or kink next to the largest second difference, which halving the distances divides by 1 or 2, and by 4 where
-  /// the function is smooth; a negative number where there is none.
+  /// the function is smooth; negative if there is none.
   double break_in(const Look& look) const {
     constexpr int kBreakHalvings = 24;  // a kink has fallen to 6e-8 and a smooth function to rounding
     constexpr double kStillKink = 1e-9, kStillJump = 0.1, kNoise = 1e-14;
@@ -189,7 +189,7 @@ class PieceSearch {
 
 double finite_or_zero(double value) { return std::isfinite(value) ? value : 0.0; }
 
-/// Whichever component it is that a notch weakens; zero where the law has none.
+/// Sum over the diagonal, so that it shows whichever component a notch weakens; zero where the law is not defined.
 FormulaFunction relative_compliance(const SectionLaw& law) {
   return [law, first = law.compliance(0.0)](double x) {
     double sum = 0.0;
@@ -197,13 +197,13 @@ FormulaFunction relative_compliance(const SectionLaw& law) {
       const Matrix6 here = law.compliance(x);
       for (int i = 0; i < 6; ++i)
         if (first[i][i] > 0.0) sum += here[i][i] / first[i][i];
-    } catch (const std::invalid_argument&) {  // who asks for it there will tell
+    } catch (const std::invalid_argument&) {  // reported where it is evaluated
     }
     return sum;
   };
 }
 
-/// Quarters of the polynomials that formulas have become. Their ends need not be exact: nothing breaks there.
+/// Quarters of the polynomials that replace formulas. Their ends need not be exact: the curve is smooth there.
 std::shared_ptr<const FormulaPieces> pieces_of(const Curve& curve) {
   constexpr int kQuarters = 4;
   FormulaPieces pieces{{0.0}};
@@ -217,9 +217,9 @@ std::shared_ptr<const FormulaPieces> pieces_of(const Curve& curve) {
   return std::make_shared<const FormulaPieces>(std::move(pieces));
 }
 
-/// What was looked at once.
+/// Pieces of a function that is sampled once in a process.
 std::shared_ptr<const FormulaPieces> remembered(const std::string& key, const std::function<FormulaPieces()>& look) {
-  constexpr std::size_t kMostRemembered = 10'000;  // members with a length each: then begins anew
+  constexpr std::size_t kMostRemembered = 10'000;  // members with a length each: then it starts anew
   static std::mutex mutex;
   static std::map<std::string, std::shared_ptr<const FormulaPieces>> known;
   const std::lock_guard<std::mutex> lock(mutex);
@@ -245,7 +245,7 @@ std::vector<std::pair<double, double>> FormulaPieces::points(double a, double b)
 }
 
 FormulaVector pieces_of(const std::array<std::string, 3>& formula, double length) {
-  constexpr int kDigits = 12;  // of copies whose lengths differ by rounding
+  constexpr int kDigits = 12;  // copies have lengths that differ by rounding
   FormulaVector result;
   for (int i = 0; i < 3; ++i) {
     double constant = 0.0;
@@ -306,7 +306,7 @@ std::vector<FormulaAlong> formulas_along(const Scene& scene, const std::function
     std::string text = member.curve.formula[0], key;
     for (int i = 1; i < 3; ++i) text += ", " + member.curve.formula[i];
     key = "curve|" + text + "|" + shortest(member.curve.range[0]) + "|" + shortest(member.curve.range[1]);
-    // one direction of the tangent, which no bump is normal to by chance
+    // a component of the tangent that no bump is normal to by chance
     const auto tangent = [along = curve(m)](double x) {
       return dot(along.tangent(x * along.length), Vec3<double>{{0.48, 0.6, 0.64}});
     };

@@ -26,7 +26,7 @@ int joined_member(const Scene& scene, const Joint& joint, const std::string& nam
   return found->second;
 }
 
-/// How many times members meet a point: ends and inner points.
+/// Number of times that members meet each point, with ends and inner points.
 std::map<std::string, int> passages(const Scene& scene, const JointTable& table) {
   std::map<std::string, int> count;
   for (const auto& entry : table) count[entry.first] = 0;

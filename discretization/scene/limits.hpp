@@ -9,13 +9,13 @@
 namespace mixbeam {
 
 inline constexpr double kLargestCoordinate = 1e100;  ///< squares of lengths must not overflow
-/// Beyond that sine and cosine lose the digits that ends are compared with. [radian]
+/// Beyond this, sine and cosine lose the digits with which ends are compared. [radian]
 inline constexpr double kLargestAngle = 1e6;
 
-/// Below that relative errors of displacements are those of rounding.
+/// Below this, relative errors of displacements are rounding.
 inline constexpr double kBestAccuracy = 1e-12;
 
-/// Coordinates, a fixed number of them or any.
+/// Array of `count` coordinates; 0: any number.
 inline ParameterSpec coordinates(const std::string& name, int count = 0) {
   return array(name, ParameterType::real_array, count).at_least(-kLargestCoordinate).at_most(kLargestCoordinate);
 }

@@ -12,7 +12,7 @@
 namespace mixbeam {
 namespace {
 
-/// By how much acts what belongs to a case and a stage: factors of a combination, or 1 for one case alone.
+/// Factors of loads by case and stage: those of a combination, or 1 for one case alone.
 class Factors {
  public:
   explicit Factors(const std::string& load_case) : cases_{{load_case, 1.0}} {}
@@ -20,7 +20,7 @@ class Factors {
       : cases_(combination.cases.begin(), combination.cases.end()),
         stages_(combination.stages.begin(), combination.stages.end()) {}
 
-  /// None: it does not act.
+  /// Factor of a load; none: it does not act.
   std::optional<double> of(const std::string& load_case, Stage stage) const {
     const auto found = cases_.find(load_case);
     if (!load_case.empty() && found == cases_.end()) return {};
@@ -49,7 +49,7 @@ void scale(double factor, Load& load) {
   if constexpr (std::is_same_v<Load, Eigenstrain>) load.table_factor *= factor;
 }
 
-/// What stays although it does not act.
+/// Keeps a load in the scene without any action.
 template <class Load>
 void hold_still(Load& load) {
   ActingKind<Load>::for_each_vector(load, [](Vector3& vector, Formulas*, VectorRole) { vector = {}; });
@@ -57,7 +57,7 @@ void hold_still(Load& load) {
   load.stage = 1;
 }
 
-/// Drops what does not act; what stays acts unconditionally.
+/// Drops loads that do not act, unless their kind stays; the others act unconditionally.
 template <class Load>
 void keep_acting(std::vector<Load>& loads, const Factors& factors) {
   const auto is_out = [&](const Load& load) { return !factors.of(load.load_case, load.stage); };

@@ -14,7 +14,7 @@ std::vector<std::string> alternatives(const Scene& scene);
 /// cases. Throws std::invalid_argument, with the nearest name, for a case the scene does not have.
 Scene scene_of_case(const Scene& scene, const std::string& name);
 
-/// Whether a support moves, as opposed to holding still.
+/// Whether a support prescribes a motion other than zero.
 inline bool prescribes_motion(const Support& support) { return ActingKind<Support>::acts(support); }
 
 /// Largest stage of any load, eigenstrain or prescribed motion, at least 1.

@@ -6,7 +6,7 @@ namespace mixbeam {
 
 namespace {
 
-/// Adds a scene with its names made those of one part.
+/// Adds a scene as one part, whose number goes before all names.
 class PartOfScene {
  public:
   PartOfScene(int part, Scene& merged) : prefix_(MergedScene::name_in_part(part, "")), merged_(merged) {}
@@ -29,7 +29,7 @@ class PartOfScene {
   }
 
  private:
-  /// An empty name says that there is none.
+  /// An empty name, which means none, stays empty.
   void rename(std::string& name) const {
     if (!name.empty()) name.insert(0, prefix_);
   }

@@ -1,4 +1,4 @@
-/// Several scenes as one, side by side without touching: what is solved in one go.
+/// Several scenes as one, side by side without touching, to be solved together.
 #pragma once
 
 #include "discretization/scene/scene.hpp"
@@ -11,7 +11,7 @@ struct MergedScene {
   Scene scene{};
   std::vector<int> part_of_member{};  ///< which of the scenes a member comes from
 
-  /// What the part calls `name` (a point, section, member, joint).
+  /// Name in the merged scene of a point, section, member or joint of a part.
   static std::string name_in_part(int part, const std::string& name) { return std::to_string(part) + ":" + name; }
 };
 

@@ -1,4 +1,4 @@
-/// Finding points and members of a scene by name, and saying so when there is none.
+/// Finds points and members of a scene by name, with errors for unknown names.
 #pragma once
 
 #include "discretization/parameters/source.hpp"
@@ -11,8 +11,8 @@
 
 namespace mixbeam {
 
-/// The section of rigid arms, which offsets of members make. Patterns of names leave these members and their free ends
-/// out: nothing of the scene means them.
+/// Section of the rigid arms that offsets of members make. Name patterns match neither these members nor their free
+/// ends: nothing in a scene refers to them.
 inline const std::string kRigidArm = "(rigid arm)";
 
 /// Index of a scene whose points and members are complete. The scene must outlive it, and its points and members must
@@ -24,11 +24,11 @@ class SceneNames {
   /// Null if there is no member of this name.
   const Member* member(const std::string& name) const;
   bool has_point(const std::string& name) const { return points_.count(name) > 0; }
-  /// Of a point of the scene.
+  /// Position of an existing point.
   const Vector3& position(const std::string& point) const { return scene_.points[points_.at(point)].position; }
   /// Members that start, end, or have an inner point there, one entry for each time; null if there is none.
   const std::vector<const Member*>* members_at(const std::string& point) const;
-  /// Those that patterns may mean, in the order of the scene.
+  /// Names that patterns can match, in the order of the scene.
   std::vector<std::string> member_names() const;
   std::vector<std::string> point_names() const;
 

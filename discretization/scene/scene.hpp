@@ -30,22 +30,22 @@ struct SectionShape {
   double inner_fillet = 0.0;  ///< box: inner radius of the corners
   bool mirrored = false;      ///< T, L: upside down, as patterns mirror them
   double youngs_modulus = 0.0;
-  double density = 0.0;  ///< mass per volume; 0: none is known
+  double density = 0.0;  ///< mass per volume; 0: unknown
   double poisson_ratio = 0.0;
   std::optional<double> shear_modulus{};                    ///< absent: E / (2 (1 + nu))
   std::array<std::optional<double>, 2> shear_correction{};  ///< factors of GA2, GA3; absent: the value of the shape
-  std::optional<double> strength{};                         ///< von Mises stress that the material bears
+  std::optional<double> strength{};                         ///< admissible von Mises stress
 };
 
 /// Stresses sigma_11, tau_12, tau_13 at a point of unit N, Q2, Q3, T, M2, M3.
 using StressRows = std::array<std::array<double, 6>, 3>;
 
-/// Points of a section without a shape at which its stresses are asked for, and what they need beside stiffnesses.
+/// Points at which stresses of a section without a shape are evaluated, and the data they need besides stiffnesses.
 struct StressPoints {
   double youngs_modulus = 0.0;
   std::optional<double> area{};             ///< absent: EA / E
-  std::optional<double> torsion_modulus{};  ///< the torque over it is the shear stress; absent: the torque makes none
-  std::optional<double> strength{};         ///< von Mises stress that the material bears
+  std::optional<double> torsion_modulus{};  ///< torque over shear stress; absent: the torque makes none
+  std::optional<double> strength{};         ///< admissible von Mises stress
   struct Place {
     std::string name{};
     std::array<double, 2> at{};          ///< along axes 2 and 3, from the centroid
@@ -65,20 +65,20 @@ struct Section {
   /// material. The six numbers above are then its diagonal, where infinity makes a component rigid: its row and column
   /// of the compliance are zero whatever the matrix says.
   std::optional<Matrix6> matrix{};
-  double mass = 0.0;                       ///< per length, which Gravity acts on; 0: none is known
+  double mass = 0.0;                       ///< per length, for Gravity and vibrations; 0: unknown
   std::array<double, 3> rotary_inertia{};  ///< per length about axes 1, 2, 3 through the centre of mass
   double inertia_product = 0.0;            ///< per length: integral of density x2 x3
   std::array<double, 2> mass_offset{};     ///< of the centre of mass, along axes 2 and 3
-  /// Rates per mass and per material stiffness: forces alpha times momenta, and stresses of strain + beta times its
-  /// rate.
+  /// Damping in proportion to mass (forces alpha times momenta) and to material stiffness (stresses of strain + beta
+  /// times its rate).
   double mass_damping = 0.0, stiffness_damping = 0.0;
-  /// The shape that the numbers above come from, if any; a taper between two sections of one kind interpolates it. That
-  /// of an L has a matrix too, since its axes are not the principal ones.
+  /// Shape from which the numbers above follow, if any; a taper between two shapes of one kind interpolates it. An L
+  /// has a matrix too, since its axes are not the principal ones.
   std::optional<SectionShape> shape{};
   std::optional<StressPoints> stress_points{};  ///< never beside a shape
   std::optional<SectionShape> drawn_as{};       ///< for pictures alone; never beside a shape
-  /// Larger strains (force strains, and at the edge of the shape) are warned of: 5 % is where metals have long yielded
-  /// and the law of rubber differs from a line by about a tenth.
+  /// Strain beyond which a run warns (force strains, and at the edge of the shape): at 5 % metals have long yielded,
+  /// and the law of rubber deviates from a line by about a tenth.
   double largest_strain = 0.05;
 };
 
@@ -100,7 +100,7 @@ struct Curve {
   double angle = 0.0;  ///< arc and helix: angle swept about the axis, positive, in radians
   double rise = 0.0;   ///< helix: signed length gained along the axis over the whole angle
   std::vector<Vector3> through{};  ///< spline: interior points between start and end of the member
-  /// spline: tangent directions at start and end (any length); zero: no curvature there, both zero: closed ones smooth
+  /// spline: tangent directions at start and end (any length); zero: no curvature there; both zero: smooth if closed
   std::array<Vector3, 2> end_tangents{};
   std::array<std::string, 3> formula{};   ///< parametric: x, y, z as formulas of t, spatial
   std::array<double, 2> range{0.0, 1.0};  ///< parametric: t at start and end of the member
@@ -124,19 +124,19 @@ struct Member {
   int elements = 1;
   ForceIntegration force_integration = ForceIntegration::both_reduced;
   Vector3 second_axis{};  ///< direction that g2 of the start triad should take; zero: chosen by the program
-  /// Axis 2 as near to `second_axis` as the tangent permits at every place; else at the start, and carried from there.
+  /// Keeps axis 2 as near to `second_axis` as the tangent permits everywhere; else it is transported from the start.
   bool keeps_second_axis = false;
-  /// A point of a line and its direction: axis 2 points away from that line at every place, in place of second_axis.
+  /// In place of second_axis: point and direction of a line from which axis 2 points away at every place.
   std::optional<std::array<double, 6>> second_axis_from{};
-  double twist = 0.0;  ///< pre-twist: angle by which the section turns about the tangent from start to end, in
-                       ///< radians, on top of how the curve carries its triad
+  double twist = 0.0;  ///< pre-twist: rotation of the section about the tangent from start to end, in radians, on top
+                       ///< of the transport of the triad along the curve
   std::vector<InnerPoint> inner_points{};  ///< ascending
   std::vector<double>
       stations{};               ///< relative arc length of every vertex from 0 to 1, ascending, elements + 1 of them;
                                 ///< inner points are among them; empty: elements as equal as the inner points permit
   std::string end_section{};    ///< taper: section at the end of the member; empty: one section throughout
   std::string taper{};          ///< weight of the end section as formula of x = relative arc length; empty: x itself
-  bool keeps_order = false;     ///< the order was asked for, so Scene::accuracy does not change it
+  bool keeps_order = false;     ///< given by the user, so Scene::accuracy does not change it
   bool keeps_elements = false;  ///< likewise the elements
 };
 
@@ -146,21 +146,21 @@ struct Member {
 using Stage = int;
 
 enum class JointKind {
-  hinge,  ///< free to turn about `axis`
-  ball,   ///< free to turn about any axis
-  slider  ///< free to move along `axis`, not to turn
+  hinge,  ///< free rotation about `axis`
+  ball,   ///< free rotation about any axis
+  slider  ///< free translation along `axis`, no rotation
 };
 
-/// Connection of the ends of some members at a point with the rest of what meets there. Each of these ends has its own
-/// triad, and its own position in a slider; the members not listed (at least one) stay rigidly joined to each other,
-/// and supports and loads of the point act on them. With `together`, the listed ends are rigidly joined to each other
-/// and have one triad (and position) of their own: two members that cross at a pin are four halves, two of them listed.
+/// Connection between the ends of some members at a point and all others there. Each listed end has its own triad, and
+/// in a slider its own position; the members not listed (at least one) stay rigidly joined to each other, and supports
+/// and loads of the point act on them. With `together`, the listed ends are rigidly joined and share one triad (and
+/// position): two members that cross at a pin are four halves, two of them listed.
 struct Joint {
   std::string name{};
   std::string point{};
   std::vector<std::string> members{};  ///< each has one end at the point and is joined on its own
   JointKind kind = JointKind::hinge;
-  Vector3 axis{0, 0, 1};   ///< spatial direction in the undeformed structure (any length); turns with the rest
+  Vector3 axis{0, 0, 1};   ///< spatial direction in the undeformed structure (any length); rotates with the others
   double stiffness = 0.0;  ///< of a spring in the free motion of hinge (moment per radian) or slider (force per length)
   bool together = false;   ///< whether the listed ends share one joint instead of having one each
 };
@@ -168,7 +168,7 @@ struct Joint {
 using Axes = std::array<Vector3, 3>;  ///< three orthonormal directions, right-handed: [i] is the i-th
 inline constexpr Axes kGlobalAxes{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 
-/// What keeps a vertex in place. Motions not fixed here are free.
+/// Support of a vertex. Motions not fixed here are free.
 struct Support {
   std::string point{};
   std::array<bool, 3> displacement_fixed{};  ///< components along `axes`
@@ -187,7 +187,7 @@ struct Support {
 
 enum class LoadFrame {
   dead,     ///< keeps its direction in space
-  follower  ///< turns with the vertex: components are in the member's triad at that end
+  follower  ///< rotates with the vertex: components are in the member's triad at that end
 };
 
 struct PointLoad {
@@ -195,13 +195,13 @@ struct PointLoad {
   Vector3 force{};
   Vector3 moment{};  ///< dead moments are spatial: virtual work moment . dtheta
   LoadFrame frame = LoadFrame::dead;
-  std::string member{};  ///< follower loads: whose triad the components refer to
+  std::string member{};  ///< follower loads: member whose triad the components refer to
   Stage stage = 1;
   std::string amplitude{};  ///< formula of t = load factor; empty: the ramp of `stage`
   std::string load_case{};
 };
 
-/// A body at a point, rigidly joined to what meets there.
+/// Body at a point, rigidly joined to the members there.
 struct PointMass {
   std::string point{};
   double mass = 0.0;
@@ -219,9 +219,9 @@ struct DistributedLoad {
   LoadFrame frame = LoadFrame::dead;
   std::array<std::string, 3> force_formula{};   ///< of s = arc length and x = s / length; empty: the constant above
   std::array<std::string, 3> couple_formula{};  ///< likewise
-  bool is_projected = false;              ///< dead: `force` is per length seen along its own direction, as of snow
-  bool is_weight = false;                 ///< dead: `force` is an acceleration, of the mass of the (tapered) section
-  std::array<double, 2> range{0.0, 1.0};  ///< arc lengths over length between which it acts; vertices are there
+  bool is_projected = false;              ///< dead: `force` is per length projected along its own direction, as snow
+  bool is_weight = false;                 ///< dead: weight where a taper starts; it follows the mass of the section
+  std::array<double, 2> range{0.0, 1.0};  ///< relative arc lengths between which it acts; vertices are there
   std::string amplitude{};
   std::string load_case{};
 };
@@ -241,7 +241,7 @@ struct Eigenstrain {
   std::array<Vector3, 2> end_turns{};  ///< curvature concentrated at start and end: rotation vectors, material
 };
 
-/// A frame that turns steadily about an axis, in which the structure is at rest: supports and dead loads turn with it.
+/// Frame that rotates steadily about an axis, and supports and dead loads with it; the structure is at rest in it.
 struct RotatingFrame {
   Vector3 point{};     ///< of the axis
   Vector3 velocity{};  ///< angular, along the axis: radian per unit of time
@@ -251,15 +251,15 @@ struct RotatingFrame {
   std::string name = "Rotating Frame";  ///< of its list
 };
 
-/// A buckling mode that is laid on the geometry.
+/// Buckling mode added to the geometry.
 struct ModeImperfection {
   std::string name{};                   ///< of its list
-  std::optional<int> mode{};            ///< of linear buckling, by growing positive load factor; or
-  std::optional<int> critical_point{};  ///< of the path of the structure as it was drawn, counted from 1
+  std::optional<int> mode{};            ///< number in linear buckling, by growing positive load factor; or
+  std::optional<int> critical_point{};  ///< number on the path of the perfect structure, from 1
   double amplitude = 0.0;               ///< largest displacement of a vertex
 };
 
-/// Load cases that act together, each with a factor, with whatever belongs to no case.
+/// Load cases that act together, each times a factor, and with all that belongs to no case.
 struct Combination {
   std::string name{};
   std::vector<std::pair<std::string, double>> cases{};
@@ -268,7 +268,7 @@ struct Combination {
 
 struct Scene {
   std::string name{};
-  std::string units{};  ///< of length and force, as "m, N": words for labels and reports; empty: not said
+  std::string units{};  ///< of length and force, as "m, N": words for labels and reports; empty: unknown
   std::vector<Section> sections{};
   std::vector<Point> points{};
   std::vector<Member> members{};
@@ -281,16 +281,16 @@ struct Scene {
   std::vector<Eigenstrain> eigenstrains{};
   std::vector<RotatingFrame> rotating_frames{};  ///< one, or none
   /// Names of alternatives that are solved one by one, each from the undeformed structure. A load or prescribed motion
-  /// with a load case acts in that case only, one without in all of them. Solving takes a scene of one case.
+  /// with a load case acts in that case only, one without in all of them. Solvers take a scene of one case.
   std::vector<std::string> load_cases{};
-  std::vector<ModeImperfection> imperfection_modes{};  ///< see with_mode_shapes(): solving takes a scene without them
-  std::string imperfection_case{};                     ///< whose loads make the structure buckle
+  std::vector<ModeImperfection> imperfection_modes{};  ///< see with_mode_shapes(): solvers take a scene without them
+  std::string imperfection_case{};                     ///< case whose loads make the structure buckle
   std::vector<Combination> combinations{};  ///< solved one by one too, each by itself; names differ from those of cases
-  double gravity = 0.0;                     ///< size of the acceleration; the weights are among the distributed loads
-  /// Wanted error of displacements over the largest one: then orders and elements that members do not keep are to be
+  double gravity = 0.0;                     ///< size of the acceleration; the weights are among the loads
+  /// Target error of displacements over the largest one. If set, orders and elements that members do not keep are
   /// chosen (accurate_run.hpp), and those here mean nothing.
   std::optional<double> accuracy{};
-  std::string accuracy_of{};  ///< a quantity, or "stress", whose error counts in place of displacements; empty: those
+  std::string accuracy_of{};  ///< quantity, or "stress", whose error counts instead; empty: displacements
 };
 
 inline long long elements_of(const Scene& scene) {

@@ -19,7 +19,7 @@ namespace {
 constexpr int kComponents = 6;
 constexpr const char* kStiffnessNames[kComponents] = {"EA", "GA2", "GA3", "GIt", "EI2", "EI3"};
 
-/// Entries of a matrix scaled to a diagonal of ones that count as equal: numbers are written with ten digits or more.
+/// Largest asymmetry of a matrix scaled to a unit diagonal: numbers are written with ten digits or more.
 constexpr double kSymmetry = 1e-9;
 
 /// A pivot of such a matrix below this is rounding: six entries of size 1 with some digits lost in writing.
@@ -46,7 +46,7 @@ std::vector<int> elastic_components(const Section& section) {
   return elastic;
 }
 
-/// Roots of the diagonal of the matrix, by which it is scaled: its test must not depend on units.
+/// Square roots of the diagonal, by which the matrix is scaled: its test must not depend on units.
 std::vector<double> scales(const Section& section, const std::vector<int>& elastic) {
   std::vector<double> scale;
   for (int i : elastic) {
@@ -59,7 +59,7 @@ std::vector<double> scales(const Section& section, const std::vector<int>& elast
   return scale;
 }
 
-/// The elastic part of the matrix, scaled to a diagonal of ones.
+/// The elastic part of the matrix, scaled to a unit diagonal.
 Matrix6 scaled_matrix(const Section& section, const std::vector<int>& elastic, const std::vector<double>& scale) {
   const Matrix6& matrix = *section.matrix;
   Matrix6 scaled{};
@@ -131,7 +131,7 @@ Matrix6 stiffness_matrix(const Section& section) {
   return matrix;
 }
 
-/// Points with rows of stresses, where both sections have the same ones by name.
+/// Interpolated points with rows of stresses, if both sections have the same ones by name.
 std::optional<StressPoints> interpolated_points(double weight, const Section& start, const Section& end) {
   if (!start.stress_points || !end.stress_points) return std::nullopt;
   const StressPoints& other = *end.stress_points;
@@ -223,10 +223,10 @@ void check_taper(const Section& start, const Section& end, bool by_shape) {
                                   "; allowed: both or none");
 }
 
-/// Numbers are written with ten digits or more; what is left of a pivot that is zero is less.
+/// Rounding of inertias, which are written with ten digits or more; remainder of a zero pivot.
 constexpr double kRoundedInertia = 1e-9, kNoPivot = 1e-14;
 
-/// |v + w x c|^2 m + w . J w, c in the plane of the section.
+/// Matrix of the form |v + w x c|^2 m + w . J w, c in the plane of the section.
 Matrix6 mass_matrix(const Section& section) {
   const double m = section.mass, c2 = section.mass_offset[0], c3 = section.mass_offset[1];
   Matrix6 matrix{};
@@ -312,7 +312,7 @@ bool is_inertia(const std::array<double, 3>& inertia) {
   return 2.0 * largest <= (1.0 + kRoundedInertia) * sum;
 }
 
-/// Cholesky's; a pivot that is zero leaves a column of zeros.
+/// Cholesky factorization; a zero pivot leaves a column of zeros.
 std::array<double, 21> mass_factor(const Section& section) {
   const Matrix6 matrix = mass_matrix(section);
   std::array<double, 21> factor{};

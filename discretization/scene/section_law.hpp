@@ -1,5 +1,4 @@
-/// From the section of a scene to the compliance that elements use: coupled sections, and sections that vary along a
-/// member.
+/// Compliance of elements from the sections of a scene: coupled sections, and sections that vary along a member.
 #pragma once
 
 #include "discretization/scene/scene.hpp"
@@ -23,7 +22,7 @@ bool has_general_section(const Scene& scene, const Member& member);
 /// Section of a member along its length.
 class SectionLaw {
  public:
-  /// The same section everywhere, none at all.
+  /// Holds no section.
   SectionLaw() = default;
   /// Throws InputError for an unknown section, std::invalid_argument for a formula that cannot be parsed, a section
   /// that section_compliance rejects, and for a taper between sections of which one is rigid in a component and the
@@ -34,10 +33,10 @@ class SectionLaw {
   /// (1 - w) start + w end where both sections come from shapes of one kind, otherwise the stiffness matrix in that
   /// way. Throws std::invalid_argument where the weight is not finite.
   Section section(double x) const;
-  /// The same for a weight; of members without end section their only one.
+  /// The same for a given weight; members without end section have one section only.
   Section section_of_weight(double weight) const;
 
-  /// section_compliance(section(x)), with the place in the text of an error.
+  /// section_compliance(section(x)); the text of an error names the place.
   Matrix6 compliance(double x) const;
 
  private:
@@ -47,11 +46,11 @@ class SectionLaw {
   Expression weight_{};
 };
 
-/// Whether three moments of inertia are those of a body: none exceeds the sum of the others.
+/// Whether a body can have these moments of inertia: none exceeds the sum of the others.
 bool is_inertia(const std::array<double, 3>& inertia);
 
-/// Lower factor of the matrix of 6 x 6 whose form is twice the kinetic energy per length of a section, of its velocity
-/// and its spin along its axes; row by row, the lower triangle.
+/// Cholesky factor of the 6 x 6 mass matrix of a section, whose quadratic form in velocity and spin along its axes is
+/// twice the kinetic energy per length; lower triangle, row by row.
 std::array<double, 21> mass_factor(const Section& section);
 
 }  // namespace mixbeam

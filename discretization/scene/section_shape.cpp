@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kZeta5 = 1.03692775514336992633;  // Riemann's zeta function at 5
 
-/// Stresses of unit forces go with the third power, and what searches for the largest with the eighth.
+/// Bounds against overflow: stresses of unit forces take the third power, the search for the largest ones the eighth.
 constexpr double kSmallestLength = 1e-30, kLargestLength = 1e30;
 
 /// "the wall thickness is 3; allowed: at most 2"
@@ -83,8 +83,8 @@ double web_shear_factor(const SectionShape& s, double nu) {
   return 10.0 * (1.0 + nu) * square(1.0 + 3.0 * m) / denominator;
 }
 
-/// Between a corner of a right angle at (place2, place3) and the quarter circle of radius r that rounds it, in all four
-/// quadrants; `side2`, `side3`: whether it lies towards the axes (-1) or away from them (1). Counted `sign` times.
+/// Adds, `sign` times, the area between a right-angled corner at (place2, place3) and the quarter circle of radius r
+/// that rounds it, in all four quadrants; `side2`, `side3`: it lies towards the axes (-1) or away from them (1).
 void add_corners(SectionGeometry& g, double r, double place2, double place3, double side2, double side3, double sign) {
   const double area = (1.0 - 0.25 * kPi) * r * r;
   const double own = (1.0 / 3.0 - kPi / 16.0 - 1.0 / (36.0 - 9.0 * kPi)) * square(square(r));
@@ -94,7 +94,7 @@ void add_corners(SectionGeometry& g, double r, double place2, double place3, dou
   g.second_moment[1] += sign * 4.0 * (own + area * square(place2 + side2 * arm));
 }
 
-/// Shear areas stay those of the sharp section.
+/// Keeps the shear areas of the sharp section.
 void keep_shear_areas(SectionGeometry& g, double sharp_area) {
   for (double& factor : g.shear_factor) factor *= sharp_area / g.area;
 }
@@ -160,14 +160,14 @@ SectionGeometry box_geometry(const SectionShape& s, double nu) {
   return g;
 }
 
-/// Within half of the smaller of two lengths.
+/// Requires a radius of at most half of the smaller length.
 void check_fillet(double radius, const std::string& name, double length, double other) {
   const double most = 0.5 * std::min(length, other);
   require_size(radius >= 0.0 && radius <= most, name, radius,
                "from 0 to " + shortest(most) + ", where it meets the next one");
 }
 
-/// Of T, L and U. A rectangle carries the shear force along its longer side.
+/// Properties of T, L and U. A rectangle carries the shear force along its longer side.
 SectionGeometry rectangles_geometry(const SectionShape& s, double nu) {
   SectionGeometry g;
   for (const WallRectangle& wall : section_rectangles(s)) {

@@ -28,14 +28,14 @@ namespace mixbeam {
 /// Fillets count in area, second moments and torsion, not in shear areas. Torsion with them: an I as in the tables of
 /// EN 10365, a box as in EN 10210-2.
 ///
-/// Throws std::invalid_argument for dimensions or moduli that no body has.
+/// Throws std::invalid_argument for impossible dimensions or moduli.
 Section make_section(const std::string& name, const SectionShape& shape);
 
-/// How files call the kinds.
+/// Names of the kinds in files.
 const std::vector<std::pair<std::string, SectionShapeKind>>& section_shape_words();
 const std::string& section_shape_word(SectionShapeKind kind);
 
-/// What geometry gives: everything that does not depend on the material but for the shear factors.
+/// Properties of the geometry, independent of the material except for the shear factors.
 struct SectionGeometry {
   double area = 0.0;
   double torsion_constant = 0.0;          ///< J [length^4]
@@ -44,7 +44,7 @@ struct SectionGeometry {
   double product_moment = 0.0;            ///< integral of x2 x3 [length^4]
 };
 
-/// A rectangle with sides along axes 2 and 3; its longer side is that of a wall.
+/// Rectangle with sides along axes 2 and 3; the longer one runs along a wall.
 struct WallRectangle {
   std::array<double, 2> from{}, to{};  ///< corners, from the centroid of the section
 
@@ -52,11 +52,11 @@ struct WallRectangle {
   double middle(std::size_t axis) const { return 0.5 * (from[axis] + to[axis]); }
 };
 
-/// What T, L and U consist of: flange and web; legs along axis 2 and 3; flanges at the top and at the bottom, and web.
+/// Rectangles of a T (flange, web), an L (legs along axes 2 and 3) or a U (flange at the top, at the bottom, web).
 std::vector<WallRectangle> section_rectangles(const SectionShape& shape);
 bool consists_of_rectangles(SectionShapeKind kind);
 
-/// Of a shape that make_section takes; its own shear correction is not checked.
+/// Properties of a shape that make_section accepts; its own shear correction is not checked.
 SectionGeometry section_geometry(const SectionShape& shape);
 
 /// The shape without its fillets.

@@ -1,6 +1,6 @@
-/// Everything that acts on a structure, kind by kind. What scales, turns, copies, renames, checks or counts loads
-/// visits the kinds here, so that a new one needs its struct and list (scene.hpp), its description here, how it is read
-/// (reading/conditions), its terms in the equations and its picture (state/acting.cpp).
+/// Everything that acts on a structure, kind by kind. Code that scales, rotates, copies, renames, checks or counts
+/// loads visits the kinds here, so that a new one needs its struct and list (scene.hpp), its description here, its
+/// reader (reading/conditions), its terms in the equations and its picture (state/acting.cpp).
 #pragma once
 
 #include "discretization/scene/scene.hpp"
@@ -16,25 +16,25 @@ inline bool is_given(const Formulas& formula) {
   return std::any_of(formula.begin(), formula.end(), [](const std::string& text) { return !text.empty(); });
 }
 
-/// What a vector is; those that belong to rotations keep their sign where a reflection turns it, and the other way
-/// around.
+/// Meaning of a vector. Vectors of rotations are axial: they keep their sign where a reflection reverses others, and
+/// vice versa.
 enum class VectorRole { force, moment, displacement, rotation, strain, curvature };
 constexpr bool is_axial(VectorRole role) {
   return role == VectorRole::moment || role == VectorRole::rotation || role == VectorRole::curvature;
 }
 
-/// In place of formulas.
+/// Stands for formulas of vectors that are always constant.
 template <class Load>
 inline constexpr std::conditional_t<std::is_const_v<Load>, const Formulas*, Formulas*> kConstant = nullptr;
 
 /// One kind: its list in the scene and the name of that list, words for messages, the point or member that it acts on,
-/// whether it acts along a member, whether it deforms the structure without a force, whether it stays in a scene where
-/// it does not act. Then of one load: its vectors, visit(vector, formulas or null, role); whether its components are in
-/// a triad that turns with the structure; along a member, from which to which relative arc length; and whether it acts.
+/// whether it acts along a member, deforms the structure without a force, and stays in a scene in which it does not
+/// act. For one load: its vectors, by visit(vector, formulas or null, role); whether its components refer to a triad
+/// that rotates with the structure; the range of relative arc lengths along a member; and whether it acts.
 template <class Load>
 struct ActingKind;
 
-/// Answers of most kinds.
+/// Defaults for most kinds.
 template <class Load>
 struct UsualKind {
   static constexpr bool along_member = false, deforms = false, stays = false;
@@ -103,7 +103,7 @@ struct ActingKind<Support> : UsualKind<Support> {
   }
 };
 
-/// Patterns do not copy it: all copies are in it.
+/// Not copied by patterns: all copies are in it.
 template <>
 struct ActingKind<RotatingFrame> : UsualKind<RotatingFrame> {
   static constexpr auto list = &Scene::rotating_frames;
@@ -118,7 +118,7 @@ struct ActingKind<RotatingFrame> : UsualKind<RotatingFrame> {
   static bool acts(const RotatingFrame& frame) { return !vector_algebra::is_zero(frame.velocity); }
 };
 
-/// Bodies are read and copied as loads at points are, but act by their weight alone: for_each_kind() leaves them out.
+/// Bodies are read and copied like loads at points, but act by their weight alone: for_each_kind() omits them.
 template <>
 struct ActingKind<PointMass> {
   static constexpr auto list = &Scene::point_masses;
@@ -151,7 +151,7 @@ inline bool anything_acts(const Scene& scene) {
   for_each_acting(scene, [&](const auto& load, auto kind) { acts = acts || kind.acts(load); });
   return acts;
 }
-/// Whether anything deforms the structure that is no force: strains, prescribed motions.
+/// Whether strains or prescribed motions deform the structure without a force.
 inline bool imposes_deformation(const Scene& scene) {
   bool deforms = false;
   for_each_acting(scene, [&](const auto& load, auto kind) { deforms = deforms || (kind.deforms && kind.acts(load)); });
