@@ -21,12 +21,12 @@ namespace {
 
 using vector_algebra::cross, vector_algebra::difference, vector_algebra::dot, vector_algebra::unit;
 
-/// Entries across the diagonal that differ by more, over the roots of their diagonal entries, are no rounding: files
-/// have five digits and more.
+/// Difference of entries across the diagonal, over the roots of their diagonal entries, up to which it may be rounding:
+/// files have five digits or more.
 constexpr double kAsymmetry = 1e-3;
 /// Files round moments of inertia to five digits; the polar one of thin sections is the sum of the others.
 constexpr double kRoundedPolar = 1e-3;
-/// Places of stations that count as equal, over the length.
+/// Distance of stations that count as equal, over the length.
 constexpr double kSamePlace = 1e-9;
 
 constexpr const char* kVabsStiffness = "Timoshenko Stiffness Matrix";
@@ -36,13 +36,13 @@ constexpr const char* kBecasMass = "Mass matrix w.r.t. to the cross section refe
 constexpr const char* kBeamDynTable = "DISTRIBUTED PROPERTIES";
 constexpr const char* kPrintedArray = "0123456789.eE+-[](), \t\r\n";  ///< as NumPy prints or saves numbers
 
-/// Place of (x, y, z) and of rotations about them, z along the blade, among (1, 2, 3): a turn of axes, no sign changes.
+/// Index among (1, 2, 3) of (x, y, z), z along the blade, and of rotations about them: axes permute, without signs.
 constexpr std::array<std::size_t, 6> kAlongZ = {1, 2, 0, 4, 5, 3};
 constexpr std::array<std::size_t, 6> kAlongX = {0, 1, 2, 3, 4, 5};
 
 InputError bad(const std::string& file, const std::string& problem) { return InputError(file + ": " + problem); }
 
-/// The 36 numbers that come next.
+/// Reads the next 36 numbers.
 Matrix6 next_matrix(std::istream& in, const std::array<std::size_t, 6>& order, const std::string& file,
                     const std::string& heading) {
   Matrix6 matrix{};
@@ -60,7 +60,7 @@ Matrix6 next_matrix(std::istream& in, const std::array<std::size_t, 6>& order, c
   return matrix;
 }
 
-/// The matrix below the line that begins with `heading`, after lines of marks and "K=". Zero where there is none.
+/// The matrix below the line that begins with `heading`, after lines of marks and "K="; zero if there is none.
 Matrix6 matrix_below(const std::string& text, const std::string& heading, const std::array<std::size_t, 6>& order,
                      const std::string& file) {
   std::istringstream in(text);
@@ -76,7 +76,7 @@ Matrix6 matrix_below(const std::string& text, const std::string& heading, const 
   throw bad(file, "\"" + heading + "\": no numbers below; allowed: six rows of six numbers");
 }
 
-/// Stiffness, and behind it mass if there is one, as arrays of NumPy.
+/// Reads stiffness, and behind it mass if there is one, as arrays of NumPy.
 BladeStation read_anba(std::string text, const std::string& file) {
   for (char& letter : text)
     if (std::string("[](),").find(letter) != std::string::npos) letter = ' ';
@@ -107,7 +107,7 @@ std::vector<BladeStation> read_beamdyn(const std::string& text, const std::strin
   return stations;
 }
 
-/// Rows of the upper triangle, 21 numbers from `next` on.
+/// Matrix from the rows of its upper triangle, 21 numbers from `next` on.
 Matrix6 matrix_of_triangle(const double* next) {
   Matrix6 matrix{};
   for (std::size_t i = 0; i < 6; ++i)
@@ -115,7 +115,7 @@ Matrix6 matrix_of_triangle(const double* next) {
   return matrix;
 }
 
-/// Of a body with its centre at (x, y); `inertia`: about the axes through the reference point.
+/// Mass matrix of a body with its centre at (x, y); `inertia`: about the axes through the reference point.
 Matrix6 mass_about_axis(double mass, double x, double y, const Vector3& inertia, double product) {
   const double mx = mass * x, my = mass * y;
   const std::array<double, 21> triangle = {mass, 0,  0,   0, 0,          -my,      mass, 0,          0, 0,         mx,
@@ -123,8 +123,8 @@ Matrix6 mass_about_axis(double mass, double x, double y, const Vector3& inertia,
   return matrix_of_triangle(triangle.data());
 }
 
-/// About the reference point and along axes 2 and 3, from `matrix` about the point (x, y) on them and along axes that
-/// are turned by `angle`: T^T M T, T of strains or velocities.
+/// Transforms `matrix`, about the point (x, y) and along axes rotated by `angle`, to the reference point and axes 2 and
+/// 3: T^T M T, T of strains or velocities.
 Matrix6 about_reference(const Matrix6& matrix, double x, double y, double angle) {
   const double c = std::cos(angle), s = std::sin(angle);
   const double t[6][6] = {{1, 0, 0, 0, y, -x},
@@ -141,9 +141,9 @@ Matrix6 about_reference(const Matrix6& matrix, double x, double y, double angle)
   return moved;
 }
 
-/// From r, m, x_cg, y_cg, ri_x, ri_y, then pitch, x_e, y_e and the triangle of a matrix (30 numbers), or x_sh, y_sh, E,
-/// G, I_x, I_y, K, k_x, k_y, A, pitch, x_e, y_e (19). Torsion of the latter is about the shear centre; all else, radii
-/// of gyration too, is about the elastic centre along axes turned by the pitch.
+/// Station from r, m, x_cg, y_cg, ri_x, ri_y, then pitch, x_e, y_e and the triangle of a matrix (30 numbers), or x_sh,
+/// y_sh, E, G, I_x, I_y, K, k_x, k_y, A, pitch, x_e, y_e (19). Torsion of the latter is about the shear centre; all
+/// else, also radii of gyration, is about the elastic centre along axes rotated by the pitch.
 BladeStation station_of_hawc2(const std::vector<double>& v) {
   const double* axes = &v[v.size() == 30 ? 6 : 16];
   const double angle = axes[0] * kPi / 180.0, c = std::cos(angle), s = std::sin(angle);
@@ -197,7 +197,7 @@ std::vector<BladeStation> read_hawc2(const std::string& text, const std::string&
   return stations;
 }
 
-/// Values over the grid of a WindIO file.
+/// Piecewise linear values over the grid of a WindIO file.
 struct OverGrid {
   std::vector<double> grid{}, value{};
 
@@ -247,7 +247,7 @@ class WindIo {
         throw bad(file_, "\"" + name + "\": grid has " + shortest(grid[i]) + "; allowed: ascending from 0 to 1");
   }
 
-  /// Each with a grid of its own, or beside one for all.
+  /// Reads a coordinate with a grid of its own, or beside one for all.
   OverGrid coordinate(const YAML::Node& axis, const std::string& name) const {
     const YAML::Node node = need(axis, name);
     if (!node.IsSequence()) return over_grid(node, "reference_axis/" + name);
@@ -331,7 +331,7 @@ class WindIo {
   std::string file_;
 };
 
-/// The mean of both triangles.
+/// Replaces a matrix by the mean of both triangles.
 void make_symmetric(Matrix6& matrix, const std::string& what, const std::string& file) {
   for (std::size_t i = 0; i < 6; ++i)
     for (std::size_t j = 0; j < i; ++j) {
@@ -343,7 +343,7 @@ void make_symmetric(Matrix6& matrix, const std::string& what, const std::string&
     }
 }
 
-/// Mass, the place of its centre, and moments of inertia about axes through that.
+/// Sets mass, centre of mass, and moments of inertia about axes through it.
 void set_mass(const Matrix6& m, const std::string& file, Teuchos::ParameterList& section) {
   const double mass = m[0][0];
   if (mass == 0.0) return;
@@ -379,7 +379,7 @@ struct NamedStation {
   BladeStation station;
 };
 
-/// Places along the line from the first station to the last, and away from it.
+/// Sets positions along the line from the first station to the last, and offsets from it.
 void set_stations(const std::vector<NamedStation>& all, Teuchos::ParameterList& list) {
   Teuchos::Array<double> position, twist, offset2, offset3;
   Teuchos::Array<std::string> names;

@@ -31,10 +31,10 @@ namespace {
 
 using namespace vector_algebra;
 
-/// What follows the name of a point or member that may stand for many.
+/// Text behind the name of a point or member that may be a pattern.
 const std::string kWildcard = "; " + kWildcards + ", and every match is meant.";
 
-/// Stage, amplitude and case of whatever acts.
+/// Binds stage, amplitude and case of anything that acts.
 template <class Acting>
 void bind_schedule(BoundList<Acting>& list, const std::string& what) {
   constexpr int kMostStages = 1000;
@@ -49,7 +49,7 @@ void bind_schedule(BoundList<Acting>& list, const std::string& what) {
             "Load case, one of \"Load Cases\", in which alone it acts; in all of them if absent.");
 }
 
-/// An eigenstrain as it was written.
+/// An eigenstrain as written.
 struct EigenstrainDraft : Eigenstrain {
   std::optional<double> temperature{}, expansion_coefficient{};
   std::string strain_file{}, curvature_file{};
@@ -125,13 +125,13 @@ const BoundList<Joint> kJointParameters = [] {
   return joint;
 }();
 
-/// Components in the triad of a mirrored section, whose axis 3 is the opposite of the image of axis 3: of vectors, and
-/// of axial ones (moments, curvatures).
+/// Factors of components in the triad of a mirrored section, whose axis 3 is opposite to the image of axis 3: of
+/// vectors, and of axial ones (moments, curvatures).
 constexpr Vector3 kMirroredVector{1, 1, -1}, kMirroredAxial{-1, -1, 1};
 
 Vector3 product(const Vector3& a, const Vector3& b) { return {a[0] * b[0], a[1] * b[1], a[2] * b[2]}; }
 
-/// The image of a field under `turn`, which is linear.
+/// Replaces a field by its image under the linear map `turn`.
 template <class Turn>
 void turn_field(const Turn& turn, Vector3& constant, Formulas& formula) {
   constant = turn(constant);
@@ -147,7 +147,7 @@ void turn_field(const Turn& turn, Vector3& constant, Formulas& formula) {
   formula = turned;
 }
 
-/// The vectors of a load: in space, or in the triads of members.
+/// Maps the vectors of a load, in space or in the triads of members.
 template <class Load>
 void turn(const Isometry& motion, Load& load) {
   const bool in_triad = ActingKind<Load>::is_in_triad(load);
@@ -161,7 +161,7 @@ void turn(const Isometry& motion, Load& load) {
   });
 }
 
-/// Its axes go with it, right-handed; a clamp or ball without springs and motion is the same along any axes.
+/// Maps the axes, which stay right-handed; a clamp or ball without springs and motion is the same along any axes.
 void turn(const Isometry& motion, Support& support) {
   if (motion.is_shift()) return;
   const auto all_alike = [](const std::array<bool, 3>& fixed) { return fixed[0] == fixed[1] && fixed[1] == fixed[2]; };
@@ -195,7 +195,7 @@ bool has_both_ends_at(const Member& member, const std::string& point) {
   return member.start_point == point && member.end_point == point;
 }
 
-/// Values of these names at the ends of the intervals.
+/// Values of kAlongMember at the ends of the intervals.
 std::vector<std::vector<double>> samples_along(const ReferenceCurve& curve) {
   std::vector<std::vector<double>> samples;
   for (int k = 0; k <= kSamplesPerMember; ++k) {
@@ -249,7 +249,7 @@ const BoundList<DistributedLoad> kGravityParameters = [] {
   return gravity;
 }();
 
-/// As it was written.
+/// A rotating frame as written.
 struct RotatingFrameDraft : RotatingFrame {
   Vector3 axis{};
   double speed = 0.0;
@@ -339,15 +339,15 @@ const BoundList<EigenstrainDraft> kEigenstrainParameters = [] {
   return strain;
 }();
 
-/// One pass over what acts on a scene whose points and members are complete.
+/// Reads in one pass all that acts on a scene whose points and members are complete.
 class ConditionReader {
  public:
-  /// `copies`: those of patterns that take along what acts.
+  /// `copies`: those by patterns that also copy joints or loads.
   ConditionReader(const Teuchos::ParameterList& scene_list, const InputPlace& place, Scene& scene,
                   const std::vector<CopiedPattern>& copies)
       : scene_list_(scene_list), place_(place), scene_(scene), copies_(copies), names_(scene) {}
 
-  /// Tells what was left out where patterns end, and why.
+  /// Returns what was left out at the ends of patterns, and why.
   std::vector<std::string> read() {
     place_["Load Cases"].attempt([this] { read_load_cases(); });
     read_combinations();
@@ -366,7 +366,7 @@ class ConditionReader {
  private:
   using List = Teuchos::ParameterList;
 
-  /// A use of a stage: what acts with an amplitude acts in every stage up to its own.
+  /// Stages in which something acts: with an amplitude, every stage up to its own.
   struct UsedStage {
     Stage first = 1, last = 1;
     std::string load_case;
@@ -541,7 +541,7 @@ class ConditionReader {
     }
   }
 
-  /// One weight, or several by names: of stages and cases of their own.
+  /// One weight, or several by name, with stages and cases of their own.
   void read_gravity() {
     if (!scene_list_.isSublist("Gravity")) return;
     const List& list = scene_list_.sublist("Gravity");
@@ -650,7 +650,7 @@ class ConditionReader {
     entries_[ActingKind<Acting>::name].push_back(entry);
   }
 
-  /// An entry acts once at each place: where it is already, by its name or as another copy, nothing is added.
+  /// Copies what acts. An entry acts once at each place: nothing is added where it acts by name or by another copy.
   template <class Acting>
   void copy_with_patterns() {
     if (copies_.empty()) return;
@@ -681,8 +681,8 @@ class ConditionReader {
     notes_.push_back("\"" + list + " / " + excerpt(entry) + "\" is not copied to \"" + excerpt(point) + "\": " + why);
   }
 
-  /// Each listed member takes its joint with it, also to a point that the pattern leaves where it is. Where a pattern
-  /// ends there may be nobody whom a copy could be joined to.
+  /// Copies the joint of each listed member, also at a point that the pattern leaves in place. Where a pattern ends
+  /// there may be no member to which a copy could be joined.
   void copy_joints() {
     std::set<std::string> written;  // points of joints that no pattern made
     for (const Joint& joint : scene_.joints) written.insert(joint.point);
@@ -719,7 +719,7 @@ class ConditionReader {
     for (const std::string& point : alone) joined_at_.erase(point);
   }
 
-  /// Completes a copy; false: it has no members there.
+  /// Completes a copy; false: it is left out.
   template <class Acting>
   bool goes_along(const Acting&, const PatternCopy&, const std::string&) {
     return true;
@@ -746,8 +746,8 @@ class ConditionReader {
     return true;
   }
 
-  /// The elements and arc lengths of a table are those of the member for which it was made; in a scene that a rest
-  /// shape left, each copy has tables of its own.
+  /// Leaves out copies of tables, whose elements and arc lengths are those of one member; in a scene that a rest shape
+  /// left, each copy has tables of its own.
   bool goes_along(Eigenstrain& copy, const PatternCopy&, const std::string& entry) {
     if (!copy.strain_table && !copy.curvature_table) return true;
     if (with_tables_.count(copy.member) == 0)
@@ -811,7 +811,7 @@ class ConditionReader {
     }
   }
 
-  /// From two directions as they were given to three unit vectors.
+  /// Completes two given directions to three unit vectors.
   void complete_axes(Axes& axes, const InputPlace& place) const {
     const Vector3 x = axes[0], y = axes[1];
     const double length = norm(x), width = norm(y);
@@ -839,7 +839,7 @@ class ConditionReader {
     return joint;
   }
 
-  /// Adds the members that `text` means.
+  /// Adds the members that `text` matches.
   void join(const std::string& text, Joint& joint, const InputPlace& joint_place) {
     const InputPlace place = joint_place["Members"];
     std::vector<std::string> candidates;
@@ -875,8 +875,8 @@ class ConditionReader {
         "\" are in joints, and none is left that they could be joined to; allowed: at least one of them not listed");
   }
 
-  /// The one member with one end at the point, or through it, that `text` means. The load acts on the point: members in
-  /// a joint there turn without it.
+  /// The only member matching `text` that ends at the point once, or passes it. The load acts on the point: members in
+  /// a joint there rotate without it.
   std::string follower_member(const std::string& text, const std::string& point, const InputPlace& place) const {
     const auto joined = joined_at_.find(point);
     const auto is_joined = [&](const std::string& name) {
@@ -901,7 +901,7 @@ class ConditionReader {
                                 did_you_mean(text, touching));
   }
 
-  /// Instead of the constant `name`, the three formulas of `name` + " Formula" may be given.
+  /// Checks the three formulas of `name` + " Formula", which replace the constant `name`.
   void check_field(const List& list, const std::string& name, const std::vector<const Member*>& members,
                    const std::array<std::string, 3>& formula, const InputPlace& list_place) const {
     if (!list.isParameter(name + " Formula")) return;
@@ -923,7 +923,7 @@ class ConditionReader {
     }
   }
 
-  /// X, Y and Z of formulas as formulas of x along this member.
+  /// Replaces X, Y and Z in formulas by formulas of x along this member.
   Formulas along(const Member& member, Formulas formula, const InputPlace& place) const {
     const std::string axes = "XYZ";
     for (std::string& component : formula)
@@ -958,7 +958,7 @@ class ConditionReader {
     checked_formula(formula, kAlongMember, place["Strain Formula"]);  // it may have become too long
   }
 
-  /// Null where the list names none.
+  /// Table of a field; null if the list names none.
   std::shared_ptr<const FieldTable> read_field_table(const List& list, const std::string& field,
                                                      const std::vector<const Member*>& members,
                                                      const InputPlace& place) const {
@@ -1000,7 +1000,7 @@ class ConditionReader {
     if (!any) throw place.error(problem + "; allowed: one or more of " + quoted_list(parameters));
   }
 
-  /// Puts the number of its stage into the formulas of what acts; checks and remembers when it acts.
+  /// Replaces `stage` in formulas by its number; checks and remembers when the load acts.
   template <class Acting>
   void check_schedule(Acting& acting, const List& list, const InputPlace& place) {
     const auto put_stage = [&acting](std::string& formula) {
@@ -1030,7 +1030,7 @@ class ConditionReader {
     stages_used_.push_back({amplitude.empty() ? stage : 1, stage, load_case, place["Stage"]});
   }
 
-  /// Modes of buckling belong to the loads of one of several cases.
+  /// Buckling modes belong to one load case if there are several.
   void check_case_of_modes() const {
     const std::vector<std::string> known = alternatives(scene_);
     const std::string& chosen = scene_.imperfection_case;
@@ -1088,7 +1088,7 @@ class ConditionReader {
     }
   }
 
-  /// What the parameter "Point" or "Member" means, wildcards included. Throws unless members touch these points.
+  /// Points that the parameter "Point" matches. Throws for points without members.
   std::vector<std::string> points_meant(const List& list, const InputPlace& list_place) {
     const InputPlace place = list_place["Point"];
     const auto& text = list.get<std::string>("Point");
@@ -1135,7 +1135,7 @@ class ConditionReader {
   Scene& scene_;
   const std::vector<CopiedPattern>& copies_;
   const SceneNames names_;
-  /// (kind) of everything that acts, but for weights: the name under which it was written.
+  /// Kind -> names of the entries of all that acts, except weights.
   std::unordered_map<std::string, std::vector<std::string>> entries_;
   std::unordered_map<std::string, std::string> support_at_;           ///< point -> name of its support
   std::unordered_map<std::string, std::set<std::string>> joined_at_;  ///< point -> members in a joint there

@@ -11,7 +11,7 @@ namespace {
 
 using Teuchos::ParameterList;
 
-/// Which parameters a shape takes.
+/// Parameters that each shape takes.
 const std::map<std::string, std::vector<Form>> kForms = {{"line", {Form{}}},
                                                          {"arc",
                                                           {{{"Center", "Axis", "Angle"}},

@@ -1,4 +1,4 @@
-/// The list "Imperfection": a stress-free geometry that differs from the one that was drawn.
+/// The list "Imperfection": a stress-free geometry that differs from the perfect one.
 
 #include "discretization/geometry/point_grid.hpp"
 #include "discretization/geometry/reference_curve.hpp"
@@ -27,7 +27,7 @@ using namespace vector_algebra;
 /// A direction nearer to the member than this has no part across it. [1]
 constexpr double kAcross = 1e-6;
 
-/// Of the size of the structure: tables of what was measured give coordinates with six digits.
+/// Distance of equal points over the size of the structure: measured coordinates have six digits.
 constexpr double kSamePoint = 1e-6;
 
 struct Bow {
@@ -71,7 +71,7 @@ BoundList<ModeImperfection> mode_parameters() {
 
 std::string in_formula(double number) { return "(" + shortest(number) + ")"; }
 
-/// Moves what was drawn; members and points of the scene are complete.
+/// Moves the perfect geometry; members and points of the scene are complete.
 class Imperfection {
  public:
   Imperfection(const Teuchos::ParameterList& list, const InputPlace& place, Scene& scene)
@@ -200,7 +200,7 @@ class Imperfection {
       throw place["Direction"].error("along the member \"" + excerpt(member.name) + "\"; allowed: across it");
     const Quaternion<double> triad = make_reference_curve(member, start, end).triad(0.0);
     const auto axes = rotation_matrix(triad);
-    member.second_axis = {axes(0, 1), axes(1, 1), axes(2, 1)};  // as it was, whatever the new tangent suggests
+    member.second_axis = {axes(0, 1), axes(1, 1), axes(2, 1)};  // as before, whatever the new tangent suggests
     const Vector3 offset = scaled(bow.share ? *bow.share * norm(chord) : *bow.amplitude, unit(across));
     member.curve.shape = CurveShape::parametric;
     for (std::size_t i = 0; i < 3; ++i)

@@ -27,11 +27,11 @@ const std::string kPointsFile = "Points File", kMembersFile = "Members File", kP
 
 const std::vector<std::string> kNumberColumns = {"x", "y", "z", "dx", "dy", "dz", "order", "elements"};
 
-/// Lists of the scene whose entries a table may give: the name of the list is that of the parameter without " File".
+/// Lists whose entries a table may give, named by the parameter with " File" behind the name of the list.
 const std::vector<std::string> kImportedLists = {"Sections",     "Supports",          "Joints",      "Point Loads",
                                                  "Point Masses", "Distributed Loads", "Eigenstrains"};
 
-/// All files that a scene names: list, parameter.
+/// All parameters that name files of a scene: list, parameter.
 std::vector<std::pair<std::string, std::string>> file_parameters() {
   std::vector<std::pair<std::string, std::string>> all = {
       {"Import", kPointsFile}, {"Import", kMembersFile}, {"Import", kProfilesFile}, {"Imperfection", kPointsFile}};
@@ -68,7 +68,7 @@ std::string imported_name(const ImportTable& table, const CsvRecord& record) {
   return name;
 }
 
-/// Of a cell that is not empty, a formula as it stands there.
+/// Value of a cell that is not empty, a formula as written.
 ParameterValue written_cell(const ImportTable& table, const CsvRecord& record, const ParameterSpec& spec) {
   const std::string column = lower_case(spec.name);
   ParameterValue value;
@@ -78,7 +78,7 @@ ParameterValue written_cell(const ImportTable& table, const CsvRecord& record, c
   return value;
 }
 
-/// The same with the value of a formula.
+/// The same with formulas evaluated.
 ParameterValue cell_value(const ImportTable& table, const CsvRecord& record, const ParameterSpec& spec,
                           Variables* variables) {
   ParameterValue value = written_cell(table, record, spec);
@@ -91,7 +91,7 @@ ParameterValue cell_value(const ImportTable& table, const CsvRecord& record, con
   return value;
 }
 
-/// Columns of the table of members: those that every record fills, then those with a default in the list "Import".
+/// Columns of the table of members: those that every record fills, or those with a default in the list "Import".
 std::vector<std::string> member_columns(bool with_default) {
   std::vector<std::string> columns;
   for (const BoundParameter<Member>& parameter : member_parameters().parameters)
@@ -109,7 +109,7 @@ std::string meaning_of_members_file() {
          " take the values below.";
 }
 
-/// Parameters of an entry and of the lists inside it, by column.
+/// Parameter of an entry, or of a list inside it, that a column fills.
 struct EntryColumn {
   std::string list{};  ///< inside the entry; empty: the entry itself
   ParameterSpec spec;
@@ -151,7 +151,7 @@ void add_entries(const ImportTable& table, const std::map<std::string, EntryColu
   });
 }
 
-/// Sections of a file that another program wrote; false: the file is a table.
+/// Adds the sections of a file of another program; false if the file is a table.
 bool import_blade(const Teuchos::ParameterList& import, const InputPlace& place, Teuchos::ParameterList& sections) {
   const std::string parameter = "Sections File";
   const auto& name = import.get<std::string>(parameter);
@@ -169,7 +169,7 @@ bool import_blade(const Teuchos::ParameterList& import, const InputPlace& place,
   return true;
 }
 
-/// What the words of Units mean in millimetres.
+/// Units of length in millimetres, by their words in Units.
 const std::vector<std::pair<std::string, double>> kMillimetres = {{"mm", 1.0},   {"cm", 10.0}, {"dm", 100.0},
                                                                   {"m", 1000.0}, {"in", 25.4}, {"ft", 304.8}};
 
@@ -185,7 +185,7 @@ double millimetres_of(const std::string& units, const InputPlace& place) {
                     "; allowed: " + quoted_list(words) + ", as in \"m, N\"");
 }
 
-/// "IPE 300" and "ipe300" are one name.
+/// Key of a profile: "IPE 300" and "ipe300" are one name.
 std::string profile_key(const std::string& name) {
   std::string key = lower_case(name);
   key.erase(std::remove(key.begin(), key.end(), ' '), key.end());
@@ -261,7 +261,7 @@ ImportTable::ImportTable(CsvFile file, std::vector<std::string> columns, std::si
     const auto is_column = [this](const std::string& cell) {
       return std::find(columns_.begin(), columns_.end(), lower_case(cell)) != columns_.end();
     };
-    // In columns of numbers, such a word can be no entry.
+    // Such a word cannot be an entry of a column of numbers.
     const auto is_number_column = [&](const std::string& cell) {
       const auto place = static_cast<std::size_t>(&cell - record.cells.data());
       return place < columns_.size() && place > 0 && lower_case(cell) == columns_[place] &&
@@ -371,7 +371,7 @@ void import_entries(Teuchos::ParameterList& scene_list, ParameterSource& source,
   const Teuchos::ParameterList& import = scene_list.sublist("Import");
   static const ListSpec scene = scene_spec();
   const auto import_list = [&](const std::string& name) {
-    const bool is_taken = scene_list.isParameter(name) && !scene_list.isSublist(name);  // validate() says so
+    const bool is_taken = scene_list.isParameter(name) && !scene_list.isSublist(name);  // reported by validate()
     if (!import.isType<std::string>(name + " File") || is_taken) return;
     if (name == "Sections" && import_blade(import, InputPlace(source, path)["Import"], scene_list.sublist(name)))
       return;

@@ -21,24 +21,23 @@ class Variables;
 /// Declaration of the list "Import".
 ListSpec import_spec();
 
-/// A table whose first record may name its columns; without such names the columns stand in the order of their
-/// declaration.
+/// A table whose first record may name its columns; otherwise the columns are in the order of their declaration.
 class ImportTable {
  public:
-  /// Columns from `required` on may be absent. Throws InputError for an unknown name of a column.
+  /// Columns from `required` on may be absent. Throws InputError for an unknown column name.
   ImportTable(CsvFile file, std::vector<std::string> columns, std::size_t required, const ParameterSource& source);
 
   const ParameterSource& source() const { return *source_; }
-  /// Calls `action` with each record but the names of columns. Mistakes of a record are kept in the source.
+  /// Calls `action` with each record except the names of columns. Mistakes of a record are kept in the source.
   void for_each(const std::function<void(const CsvRecord&)>& action) const;
 
   /// Text of a column of the record, empty if the record has no such cell.
   const std::string& cell(const CsvRecord& record, const std::string& column) const;
-  /// `loads.csv:12:7`: the cell of this column.
+  /// Place of the cell of this column, `loads.csv:12:7`.
   std::string where(const CsvRecord& record, const std::string& column) const;
-  /// Throws InputError at the cell of this column.
+  /// Error at the cell of this column.
   InputError error(const CsvRecord& record, const std::string& column, const std::string& problem) const;
-  /// The same for the record in that line.
+  /// The same for the record in this line.
   InputError error(int line, const std::string& column, const std::string& problem) const;
 
  private:
@@ -49,39 +48,38 @@ class ImportTable {
   const ParameterSource* source_;
   std::vector<std::string> columns_;
   std::size_t required_;
-  std::map<std::string, std::size_t> place_;  ///< column -> which cell of a record
+  std::map<std::string, std::size_t> place_;  ///< column -> index of its cell in a record
   bool has_names_ = false;
 };
 
-/// Texts of the tables that the list of a scene names, by these names: what a result file keeps, so that resuming needs
-/// no other file. `path`: where the scene stands below the root of `source`. Throws InputError when a file cannot be
-/// read.
+/// Texts of the tables that the list of a scene names, by these names: result files keep them, so that resuming needs
+/// no other file. `path`: place of the scene below the root of `source`. Throws InputError when a file cannot be read.
 std::map<std::string, std::string> read_imported_files(const Teuchos::ParameterList& scene_list,
                                                        const ParameterSource& source,
                                                        const ParameterPath& path = {"Scene"});
 
 /// Adds entries to the lists "Sections", "Supports", "Joints", "Point Loads", ... of a scene that is not validated yet:
-/// one for each line of the tables that its list "Import" names. `source` then knows their places. Throws InputError.
+/// one for each line of the tables named by its list "Import". Records their places in `source`. Throws InputError.
 void import_entries(Teuchos::ParameterList& scene_list, ParameterSource& source, const ParameterPath& path = {"Scene"});
 
-/// Looks up sections that name a Profile, in the catalogue of the program and the table "Profiles File" of the list
-/// "Import"; dimensions come into the unit of length that `units` of the scene name. Keeps a reference to the list.
+/// Finder of sections that name a Profile, in the catalogue of the program and the table "Profiles File" of the list
+/// "Import"; converts dimensions to the unit of length in `units` of the scene. Keeps a reference to the list.
 ProfileFinder profile_finder(const Teuchos::ParameterList& scene_list, const InputPlace& scene,
                              const std::string& units);
 
-/// The table that a parameter names: a text that the source has under this name, otherwise a file relative to the
-/// folder of the scene file. Columns as ImportTable takes them.
+/// The table that a parameter names: the text that the source has under this name, else a file relative to the folder
+/// of the scene file. Columns as in ImportTable.
 ImportTable import_table(const Teuchos::ParameterList& list, const std::string& parameter, const InputPlace& place,
                          const std::vector<std::string>& columns, std::size_t required);
-/// Those of the list "Import".
+/// Tables of points and of members of the list "Import".
 ImportTable points_table(const Teuchos::ParameterList& list, const InputPlace& place);
 ImportTable members_table(const Teuchos::ParameterList& list, const InputPlace& place);
 
-/// A cell as a number, 0 where it is empty. Without `variables` it is a number, no formula.
+/// A cell as a number, 0 if it is empty. Without `variables` formulas are refused.
 double imported_number(const ImportTable& table, const CsvRecord& record, const std::string& column,
                        Variables* variables = nullptr);
-/// Three cells of a record as a vector. Without `variables` they are numbers, no formulas. Mistakes are kept in the
-/// source, and numbers that differ from line to line stand in their place.
+/// Three cells of a record as a vector. Without `variables` formulas are refused. Mistakes are kept in the source;
+/// numbers that differ from line to line replace them.
 Vector3 imported_vector(const ImportTable& table, const CsvRecord& record, const std::array<std::string, 3>& columns,
                         Variables* variables = nullptr);
 

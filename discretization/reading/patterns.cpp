@@ -36,17 +36,17 @@ constexpr std::size_t kNoPoint = ~std::size_t{0};
 enum class PatternKind { repeat, rotate, mirror };
 enum class CopyScope { members, joints, all };
 
-/// One pattern as it was written: what its copies are called, and where they go.
+/// One pattern as written: the members, the motion and what is copied with them.
 struct Pattern {
   std::vector<std::string> members{"*"};
   PatternKind kind = PatternKind::repeat;
   int count = 2;  // mirror: the original and its image
   Vector3 vector{}, center{}, axis{}, point{}, normal{};
   std::optional<double> angle{};
-  CopyScope scope = CopyScope::members;  ///< what goes with the members: joints, supports, loads and eigenstrains
+  CopyScope scope = CopyScope::members;  ///< what is copied with the members: joints, supports, loads and eigenstrains
 };
 
-/// Where a copy comes from: its name is that of the original and the numbers of the copies on the way.
+/// Origin of a copy: its name is that of the original with the numbers of the copies on the way.
 struct CopyLabel {
   std::string base;
   std::vector<int> numbers{};
@@ -98,7 +98,7 @@ const BoundList<Pattern>& pattern_parameters() {
   return parameters;
 }
 
-/// Of all copies, the original not counted. Throws std::invalid_argument where there is no such motion.
+/// Motions of all copies, without the original. Throws std::invalid_argument if there is no such motion.
 std::vector<Isometry> motions_of(const Pattern& pattern) {
   if (pattern.kind == PatternKind::mirror) return {Isometry::reflection(pattern.point, pattern.normal)};
   std::vector<Isometry> motions;
@@ -110,14 +110,14 @@ std::vector<Isometry> motions_of(const Pattern& pattern) {
   return motions;
 }
 
-/// A point of a line and its direction.
+/// Image of a line given by a point and a direction.
 std::array<double, 6> image(const Isometry& motion, const std::array<double, 6>& line) {
   const Vector3 point = motion.position({line[0], line[1], line[2]}),
                 direction = motion.direction({line[3], line[4], line[5]});
   return {point[0], point[1], point[2], direction[0], direction[1], direction[2]};
 }
 
-/// Of a section whose axis 3 turns over, with what depends on it: Q3, T, M2, tau_13.
+/// Mirrors the stress points of a section whose axis 3 reverses, with the signs of Q3, T, M2, tau_13.
 void mirror_stress_points(StressPoints& points) {
   for (StressPoints::Place& place : points.points) {
     place.at[1] = -place.at[1];
@@ -127,7 +127,7 @@ void mirror_stress_points(StressPoints& points) {
   }
 }
 
-/// A member with all that a comparison needs; `start` and `end` are the positions of its points.
+/// A member with all that comparisons need; `start` and `end` are the positions of its points.
 struct PlacedMember {
   const Member& member;
   const Vector3& start;
@@ -137,20 +137,20 @@ struct PlacedMember {
   ReferenceCurve curve() const { return make_reference_curve(member, start, end); }
 };
 
-enum class SameLine { forward, backward };  ///< direction of the second member along the first
+enum class SameLine { forward, backward };  ///< direction of the second member relative to the first
 
 /// g2(s), spatial.
 Vector3 axis2(const ReferenceCurve& curve, double s) {
   return to_array(rotation_matrix(curve.triad(s)) * Vec3<double>{{0.0, 1.0, 0.0}});
 }
 
-/// Whether it does not matter how the section is turned about the tangent.
+/// Whether the rotation of the section about the tangent does not matter.
 bool is_isotropic(const Section& section) {
   return !section.matrix && section.shear_stiffness[0] == section.shear_stiffness[1] &&
          section.bending_stiffness[0] == section.bending_stiffness[1];
 }
 
-/// Uncoupled sections do not feel a half turn about the tangent.
+/// Uncoupled sections are invariant under a half turn about the tangent.
 bool same_axes(const PlacedMember& a, const PlacedMember& b, SameLine direction) {
   if (is_isotropic(a.section) && a.member.end_section.empty()) return true;
   const ReferenceCurve along_a = a.curve(), along_b = b.curve();
@@ -176,7 +176,7 @@ bool same_inner_points(const Member& a, const Member& b, SameLine direction) {
   return true;
 }
 
-/// Tells whether the centerlines of two members that share both points coincide up to `tolerance` [length], and how.
+/// Whether the centerlines of two members that share both points coincide up to `tolerance` [length], and how.
 std::optional<SameLine> same_centerline(const PlacedMember& a, const PlacedMember& b, double tolerance) {
   const bool closed = a.member.start_point == a.member.end_point;
   const bool forward = a.member.start_point == b.member.start_point;
@@ -188,8 +188,8 @@ std::optional<SameLine> same_centerline(const PlacedMember& a, const PlacedMembe
   return std::nullopt;
 }
 
-/// Names what two members on the same centerline do not agree in, a parameter like "Section" or more; empty if they are
-/// the same beam.
+/// Names what two members on the same centerline disagree in, a parameter like "Section" or more; empty if they are the
+/// same beam.
 std::string difference_between(const PlacedMember& a, const PlacedMember& b, SameLine direction) {
   const Member &m = a.member, &n = b.member;
   const std::string parameter = member_parameters().difference(m, n);
@@ -200,7 +200,7 @@ std::string difference_between(const PlacedMember& a, const PlacedMember& b, Sam
   return "";
 }
 
-/// The scene while patterns act on it, with what finds things in it.
+/// The scene while patterns are applied, with indices to find things in it.
 class PatternScene {
  public:
   explicit PatternScene(Scene& scene) : scene_(scene) {
@@ -244,10 +244,10 @@ class PatternScene {
  private:
   using Ends = std::array<std::size_t, 2>;
 
-  /// One pattern at work.
+  /// State of the pattern being applied.
   struct Work {
     const InputPlace& place;
-    std::vector<std::size_t> members{}, points{};  ///< what is copied
+    std::vector<std::size_t> members{}, points{};  ///< to be copied
     std::vector<Vector3> second_axes{};            ///< of the members, as far as copies must keep them
     std::vector<std::size_t> image{};              ///< point of the scene -> its copy
     std::vector<std::size_t> made_of{};            ///< the original of each member that the last copy made
@@ -328,7 +328,7 @@ class PatternScene {
     work.tolerance = std::max(kPointTolerance * box.diagonal(), kShortestLength);
   }
 
-  /// The first point of those with a number below `end` that lies there; `preferred` goes before all others.
+  /// First point with a number below `end` at this position; `preferred` is checked before all others.
   std::optional<std::size_t> point_at(const Vector3& position, const PointGrid& grid, std::size_t end,
                                       std::size_t preferred, double tolerance) const {
     const auto coincides = [&](std::size_t i) {
@@ -347,8 +347,8 @@ class PatternScene {
     for (const std::size_t member : work.members) member_label_[member].numbers.push_back(0);
   }
 
-  /// A copy keeps how the section lies in it: the choice of the program depends on the direction in space, except for
-  /// arc and helix, whose axis 2 points to their own axis.
+  /// Second axes that copies must keep: the program's own choice depends on the direction in space, except for arc and
+  /// helix, whose axis 2 points to their own axis.
   void find_second_axes(Work& work) const {
     for (const std::size_t m : work.members) {
       const Member& member = scene_.members[m];
@@ -435,7 +435,7 @@ class PatternScene {
     return copy;
   }
 
-  /// Whether the copy coincides with one of the members that were there before this round of copies.
+  /// Whether the copy coincides with a member that existed before this round of copies.
   bool is_there(const Member& copy, const Ends& ends, std::size_t members_before, const Work& work) const {
     const auto [begin, end] = members_at_.equal_range(between(ends));
     std::string problem;

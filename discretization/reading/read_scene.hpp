@@ -18,17 +18,16 @@ inline constexpr int kMostElements =
 /// Declaration of the list "Scene".
 ListSpec scene_spec();
 
-/// Where to put what is said of a scene beside the errors of it; null: nowhere.
+/// Receives remarks on a scene that are not errors; null: dropped.
 struct SceneRemarks {
-  std::vector<std::string>* notes = nullptr;  ///< what is left out where patterns end, and why
-  std::string* loose = nullptr;  ///< what is said of supports that do not hold every part, which is thrown otherwise
+  std::vector<std::string>* notes = nullptr;  ///< what is left out at the ends of patterns, and why
+  std::string* loose = nullptr;  ///< text on supports that do not hold every part, which is thrown otherwise
 };
 
-/// Validates the list (filling in defaults), then everything that names refer to and geometry must satisfy,
-/// supports that hold every part included.
-/// Throws InputError, of all mistakes that do not follow from others; inside ParameterSource::collect() they wait as
-/// long as something that was meant can be read in their place. Points that only the end of an arc or helix reaches are
-/// added to the scene's points. `path`: where the list stands below the root of `source`.
+/// Validates the list (filling in defaults), then names, geometry, and supports, which must hold every part. Throws
+/// InputError with all mistakes that do not follow from others; inside ParameterSource::collect() they are kept as long
+/// as something allowed can replace them. Adds points that only the end of an arc or helix defines to the scene's
+/// points. `path`: place of the list below the root of `source`.
 Scene read_scene(Teuchos::ParameterList& scene_list, const ParameterSource& source,
                  const ParameterPath& path = {"Scene"}, const SceneRemarks& remarks = {});
 

@@ -1,5 +1,5 @@
-/// The parts of a scene as parameters: how each is declared, and reading it from its validated list, which stands at
-/// `place`. All of these throw InputError.
+/// The parts of a scene as parameters: declarations, and reading each from its validated list at `place`. All of these
+/// throw InputError.
 #pragma once
 
 #include "discretization/geometry/isometry.hpp"
@@ -22,14 +22,14 @@ namespace mixbeam {
 ListSpec section_spec();
 /// Parameters of a section that a profile of the catalogue gives: its shape, then lengths.
 const std::vector<std::string>& profile_parameters();
-/// The list of a section with what its parameter "Profile" stands for.
+/// Replaces the parameter "Profile" in the list of a section by the parameters of that profile.
 using ProfileFinder =
     std::function<Teuchos::ParameterList(const Teuchos::ParameterList& section, const InputPlace& place)>;
 /// The list "Sections".
 std::vector<Section> read_sections(const Teuchos::ParameterList& sections, const InputPlace& place,
                                    const ProfileFinder& profile);
 
-/// A curve as it was written; some follow only when the positions of their ends are known.
+/// A curve as written; some curves are complete only when the positions of their ends are known.
 struct CurveDraft : Curve {
   std::optional<ArcDefinition> arc{};  ///< an arc without centre or angle
   double radius = 0.0;
@@ -42,40 +42,40 @@ struct CurveDraft : Curve {
 const BoundList<CurveDraft>& curve_parameters();
 CurveDraft read_curve(const Teuchos::ParameterList& list, const InputPlace& place);
 
-/// Parameters of one member. A further property of members is a field of Member, a line there, and its use.
+/// Parameters of one member. A new property of members is a field of Member, a line there, and its use.
 const BoundList<Member>& member_parameters();
 
-/// A copy that a pattern makes: names of points and members and of their images. Members are those that were made; a
-/// point may be there already.
+/// One copy by a pattern: names of originals and of their images. Members are those that were made; a point may have
+/// existed before.
 struct PatternCopy {
   Isometry motion;
   std::unordered_map<std::string, std::string> points{}, members{};
-  bool joints_alone = false;  ///< supports and loads stay
+  bool joints_alone = false;  ///< supports and loads are not copied
 };
 using CopiedPattern = std::vector<PatternCopy>;
 
 /// Declaration of the list "Patterns": copies of members and their points, so that lattices are short to write.
 ListSpec patterns_spec();
-/// Applies patterns in their order to a scene whose members are complete and checked; a later pattern acts on the
-/// copies that earlier ones made.
+/// Applies patterns in order to a scene whose members are complete and checked; a later pattern also copies what
+/// earlier ones made.
 ///
 /// Copy number i of "strut" is "strut (i)", that of a copy "strut (i, j)"; points likewise. A point of a copy that
-/// coincides (to 1e-9 of the size of the structure) with a point that was there before this copy is that point, and a
-/// member of a copy that coincides with a member that was there is not added again. Two such members must agree in
-/// section, order and elements, and in the direction of axis 2 up to sign where the section has one.
-/// Returns the copies of those patterns that take along what acts.
+/// coincides (to 1e-9 of the size of the structure) with a point that existed before this copy is merged with it, and a
+/// member that coincides with an existing one is not added again. Two such members must agree in section, order and
+/// elements, and in the direction of axis 2 up to sign if the section has one. Returns the copies by those patterns
+/// that also copy joints or loads.
 std::vector<CopiedPattern> apply_patterns(const Teuchos::ParameterList& patterns, const InputPlace& place,
                                           Scene& scene);
 
 /// Declaration of the list "Imperfection".
 ListSpec imperfection_spec();
-/// Moves points and members of a scene that has all of them; modes are left to with_mode_shapes().
+/// Moves points and members of a complete scene; modes are left to with_mode_shapes().
 void apply_imperfection(const Teuchos::ParameterList& list, const InputPlace& place, Scene& scene);
 
 /// Declares the lists "Supports", "Joints", "Point Loads", ... inside the list "Scene": what acts on the structure.
 void add_condition_lists(ListSpec& scene_spec);
-/// Reads those lists into a scene that has all its points and members, and lets them go with `copies`. `place`: of the
-/// list "Scene". Tells what was left out where patterns end, and why.
+/// Reads those lists into a scene that has all its points and members, and copies their entries with `copies`. `place`:
+/// of the list "Scene". Returns what was left out at the ends of patterns, and why.
 std::vector<std::string> read_conditions(const Teuchos::ParameterList& scene_list, const InputPlace& place,
                                          Scene& scene, const std::vector<CopiedPattern>& copies);
 

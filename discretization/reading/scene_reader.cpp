@@ -35,7 +35,7 @@ namespace {
 
 constexpr std::size_t kLongestUnit = 16;  // letters: labels of axes have no more room
 
-/// A clamp at this point, as one writes it.
+/// Example of a clamp at this point, in the language of the scene.
 std::string example_of_support(const std::string& point, InputLanguage language) {
   const std::string inside = "in \"Scene\" a list \"Supports\", like ";
   if (language == InputLanguage::yaml) return inside + "Supports: {base: {Point: " + excerpt(point) + "}}";
@@ -168,7 +168,7 @@ BoundList<Member> declared_member_parameters() {
 /// `frame[2]`
 std::string numbered(const std::string& name, std::size_t number) { return name + "[" + std::to_string(number) + "]"; }
 
-/// The table in place of the arrays.
+/// Reads section stations, from a table in place of the arrays if there is one.
 SectionStations read_section_stations(const Teuchos::ParameterList& list, const InputPlace& place,
                                       Variables& variables) {
   SectionStations stations = section_stations_parameters().read(list);
@@ -207,8 +207,8 @@ bool any_nonzero(const std::vector<double>& numbers) {
 // Below this share of the coordinates, a length consists of rounding errors.
 constexpr double kShortestRelativeLength = 1e-12;
 
-/// One element for each length, the others where they are longest. Takes the logarithm of the lines for each line, and
-/// nothing for each element.
+/// Assigns one element to each length, the others where they are longest. Costs the logarithm of the number of lines
+/// for each line, and nothing for each element.
 std::vector<int> shared_by_length(int elements, const std::vector<double>& lengths) {
   const double whole = std::accumulate(lengths.begin(), lengths.end(), 0.0);
   const int spare = elements - static_cast<int>(lengths.size());
@@ -236,8 +236,8 @@ std::vector<std::string> in_order(const std::unordered_map<std::string, std::siz
   return names;
 }
 
-/// One pass over a validated list, with every check that needs more than one parameter at a time. What acts on the
-/// structure is in conditions.cpp.
+/// Reads a validated list in one pass, with every check that involves more than one parameter. Supports, joints and
+/// loads are in conditions.cpp.
 class SceneReader {
  public:
   SceneReader(const Teuchos::ParameterList& list, const InputPlace& place, Variables& variables)
@@ -248,14 +248,14 @@ class SceneReader {
     return std::move(scene_);
   }
 
-  /// What was left out where patterns end, and why.
+  /// Remarks on what was left out at the ends of patterns, and why.
   const std::vector<std::string>& notes() const { return notes_; }
 
  private:
   using List = Teuchos::ParameterList;
   using Index = std::unordered_map<std::string, std::size_t>;
 
-  /// Where a member was written: a list of "Members", or a line of the imported table.
+  /// Origin of a member: a list of "Members", or a line of the imported table.
   struct Origin {
     bool is_imported;
     std::size_t place;  ///< in list_names_, or the line of the table
@@ -342,7 +342,7 @@ class SceneReader {
     });
   }
 
-  /// A table may hold more points than members use; a point written in the scene itself without use is a slip.
+  /// A table may hold more points than members use; an unused point written in the scene itself is a slip.
   void check_points_are_used() {
     for (std::size_t i = origins_.size(); i < scene_.members.size(); ++i) {  // copies of patterns
       const Member& copy = scene_.members[i];
@@ -363,13 +363,13 @@ class SceneReader {
     if (found != point_index_.end()) point_touched_[found->second] = true;
   }
 
-  /// Of an entry of the list at `path`.
+  /// Checks the name of an entry of the list at `place`.
   void check_name(const std::string& name, const InputPlace& place) const {
     const Problem problem = result_name_problem(name);
     if (!problem.empty()) throw place[name].error("name " + problem);
   }
 
-  /// False if there is a point of this name.
+  /// Adds a point; false if there is one of this name.
   bool add_point(const std::string& name, const Vector3& position) {
     if (!point_index_.emplace(name, scene_.points.size()).second) return false;
     scene_.points.push_back(Point{name, position});
@@ -382,7 +382,7 @@ class SceneReader {
     return scene_.points[found->second].position;
   }
 
-  // Members, apart from where they are.
+  // Members, without their positions.
   void read_members() {
     const List& members = list_.sublist("Members");
     list_names_ = names_of(members);
@@ -423,7 +423,7 @@ class SceneReader {
     }
   }
 
-  /// What its parameters say together.
+  /// Completes a member with the checks that involve several parameters.
   void complete(Member& member, const List& list, const InputPlace& place) const {
     take_only_section(member);
     check_taper(member, place);
@@ -432,13 +432,13 @@ class SceneReader {
     if (list.isParameter("Stations")) read_stations(member, list, place);
   }
 
-  /// Of a member that names none: where the scene has one section, that is meant.
+  /// Gives a member without section the only section of the scene.
   void take_only_section(Member& member) const {
     if (member.section.empty() && scene_.sections.size() - section_index_.count(kRigidArm) == 1)
       member.section = scene_.sections.front().name;
   }
 
-  /// Puts them in the order of the member too.
+  /// Checks inner points and sorts them along the member.
   void check_inner_points(Member& member, const InputPlace& place) const {
     auto& inner = member.inner_points;
     for (const auto& [point, position] : inner)
@@ -492,7 +492,7 @@ class SceneReader {
       throw place["Second Axis From"].error("the direction of the line, its last three numbers, is zero");
   }
 
-  /// Lets an end of the member lie away from its point, at the end of a rigid member between the two.
+  /// Moves an end of the member away from its point, to the end of a rigid member between the two.
   void add_arm(Member& member, bool at_start, const Vector3& offset, const InputPlace& place, std::size_t list_name) {
     std::string& end = at_start ? member.start_point : member.end_point;
     const auto known = point_index_.find(end);
@@ -517,7 +517,7 @@ class SceneReader {
     add_member(std::move(arm), {false, list_name});
   }
 
-  /// A section that gives way in nothing.
+  /// Section that is rigid in all components.
   std::string rigid_section() {
     if (!section_index_.try_emplace(kRigidArm, scene_.sections.size()).second) return kRigidArm;
     constexpr double kRigid = std::numeric_limits<double>::infinity();
@@ -590,7 +590,7 @@ class SceneReader {
       line.name = numbered(whole.name, i + 1);
       line.start_point = points[i];
       line.end_point = points[i + 1];
-      // the whole of it counts at once, and is shared out when all positions are known
+      // elements of the whole count at once, and are distributed when all positions are known
       line.elements = i == 0 ? std::max(1, whole.elements - static_cast<int>(lines) + 1) : 1;
       if (member_index_.count(line.name) > 0 || list_.sublist("Members").isSublist(line.name)) {
         throw place.error("line " + std::to_string(i + 1) + " of the polyline would be member \"" + excerpt(line.name) +
@@ -614,7 +614,7 @@ class SceneReader {
     return points;
   }
 
-  /// What a polyline shares out among its lines cannot be said for the whole of it.
+  /// Refuses parameters that a polyline as a whole cannot have.
   void check_plain(const List& list, const InputPlace& place) const {
     for (const std::string name : {"Twist", "Stations", "End Section", "Taper", "Inner Points"}) {
       if (!list.isParameter(name) && !list.isSublist(name)) continue;
@@ -660,7 +660,7 @@ class SceneReader {
                            std::to_string(elements_) + " elements; allowed: " + std::to_string(kMostElements));
   }
 
-  // Where members are.
+  // Positions of members.
   void place_members() {
     const auto needed = [this](const Member& member) { return points_needed(member); };
     for (const std::size_t member : placement_order(scene_, needed))
@@ -678,7 +678,7 @@ class SceneReader {
       place_point(point, index);
   }
 
-  /// What must be known before a member can be placed.
+  /// Points that must be known before a member can be placed.
   std::vector<std::string> points_needed(const Member& member) const {
     const auto arc = open_arcs_.find(member_index_.at(member.name));
     const bool needs_end = arc == open_arcs_.end() ? !defines_end(member.curve) : arc->second.needs_end();
@@ -700,13 +700,13 @@ class SceneReader {
     }
   }
 
-  /// An arc of more than a turn lies on itself: its angle is rather meant in degrees.
+  /// An arc of more than a turn overlaps itself: its angle is probably in degrees.
   static std::string degrees_hint(const Curve& curve) {
     if (curve.shape != CurveShape::circular_arc || curve.angle <= 2.0 * kPi) return "";
     return "; \"Angle\" is in radian, did you mean \"=" + shortest(curve.angle) + " deg\"?";
   }
 
-  /// Adds the point, or checks that it is there.
+  /// Adds the point, or checks the position of an existing one.
   void place_point(const PointOfMember& placed, std::size_t member) {
     using Role = PointOfMember::Role;
     const Role role = placed.role;
@@ -742,14 +742,14 @@ class SceneReader {
     }
   }
 
-  /// Elements of polylines: one for each line, the others in proportion to the lengths.
+  /// Distributes the elements of polylines: one for each line, the others in proportion to the lengths.
   void share_out_elements() {
     for (const Polyline& polyline : polylines_) {
       std::vector<double> lengths;
       for (std::size_t i = 0; i < polyline.lines; ++i) {
         const Member& line = scene_.members[polyline.first_member + i];
         const auto start = point_index_.find(line.start_point), end = point_index_.find(line.end_point);
-        if (start == point_index_.end() || end == point_index_.end()) return;  // check_members will say it
+        if (start == point_index_.end() || end == point_index_.end()) return;  // reported by check_members
         lengths.push_back(norm(difference(scene_.points[end->second].position, scene_.points[start->second].position)));
       }
       const std::vector<int> elements = shared_by_length(polyline.elements, lengths);
@@ -782,12 +782,12 @@ class SceneReader {
     if (!is_zero(member.second_axis)) check_second_axis(i);
   }
 
-  /// Where mistakes of its geometry count: in the whole scene as long as there are others, from which they may follow.
+  /// Place of mistakes in a member's geometry: the whole scene if there are others, from which they may follow.
   InputPlace geometry_of(std::size_t member) const {
     return place_.source().has_mistakes() ? place_ : place_["Members"][scene_.members[member].name];
   }
 
-  /// A mistake unless something bears the name; the nearest one then stands in its place.
+  /// Keeps a mistake if nothing has the name, and replaces it by the nearest one.
   void check_known(std::size_t index, std::string Member::*name, const std::string& parameter, const std::string& what,
                    const Index& known) {
     Member& member = scene_.members[index];
@@ -843,7 +843,7 @@ class SceneReader {
                            "; allowed: two different positions");
   }
 
-  /// At the vertices and the samples of the elements; between them the elements look themselves.
+  /// Checks vertices and samples of the elements; between them the elements check themselves.
   void check_taper_values(std::size_t index) const {
     constexpr int kMostPlaces = 20'000;  // of a member: a hundredth of a second
     const Member& member = scene_.members[index];
@@ -895,7 +895,7 @@ class SceneReader {
   std::size_t declared_points_ = 0;  ///< those of the list "Points", which come first
   long long elements_ = 0;           ///< of all members so far
   std::vector<Polyline> polylines_;
-  std::unordered_map<std::size_t, ArcDefinition> open_arcs_;  ///< member -> what its centre, axis, angle follow from
+  std::unordered_map<std::size_t, ArcDefinition> open_arcs_;  ///< member -> data that define its centre, axis, angle
 };
 
 }  // namespace

@@ -24,15 +24,15 @@ const std::vector<std::string> kStiffnesses = {"EA", "GA2", "GA3", "GIt", "EI2",
 constexpr std::size_t kMatrixSize = 36;
 constexpr std::size_t kTriangleSize = 21;
 constexpr double kRigid = std::numeric_limits<double>::infinity();
-/// Of a section that is a thin strip both are equal, and numbers are written with ten digits.
+/// The square of a thin strip's product of inertia equals that of its moments; numbers are written with ten digits.
 constexpr double kRoundedProduct = 1e-9;
 
-/// Parameters that belong to Shape.
+/// Parameters that are allowed only with Shape.
 const std::vector<std::string> kOfShape = {"Diameter", "Wall",   "Width",         "Height",       "Flange",
                                            "Web",      "Fillet", "Corner Radius", "Inner Radius", "Shear Correction",
                                            "Material"};
 
-/// A section as it was written, in one of three ways.
+/// A section as written, in one of three ways.
 struct SectionDraft {
   std::array<std::optional<double>, 6> stiffness{};
   SectionShape shape{};
@@ -245,7 +245,7 @@ class SectionReader {
     return place_[parameter].error(problem);
   }
 
-  /// Parameters of one way to give a section must not stand beside those of another.
+  /// Parameters of different ways to give a section exclude each other.
   void check_one_way() const {
     const bool shape = list_.isParameter("Shape"), matrix = list_.isParameter("Matrix");
     for (const char* name : {"Mass", "Rotary Inertia", "Inertia Product", "Mass Offset"}) {
@@ -426,7 +426,7 @@ class SectionReader {
   const SectionDraft draft_;
 };
 
-/// Beside Profile only what says nothing of the shape.
+/// Refuses parameters of the shape beside Profile.
 void check_profile_alone(const ParameterList& list, const InputPlace& place) {
   std::vector<std::string> others = kStiffnesses;
   others.insert(others.end(), profile_parameters().begin(), profile_parameters().end());

@@ -16,23 +16,23 @@ namespace {
 
 const std::string kVariables = "Variables";
 
-/// What formulas of loads, tapers and curves call by these names, and words of all formulas.
+/// Names with a meaning of their own in formulas of loads, tapers and curves, and words of all formulas.
 const std::vector<std::string> kTakenNames = {"s", "x",     "y",      "z",  "X", "Y",  "Z",
                                               "t", "stage", "lambda", "pi", "e", "deg"};
 
 constexpr std::size_t kDeepestFormulas = 200;  // of names that need others: keeps slips from filling the stack
 
-/// A formula for a whole number may miss it by rounding: 0.3 / 0.1.
+/// Whole numbers by formula may miss by rounding: 0.3 / 0.1.
 constexpr double kRoundingOfWhole = 1e-9;
 
-/// In place of a variable that cannot be evaluated: most formulas of it give numbers that are allowed and differ.
+/// Replaces a variable that cannot be evaluated: most formulas of it give allowed, distinct numbers.
 constexpr double kStandIn = 1.5;
 
 bool contains(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-/// Without the = in front.
+/// Removes the = in front.
 std::string body_of(const std::string& formula) { return is_formula(formula) ? trimmed(formula).substr(1) : formula; }
 
 std::string usual_slip(const std::string& formula, const std::string& problem) {
@@ -41,7 +41,7 @@ std::string usual_slip(const std::string& formula, const std::string& problem) {
   return problem.find("more than one value") != std::string::npos ? "; decimals have a point" : "";
 }
 
-/// Of a number as the argument of an angle, as in sin(90), that no angle in radians would be.
+/// Hint at a number like 90 in sin(90), too large for an angle in radians.
 std::string angle_in_degrees(const std::string& formula) {
   constexpr double kWholeTurn = 6.2832;
   for (std::size_t open = formula.find('('); open < formula.size(); open = formula.find('(', open + 1)) {
@@ -92,7 +92,7 @@ Variables::Variables(const Teuchos::ParameterList& scene, const ParameterSource&
   if (!scene.isSublist(kVariables)) return;
   const Teuchos::ParameterList& list = scene.sublist(kVariables);
   for (const std::string& name : names_of(list)) {
-    if (list.isSublist(name)) continue;  // validate() says so
+    if (list.isSublist(name)) continue;  // reported by validate()
     const std::vector<std::string> texts = texts_of(written_value(list.getEntry(name)).value);
     if (texts.size() != 1) continue;
     place_[kVariables][name].attempt([&] { check_name(name, place_[kVariables][name]); });
@@ -186,7 +186,7 @@ double Variables::coordinate(int axis, const std::string& point) {
                               quoted_list(points_) + did_you_mean(point, points_));
 }
 
-/// Those of the list, then those of the table that are not in the list.
+/// Points of the list, then those of the table that are not in the list.
 void Variables::read_points() {
   const auto add = [this](const std::string& point, const std::vector<std::string>& texts, const auto& refusal) {
     points_.push_back(point);
@@ -233,7 +233,7 @@ ParameterValue Variables::value(const ParameterValue& written, ParameterType typ
   }
 }
 
-/// Only what may hold a formula, or the name of a variable, costs more than a look.
+/// Entries that cannot hold a formula or the name of a variable are skipped at once.
 void Variables::resolve(Teuchos::ParameterList& list, const ListSpec& spec, const ParameterPath& path) {
   if (spec.unchecked) return;
   for (auto entry = list.begin(); entry != list.end(); ++entry) {
@@ -286,7 +286,7 @@ void set_number(Teuchos::ParameterEntry& entry, int component, double value) {
     if (component < 0) return static_cast<void>(entry = Teuchos::ParameterEntry(static_cast<Number>(value)));
     auto numbers = Teuchos::getValue<Teuchos::Array<Number>>(entry);
     numbers[component] = static_cast<Number>(value);
-    entry.setValue(numbers);  // as a whole: a default that is changed is one no longer
+    entry.setValue(numbers);  // as a whole: a changed default is no longer one
     if (auto* texts = std::get_if<Teuchos::Array<std::string>>(&written.value)) {
       (*texts)[component] = shortest(value);
       set_result(entry, numbers, written);

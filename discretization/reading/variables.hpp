@@ -20,29 +20,29 @@ ListSpec variables_spec();
 
 class Variables {
  public:
-  /// Of what stands wrong in a formula: the error at the place of the formula.
+  /// Makes the error for a mistake in a formula, at the place of the formula.
   using Refusal = std::function<InputError(const std::string& problem)>;
 
   /// `scene`: the list "Scene" at `path`, not validated yet.
   Variables(const Teuchos::ParameterList& scene, const ParameterSource& source, const ParameterPath& path = {"Scene"});
 
-  /// Puts its value in place of each formula in the list, and the values of variables into formulas of s, x and t. An
-  /// entry remembers its formula (value.hpp): resolving again takes the values that variables have by then. Formulas
-  /// that are none, unknown names, what needs itself and what is not finite are mistakes that the source keeps; numbers
-  /// stand in their place, and what follows from these is no mistake of its own.
+  /// Replaces each formula in the list by its value, and variables in formulas of s, x and t by theirs. An entry
+  /// remembers its formula (value.hpp): resolving again takes the current values of variables. Invalid formulas,
+  /// unknown names, circular references and results that are not finite are mistakes kept by the source; numbers
+  /// replace them, and their consequences are not reported.
   void resolve(Teuchos::ParameterList& list, const ListSpec& spec, const ParameterPath& path);
 
-  /// The value of this type that formulas stand for: a number, or an array in which some entries may be formulas.
+  /// Value of this type: a number, or an array in which some entries may be formulas.
   ParameterValue value(const ParameterValue& written, ParameterType type, const Refusal& refusal);
 
  private:
   /// A variable, or a coordinate of a point.
   struct Named {
     std::string text{};
-    Refusal refusal{};  ///< at the place of the text
+    Refusal refusal{};  ///< makes errors at the place of the text
     std::optional<double> value{};
     bool is_open = false;   ///< its text is being evaluated
-    bool is_guess = false;  ///< it follows from a mistake
+    bool is_guess = false;  ///< depends on a mistake
   };
 
   double evaluated(const std::string& text, ParameterType type, const Refusal& refusal);
@@ -60,14 +60,14 @@ class Variables {
   std::vector<std::string> names_, points_;  ///< of variables; of points, read by the first formula that asks for one
   std::map<std::string, Named> named_;       ///< "L", "x(tip)"
   std::optional<ImportTable> table_;         ///< of points
-  std::vector<std::string> open_;            ///< names whose texts are being evaluated
-  bool is_guess_ = false;                    ///< what is being evaluated follows from a mistake
+  std::vector<std::string> open_;            ///< names whose texts are being evaluated, outermost first
+  bool is_guess_ = false;                    ///< the current result depends on a mistake
 };
 
-/// Sets a number of an entry, that of `component` in an array, in place of its formula.
+/// Sets a number of an entry, or that of `component` in an array, in place of its formula.
 void set_number(Teuchos::ParameterEntry& entry, int component, double value);
 
-/// Puts a formula in the place of that number.
+/// Sets a formula in place of that number.
 void set_formula(Teuchos::ParameterEntry& entry, int component, const std::string& formula);
 
 /// Paths of all formulas in the list.
