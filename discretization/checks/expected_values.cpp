@@ -48,7 +48,7 @@ void check_quantity(std::vector<std::string> known, const std::vector<std::strin
                                 did_you_mean(expected.quantity, known));
 }
 
-/// Quantities of an application are its own affair, one of the list "Quantities" says all of itself.
+/// Checks the parameters of common quantities. Applications check their own; one of the list "Quantities" takes none.
 void check_description(const Teuchos::ParameterList& list, const ExpectedValue& expected, const InputPlace& place) {
   const std::string& quantity = expected.quantity;
   const auto found =
@@ -68,7 +68,7 @@ void check_description(const Teuchos::ParameterList& list, const ExpectedValue& 
                                  "\"; allowed: " + quoted_list(kind.components));
 }
 
-/// Reads the value of `stable`: a word, which is there or not, whatever the tolerance.
+/// Reads the value of `stable`: a word, compared without a tolerance.
 void read_word(const Teuchos::ParameterList& list, const InputPlace& place, ExpectedValue& expected) {
   if (!list.isType<std::string>("Value"))
     throw place["Value"].error("a number for the quantity \"stable\"; allowed: " + quoted_list(kVerdicts));

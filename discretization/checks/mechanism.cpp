@@ -60,8 +60,8 @@ void measure(RigidPart& part) {
     part.size = std::max(part.size, norm(difference(position, part.center)));
 }
 
-/// None where a member has numbers that make no curve. Throws as build_mesh does for members without a place and joints
-/// that join nothing.
+/// Rigid parts of a scene; none if the numbers of a member make no curve. Throws like build_mesh for members without a
+/// place and joints that join nothing.
 std::vector<RigidAssembly> rigid_assemblies(const Scene& scene) try {
   const Mesh mesh = mesh_of_points(scene);
   const std::vector<std::string> names = names_of_vertices(mesh);
@@ -119,12 +119,12 @@ std::vector<RigidAssembly> rigid_assemblies(const Scene& scene) try {
           part.size = std::max(part.size, mesh.members[m].curve.length);
     }
   return all;
-} catch (const MemberError&) {  // numbers too extreme for a curve: said where the elements are made
+} catch (const MemberError&) {  // numbers too extreme for a curve: reported where the elements are made
   return {};
 }
 
-// A support that stands closer to the axis of a motion than 1e-6 of the structure's size does not count as blocking it:
-// squared in the matrix below, which carries rounding errors of 1e-16.
+// A support closer to the axis of a motion than 1e-6 of the structure's size does not block it; squared, as the matrix
+// below is, which has rounding errors of 1e-16.
 constexpr double kBlockedShare = 1e-12;
 constexpr double kPrintedZero = 1e-9;  // components of a motion below this share are rounding
 // The elimination is dense: this many parts take a second or two.
@@ -172,7 +172,7 @@ void add_support_rows(const RigidAssembly& assembly, const Scene& scene, Rows& r
   }
 }
 
-/// Adds the rows of each joint, which sees the relative motion of its two parts.
+/// Adds the rows of each joint for the relative motion of its two parts.
 void add_joint_rows(const RigidAssembly& assembly, const Scene& scene, Rows& rows) {
   const std::size_t n = 6 * assembly.parts.size();
   for (const RigidLink& link : assembly.links) {
@@ -347,7 +347,7 @@ std::string member_names(const std::vector<std::size_t>& members, const Scene& s
   return (members.size() == 1 ? "member " : several) + quoted_list(names_of(members, scene), kMostNames);
 }
 
-/// The part that moves most, told by itself: of a joined structure, which members move, and how.
+/// Describes a motion by the part that moves most; in a joined structure, names the members of that part.
 std::string described(const Row& row, const RigidAssembly& assembly, const Scene& scene) {
   std::size_t most = 0, moving = 0;
   double largest = 0.0;
@@ -372,7 +372,7 @@ std::vector<std::size_t> all_members(const RigidAssembly& assembly) {
   return members;
 }
 
-/// Necessary at least: with every joint locked the structure must be held.
+/// The assembly with every joint locked, which must be held at least.
 RigidAssembly locked(const RigidAssembly& assembly) {
   RigidAssembly single;
   RigidPart& whole = single.parts.emplace_back();
@@ -386,7 +386,7 @@ RigidAssembly locked(const RigidAssembly& assembly) {
   return single;
 }
 
-/// How it can move without strain; empty where it cannot.
+/// Text on how an assembly can move without strain; empty if it cannot.
 std::string motions_of(const RigidAssembly& assembly, const Scene& scene) {
   const Rows free = plain_motions(null_space(blocking_matrix(assembly, scene)));
   if (free.empty()) return "";
@@ -404,7 +404,7 @@ std::string allowed_for(const RigidAssembly& assembly) {
                                    : "; allowed: supports that block all six rigid motions of every connected part";
 }
 
-/// The first one in full, of others a member each.
+/// Mechanisms found: the first in full, a member of each of the others.
 struct Mechanisms {
   std::string first, allowed;
   std::vector<std::string> others{};

@@ -1,4 +1,4 @@
-/// Do supports and joints hold every part of the structure?
+/// Checks that supports and joints hold every part of the structure.
 #pragma once
 
 #include "discretization/parameters/source.hpp"

@@ -34,7 +34,7 @@ struct SceneSurvey {
   const Section& section_of(const Member& member) const { return *sections.at(member.section); }
   /// Reference length of the member's shortest and longest element.
   std::array<double, 2> element_lengths(std::size_t member) const;
-  /// Whether the member's elements are the program's choice, of which a user need not be warned.
+  /// Whether the member's elements are the program's choice, about which a user need not be warned.
   bool is_divided_by_program(const Member& member) const {
     return !member.keeps_elements && (scene.accuracy || !names_mesh);
   }
@@ -115,11 +115,11 @@ std::string warned_place(const std::string& list, const std::string& name) {
 
 // Coordinates that people type agree to six digits where they are meant to be the same.
 constexpr double kSamePlace = 1e-6;            // of the size of the structure
-constexpr double kMostRoundingOfPlace = 1e-9;  // of that size: below what Newton's method and meshes leave as a rule
+constexpr double kMostRoundingOfPlace = 1e-9;  // of that size: below the usual errors of Newton's method and meshes
 // Walking along all members takes time in proportion to this number; beyond it the search is left out.
 constexpr double kMostSteps = 3e6;
-constexpr int kProjections = 8;  // each squares the error of a point's foot on a smooth curve, lines need one
-constexpr std::size_t kMostOnOneMember = 100;  // between the same points: the comparison is of each with each
+constexpr int kProjections = 8;  // each squares the error of a point's foot on a smooth curve; lines need one
+constexpr std::size_t kMostOnOneMember = 100;  // between the same points: all pairs are compared
 
 void add_close_points(const SceneSurvey& survey, WarningList& list) {
   const std::vector<Point>& points = survey.scene.points;
@@ -170,7 +170,7 @@ bool knows(const Member& member, const std::string& point) {
                      [&](const InnerPoint& inner) { return inner.point == point; });
 }
 
-/// Points inside one member that it does not know.
+/// Warns of points on a member that it does not name.
 void add_points_on(std::size_t index, const SceneSurvey& survey, const PointGrid& grid, double step,
                    WarningList& list) {
   const Member& member = survey.scene.members[index];
@@ -202,7 +202,7 @@ void add_points_on(std::size_t index, const SceneSurvey& survey, const PointGrid
 void add_points_on_members(const SceneSurvey& survey, WarningList& list) {
   double total = 0.0;
   for (const ReferenceCurve& curve : survey.curves) total += curve.length;
-  // Few points in each cell: of points that fill the space, and of those along a chain, whose box is nearly empty.
+  // Few points in each cell, if they fill the space, and if they form a chain, whose box is nearly empty.
   const double filled = survey.size / std::cbrt(static_cast<double>(survey.scene.points.size()));
   const double step = std::min(filled, total / static_cast<double>(survey.curves.size()));
   if (total / step + static_cast<double>(survey.curves.size()) > kMostSteps) {
@@ -213,7 +213,7 @@ void add_points_on_members(const SceneSurvey& survey, WarningList& list) {
   for (std::size_t i = 0; i < survey.curves.size(); ++i) add_points_on(i, survey, grid, step, list);
 }
 
-/// Lengths are differences of coordinates, which have sixteen digits.
+/// Warns of a far origin: lengths are differences of coordinates, which have sixteen digits.
 void add_far_origin(const SceneSurvey& survey, WarningList& list) {
   double farthest = 0.0;
   for (const Point& point : survey.scene.points)
@@ -225,8 +225,8 @@ void add_far_origin(const SceneSurvey& survey, WarningList& list) {
                            " of the size of the structure, and so are lengths; an origin near it keeps all digits");
 }
 
-/// Connections that were probably meant but are not there: points that all but coincide, members that lie on each
-/// other, points that lie on a member which does not know them.
+/// Warns of connections that are probably missing: points that nearly coincide, members that lie on each other, points
+/// on a member that does not name them.
 void add_geometry_warnings(const SceneSurvey& survey, WarningList& list) {
   add_far_origin(survey, list);
   add_close_points(survey, list);
@@ -239,15 +239,15 @@ void add_geometry_warnings(const SceneSurvey& survey, WarningList& list) {
 constexpr double kMostLoad = 1e6;  // F L^2 / EI; a strut buckles at 2.5 to 40, a coil of ten turns needs 4e3
 // Steel breaks at 1 %, wood and glass below; the law of the section, linear in its strains, says little beyond.
 constexpr double kMostStrain = 0.1;
-// And F l^2 / EI far above all that buckles a member: thick members may strain so much and mean it.
+// Only with F l^2 / EI far above buckling: strains of thick members may be intended.
 constexpr double kLoadOfStrain = 100.0;
-// F l^2 / EI where no deflection could be measured: a millionth of a millimetre on a metre.
+// F l^2 / EI below which no deflection could be measured: a millionth of a millimetre on a metre.
 constexpr double kLeastLoad = 1e-6;
 // Gravity of the earth in m/s^2 beside an E that no solid has in kN/m^2 (diamond 1e9): the scene is in m, N and kg.
 constexpr double kLeastOfEarth = 9.5, kMostOfEarth = 10.1, kLeastModulusInPascal = 2e9;
 // E over density, square of the speed of sound [m^2/s^2]: metals and wood 3e7, carbon fibres 2e8, diamond 3e8.
 constexpr double kMostSpecificStiffness = 1e9;
-// Share of a formula that the points of a mesh miss: a jump inside an element may do so and hardly matter.
+// Share of a formula that the points of a mesh may miss: a jump inside an element does, and hardly matters.
 constexpr double kMissedOfFormula = 0.01;
 
 struct ActingForce {
@@ -278,7 +278,7 @@ ForceSurvey forces_of(const SceneSurvey& survey) {
   return found;
 }
 
-/// The stiffest and the softest of all members; infinite ones do not count, and leave zero or infinity where all are.
+/// Largest and smallest values of all members; infinite ones do not count, and zero or infinity stays if all are.
 struct StiffnessRange {
   double most_bending = 0.0, most_axial = 0.0;
   double least_bending = std::numeric_limits<double>::infinity();
@@ -340,7 +340,7 @@ void warn_of_small(const ForceSurvey& found, const StiffnessRange& stiffness, Wa
                            ", so that nothing moves visibly; usually units of the load, of E or of the section");
 }
 
-/// Members of which no mass is known are passed over.
+/// Warns of members without mass, to which `what` does not apply.
 void warn_of_weightless(const std::string& what, const SceneSurvey& survey, WarningList& list) {
   std::vector<std::string> names;
   for (const Member& member : survey.scene.members) {
@@ -372,7 +372,7 @@ void warn_of_light(const SceneSurvey& survey, WarningList& list) {
                          ": no solid is so light; usually g/cm3, where m, N and kg ask for kg/m3");
 }
 
-/// A formula whose values at the points of the elements are not what it is between them.
+/// Warns of a formula that the points of the elements do not resolve.
 void warn_of_narrow(const Member& member, const FormulaAlong& formula, WarningList& list) {
   const GaussPoints& rule = gauss_points(member.order + 1);
   const std::vector<double> station = divide(member).station;
@@ -418,7 +418,7 @@ void warn_of_narrow_formulas(const SceneSurvey& survey, WarningList& list) {
     warn_of_narrow(scene.members[formula.member], formula, list);
 }
 
-/// Loads of impossible size against the stiffnesses: usually a slip of units. Scenes on which nothing acts.
+/// Warns of loads too large or small for the stiffnesses, usually a slip of units, and of scenes without any.
 void add_load_warnings(const SceneSurvey& survey, WarningList& list) {
   const Scene& scene = survey.scene;
   const ForceSurvey found = forces_of(survey);
@@ -575,7 +575,7 @@ void add_neighbour_warnings(const SceneSurvey& survey, WarningList& list) {
   }
 }
 
-/// A spring as a bending stiffness: moment per angle times length, force per way times its third power.
+/// Springs count as bending stiffnesses: moment per angle times length, force per displacement times its cube.
 void add_range_warning(const SceneSurvey& survey, WarningList& list) {
   struct Named {
     double value;
@@ -666,8 +666,8 @@ bool acts_in_plane(const SceneSurvey& survey, const Vector3& point, const Vector
   return true;
 }
 
-/// Forces act at the centroid as if it were the shear centre: of a T in the plane of its web it makes no difference,
-/// nor of a U in its plane of symmetry.
+/// Forces act at the centroid as if it were the shear centre, which makes no difference for a T in the plane of its
+/// web, nor for a U in its plane of symmetry.
 void add_shear_centre_warnings(const SceneSurvey& survey, WarningList& list) {
   if (!anything_acts(survey.scene)) return;
   for (std::size_t m = 0; m < survey.curves.size(); ++m) {

@@ -1,4 +1,4 @@
-/// Warnings of likely mistakes: things that a scene may contain and seldom means.
+/// Warnings of likely mistakes: valid input that is rarely intended.
 #pragma once
 
 #include "discretization/scene/scene.hpp"
@@ -8,12 +8,12 @@
 
 namespace mixbeam {
 
-/// Looks at a scene that read_scene accepted. Each warning is one line: place, value, and the usual reason. The first
-/// few warnings of a kind are spelt out, the others counted. The limits are wide: a scene that means what it says
-/// rarely meets them, and may run all the same.
+/// Warnings about a scene that read_scene accepted. Each is one line: place, value, and the usual cause. The first few
+/// warnings of a kind are spelt out, the others counted. The limits are wide: intended input rarely exceeds them, and
+/// such a scene runs all the same.
 std::vector<std::string> warnings(const Scene& scene);
 
-/// Warning of a scene in which nothing acts: none where its vibrations are asked for.
+/// Warning of a scene in which nothing acts; left out if its vibrations are requested.
 inline constexpr const char* kNothingActs = "nothing acts: no loads, eigenstrains or prescribed motions";
 
 }  // namespace mixbeam

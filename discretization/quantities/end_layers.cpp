@@ -19,11 +19,11 @@ constexpr double kHinge = 1e-6;
 /// Beyond this angle the formula 2 sin(theta / 2) is no longer that of a layer that ends in the chord. [radian]
 constexpr double kLargestTurn = 2.0;
 
-/// About axes 2 and 3; infinite where the section is rigid.
+/// Bending stiffness about axes 2 and 3; infinite where the section is rigid.
 struct Bending {
   std::array<double, 2> stiffness{HUGE_VAL, HUGE_VAL};
   double stretching = 0.0;  ///< EA of the tangent
-  bool is_coupled = false;  ///< bending, with anything else
+  bool is_coupled = false;  ///< bending is coupled with anything
 
   Bending(const Structure& structure, const Mesh& mesh, int local, double arc_length) {
     const ElementBlock& block = structure.block_of(local);
@@ -44,7 +44,7 @@ struct Bending {
   }
 };
 
-/// Vertices where a member ends or something meets it: nothing else makes a layer.
+/// Vertices where a member ends or something is attached to it: only these have layers.
 std::vector<unsigned char> points_of(const Mesh& mesh) {
   std::vector<unsigned char> is_point(static_cast<size_t>(mesh.vertices()), 0);
   for (const auto& [name, vertex] : mesh.vertex_of_point) is_point[static_cast<size_t>(vertex)] = 1;
@@ -52,7 +52,7 @@ std::vector<unsigned char> points_of(const Mesh& mesh) {
   return is_point;
 }
 
-/// One element of a state.
+/// Search for layers in one element of a state.
 class LayerSearch {
  public:
   LayerSearch(const Model& model, const State& state, int local, const Scene* coarse)
@@ -93,8 +93,8 @@ class LayerSearch {
   PointSample at(double xi) const { return sample_element(structure_, mesh_, state_, local_, xi); }
   static Vec3<double> spatial_force(const PointSample& sample) { return rotation_matrix(sample.triad) * sample.force; }
 
-  /// Puts the closed form in place of the polynomial; false at a hinge. `turn`: rotation of the force along the
-  /// element, spatial [1/length].
+  /// Replaces the polynomial by the closed form; false at a hinge. `turn`: rotation of the force along the element,
+  /// spatial [1/length].
   bool close(EndLayer& layer, const Bending& bending, const Vec3<double>& turn) const {
     const std::array<double, 2>& stiffness = bending.stiffness;
     PointSample& sample = layer.sample;
@@ -129,8 +129,8 @@ class LayerSearch {
     return true;
   }
 
-  /// Push on the vertex if the element were attached to it aside by the moment's arm, and shorter by the length of the
-  /// layer: a string under tension, softer along its chord where it sags by the angle `sag`.
+  /// Push on the vertex if the element were attached to it off-centre by the moment's arm, and shorter by the length of
+  /// the layer: a string under tension, softer along its chord where it sags by the angle `sag`.
   Vec3<double> push_of(const EndLayer& layer, const Vec3<double>& force, double angle, double stretching,
                        double sag) const {
     const double tension = norm(force);

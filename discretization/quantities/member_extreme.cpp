@@ -15,15 +15,15 @@ namespace mixbeam {
 
 namespace {
 
-/// A peak between two samples rises above the larger of them by an eighth of the second difference where the field is a
-/// parabola. So much more is allowed for before a peak is left out of the search.
+/// Allowed height of a peak above the larger of two samples, in second differences, before the peak is left out of the
+/// search; in a parabola it is an eighth.
 constexpr double kPeakOverSecondDifference = 2.0;
 
 /// Peaks whose upper bound exceeds the best sample by less than this (relative) are skipped: a tenth of the promised
 /// error, and more than Newton's method leaves of a force that is the same in ten thousand elements.
 constexpr double kNegligible = 1e-9;
 
-/// Each parabola over the one before it. Through samples of distance h it finds the value of a peak to h^4.
+/// Width of a parabola over the one before it. Through samples of distance h it finds the value of a peak to h^4.
 constexpr double kShrink = 0.1;
 constexpr int kParabolas = 3;
 
@@ -48,7 +48,7 @@ struct ElementSamples {
   int member = 0, element = 0;  ///< element within the member
   const MemberSamples* record = nullptr;
   std::size_t first = 0;
-  std::vector<PointSample> points{};  ///< empty: not made of the record yet
+  std::vector<PointSample> points{};  ///< empty: not yet made from the record
 
   void values_of(const FieldAlongMember& field, std::size_t count, std::vector<double>& values) {
     values.resize(count);
@@ -67,7 +67,7 @@ double rank_of(Take take, double value) {
   return take == Take::largest ? value : -value;
 }
 
-/// Values that are no numbers come first; of two of one size the positive one.
+/// NaN comes first; of two values of one size the positive one.
 bool is_better(Take take, const MemberExtreme& a, const MemberExtreme& than) {
   if (than.member < 0 || std::isnan(than.value) || std::isnan(a.value))
     return than.member < 0 || !std::isnan(than.value);
@@ -80,7 +80,7 @@ class Search {
   Search(const Model& model, const State& state, const ExtremeRequest& request, ForceComponents components)
       : model_(model), state_(state), request_(request), components_(components) {}
 
-  /// Keeps the best sample, and where peaks between samples may be higher.
+  /// Keeps the best sample, and the places where peaks between samples may be higher.
   void look_at(ElementSamples& samples, std::size_t count) {
     samples.values_of(request_.field, count, values_);
     const auto at = [&](std::size_t i) { return rank_of(request_.take, values_[i]); };
@@ -143,7 +143,7 @@ class Search {
     if (is_better(request_.take, here, best_)) best_ = here;
   }
 
-  /// Parabolas through three places, each closer together than the last. The ends of the element are samples already.
+  /// Fits parabolas through three places, closer together each time. The ends of the element are samples already.
   void climb(const Peak& peak) {
     const int local = model_.structure().local_element(model_.mesh().members[peak.member].first_element + peak.element);
     const auto rank_at = [&](double xi) {

@@ -9,8 +9,8 @@
 
 namespace mixbeam {
 
-/// A number made of the fields at one point of a member (index in the scene of the model). Where it is the component of
-/// a field that records hold, that is read from them.
+/// Number computed from the fields at one point of a member (index in the scene of the model). A component of a
+/// recorded field is read from the records.
 struct FieldAlongMember {
   std::function<double(const PointSample& sample, int member)> at{};
   std::vector<Vector3> MemberSamples::*recorded = nullptr;
@@ -18,22 +18,22 @@ struct FieldAlongMember {
 };
 
 struct MemberExtreme {
-  double value = 0.0;       ///< NaN where no member was asked for, or the field is no number somewhere
+  double value = 0.0;       ///< NaN if no member was requested, or if the field is NaN somewhere
   int member = -1;          ///< where: the first of equal ones
   double arc_length = 0.0;  ///< along that member [length]
   int side = 0;             ///< -1: at the end of an element, 1: at its start, 0: inside
 };
 
-/// Extreme that is looked for, and along which members (indices in the scene of the model).
+/// Requested extreme, and the members along which it is taken (indices in the scene of the model).
 struct ExtremeRequest {
   std::vector<int> members{};
   FieldAlongMember field{};
   Take take = Take::largest;  ///< largest, smallest, or largest_size
 };
 
-/// Extremes of each field along its members, to 1e-8 of the value where the field is as smooth as the polynomials of
-/// its elements. `samples`: of all members of this rank as in a record, which spares taking them; null: there are none.
-/// `layers`: of a richer space, whose closed forms count beside the elements, and forces by their spatial components;
+/// Extremes of each field along its members, to 1e-8 of the value if the field is as smooth as the polynomials of its
+/// elements. `samples`: those of all members of this rank in a record, which are then not taken anew; null: none.
+/// `layers`: of a richer space, whose closed forms count besides the elements, with forces by their spatial components;
 /// null: none. Collective.
 std::vector<MemberExtreme> extremes_along_members(const Model& model, const State& state,
                                                   const std::vector<ExtremeRequest>& requests,

@@ -123,7 +123,7 @@ void check_component(const Quantity& quantity, const InputPlace& place) {
                                  "\"; allowed: " + quoted_list(allowed));
 }
 
-/// Largest and smallest are those of numbers, and a whole member has no single value.
+/// Checks Take: only numbers have a largest and smallest, and a whole member has no single value.
 void check_take(const Quantity& quantity, const InputPlace& place) {
   const bool is_extreme = quantity.take != Take::each && quantity.take != Take::sum;
   const bool is_number = quantity.kind == "length" || is_stress(quantity.kind);

@@ -1,4 +1,4 @@
-/// Numbers that a user asks of a run by name, in every completed step, for tables, files, summaries, checks and limits.
+/// Named numbers requested of a run, in every completed step, for tables, files, summaries, checks and limits.
 #pragma once
 
 #include "discretization/checks/expected_values.hpp"
@@ -14,7 +14,7 @@
 
 namespace mixbeam {
 
-/// Reduction of several places, or of all of a member.
+/// Reduction over several places, or over a whole member.
 enum class Take {
   each,         ///< one number (or vector) for each place
   sum,          ///< over the places
@@ -23,7 +23,7 @@ enum class Take {
   largest_size  ///< likewise: the one of largest absolute value, with its sign
 };
 
-/// One entry of the list "Quantities", as it was written.
+/// One entry of the list "Quantities", as written.
 struct Quantity {
   std::string name{};
   std::string kind{};   ///< "displacement", "material moment", ...
@@ -31,34 +31,34 @@ struct Quantity {
   std::string other_point{}, corner{};
   std::string member{};              ///< a member or a pattern
   std::optional<double> position{};  ///< arc length over length, 0 to 1
-  bool before_vertex = false;        ///< of the two elements that meet at a vertex, the one that ends there
+  bool before_vertex = false;        ///< at a vertex, takes the element that ends there, not the one that begins
   std::string component{};           ///< empty: all
   Take take = Take::each;
   std::string formula{};
   int mode = 0;                           ///< of vibrations, from 1
   std::optional<double> limit{};          ///< largest absolute value allowed in any completed step, ...
   std::optional<double> span{}, ratio{};  ///< ... or their quotient
-  std::string load_case{};                ///< in which alone the limit counts, or a pattern; empty: in all
-  std::optional<Stage> stage{};           ///< in whose steps alone it counts
-  std::optional<Stage> relative_to{};     ///< at the end of which the value is zero for the limit; 0: before any load
+  std::string load_case{};                ///< the only one in which the limit counts, or a pattern; empty: all
+  std::optional<Stage> stage{};           ///< the only one in whose steps it counts
+  std::optional<Stage> relative_to{};     ///< its end is the zero of the limited value; 0: before any load
 
   std::optional<double> allowed() const { return ratio ? *span / *ratio : limit; }
   bool is_limited_in(const std::string& one) const;
-  /// Behind "the size": " since the end of stage 1".
+  /// Text behind "the size" in messages: " since the end of stage 1".
   std::string since() const;
 };
 
 /// Declaration of the list "Quantities".
 ListSpec quantities_spec();
 
-/// Reads the list; whether points and members exist is the affair of QuantitySet. Throws InputError.
+/// Reads the list; QuantitySet checks whether points and members exist. Throws InputError.
 std::vector<Quantity> read_quantities(Teuchos::ParameterList& list, const ParameterSource& source,
                                       const ParameterPath& path = {"Quantities"});
 
-/// Whether the cases and stages that limits name are in the scene. Throws InputError.
+/// Throws InputError if a limit names a case or stage that the scene does not have.
 void check_limits(const std::vector<Quantity>& quantities, const Scene& scene, const InputPlace& place);
 
-/// The quantity that a check of common_quantities() compares.
+/// Quantity that a check of common_quantities() compares.
 Quantity quantity_of(const ExpectedValue& expected);
 
 }  // namespace mixbeam

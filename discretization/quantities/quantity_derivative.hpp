@@ -9,14 +9,14 @@
 
 namespace mixbeam {
 
-/// force . f + moment . m of the spatial rows f, m of a vertex that its support holds: the rows are no unknowns, and
+/// force . f + moment . m of the spatial rows f, m of a vertex that its support holds: these rows are not unknowns, and
 /// their derivative is that of the equations.
 struct HeldRows {
   int vertex = 0;  ///< local
   Vec force{}, moment{};
 };
 
-/// A sum of such derivatives. One process only; the model and the state must outlive it.
+/// Sum of derivatives of quantities. One process only; the model and the state must outlive it.
 class StateDerivative {
  public:
   StateDerivative(const Model& model, const State& state);
@@ -36,9 +36,9 @@ class StateDerivative {
 
   /// The same at a place in an element.
   void add_displacement(const PlaceInElement& place, const Vec& weight);
-  /// weight . spin of Lambda_E, spatial.
+  /// Adds the derivative of weight . spin of Lambda_E, spatial.
   void add_spin(const PlaceInElement& place, const Vec& weight);
-  /// Of N and M, material.
+  /// Adds the derivative of force . N + moment . M, material.
   void add_stress(const PlaceInElement& place, const Vec& force, const Vec& moment);
 
   /// Adds that of the length of a member.
@@ -47,10 +47,10 @@ class StateDerivative {
   void add_energy(double force, double moment);
   double force_energy() const { return force_energy_; }
   double moment_energy() const { return moment_energy_; }
-  /// Of a quantity that compliances enter beside the state, other than energies.
+  /// Notes that compliances enter the quantity besides the state, other than through energies.
   void know_compliance() { knows_compliance_ = true; }
   bool knows_compliance() const { return knows_compliance_; }
-  /// Of a quantity made of a natural frequency, whose derivative is not this one.
+  /// Notes that the quantity depends on a natural frequency, whose derivative is not included.
   void know_mode(int mode) { modes_.push_back(mode); }
   const std::vector<int>& modes() const { return modes_; }
 

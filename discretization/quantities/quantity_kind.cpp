@@ -19,7 +19,7 @@ template <Part part>
 Vector3 own(const PointSample& sample, const MeshMember&) {
   return to_array(sample.*part);
 }
-/// From the axes of the section to global ones.
+/// Vector in global axes from the axes of the section.
 template <Part part>
 Vector3 turned(const PointSample& sample, const MeshMember&) {
   return to_array(rotation_matrix(sample.triad) * (sample.*part));

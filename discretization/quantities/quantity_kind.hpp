@@ -30,7 +30,7 @@ struct QuantityKind {
   std::string name{};
   QuantitySource source = QuantitySource::formula;
   std::string unit{};  ///< L: that of length, F: that of force
-  /// Vectors along members: at a place, and where records hold them as they are asked for; null where they do not.
+  /// Vectors along members: computed at a place, and the record that holds them unchanged; null if there is none.
   Vector3 (*field)(const PointSample&, const MeshMember&) = nullptr;
   std::vector<Vector3> MemberSamples::*recorded = nullptr;
   double (*stress)(const LargestStresses&, double strength) = nullptr;  ///< NaN where it is not known
@@ -41,20 +41,20 @@ struct QuantityKind {
   bool is_material() const { return name.rfind("material ", 0) == 0; }
   bool needs_strength() const { return name == "utilisation"; }
   bool is_vector() const { return field != nullptr || reaction != nullptr; }
-  /// By the names of the units of length and force: "kN m". Empty where it has none.
+  /// Unit by the names of those of length and force: "kN m"; empty if it has none.
   std::string unit_of(const std::string& length, const std::string& force) const;
 };
 
 const std::vector<QuantityKind>& quantity_kinds();
-/// Finds the kind of a name that exists.
+/// Kind of an existing name.
 const QuantityKind& quantity_kind(const std::string& name);
 
-/// "normal stress" (the largest over the section, with its sign), "shear stress", "von Mises stress", "utilisation"
-/// (von Mises stress over Strength).
+/// Whether a kind is a stress: "normal stress" (the largest over the section, with its sign), "shear stress", "von
+/// Mises stress", "utilisation" (von Mises stress over Strength).
 bool is_stress(const std::string& kind);
 
-/// Whether a member has such a quantity: stresses of its section are known (of a taper: by shapes), and a strength
-/// where that counts.
+/// Whether a member has such a quantity: stresses of its section are known (for a taper: by shapes), and a strength if
+/// it needs one.
 bool has_stress(const Scene& scene, const Member& member, const std::string& kind);
 
 }  // namespace mixbeam

@@ -30,10 +30,10 @@ using vector_algebra::to_vec3;
 
 constexpr const char* kArcLength = ".arc_length";
 
-/// A scalar stands in the first entry, a vector in the first three; a triad is g1, g2, g3.
+/// Numbers of a quantity: a scalar is the first, a vector the first three; a triad is g1, g2, g3.
 using Numbers = std::array<double, 9>;
 
-/// In place of one of them: the norm of the vector.
+/// Stands for an index: the norm of the vector.
 constexpr int kNorm = -1;
 
 Numbers not_there() {
@@ -52,7 +52,7 @@ double picked(const Numbers& numbers, int which) {
   return which == kNorm ? std::hypot(numbers[0], numbers[1], numbers[2]) : numbers[static_cast<std::size_t>(which)];
 }
 
-/// Which of Numbers a quantity asks for.
+/// Indices of the Numbers that a quantity requests.
 std::vector<int> asked_numbers(const Quantity& quantity) {
   static const std::map<std::string, std::vector<int>> of_component = {
       {"x", {0}}, {"y", {1}},        {"z", {2}},        {"1", {0}},        {"2", {1}},
@@ -64,7 +64,7 @@ std::vector<int> asked_numbers(const Quantity& quantity) {
   return {0};
 }
 
-/// Behind the name of the quantity, of each of asked_numbers().
+/// Endings of the names of asked_numbers().
 std::vector<std::string> endings_of(const Quantity& quantity) {
   const std::size_t count = asked_numbers(quantity).size();
   if (count == 1) return {""};
@@ -79,10 +79,10 @@ bool is_better(Take take, double value, double than) {
   return std::abs(value) > std::abs(than);
 }
 
-/// Share of a member within which a place is meant to be a vertex.
+/// Share of a member within which a place counts as a vertex.
 constexpr double kAtVertex = 1e-9;
 
-/// Null where none ends there on the side that is asked for.
+/// Layer at this place of a member, on the requested side of a vertex; null: none.
 const EndLayer* layer_at(const QuantityState& at, int member, double arc_length, bool before_vertex) {
   if (at.layers == nullptr) return nullptr;
   const double length = at.model.mesh().member_length[static_cast<std::size_t>(member)];
@@ -140,7 +140,7 @@ struct QuantityPlace {
   std::optional<double> arc_length{};  ///< the arc length that was asked for in place of that share [length]
 };
 
-/// Resolves the words of a user in a scene.
+/// Resolves names of places and members in a scene.
 class QuantityPlaces {
  public:
   /// The scene must outlive it.
@@ -250,7 +250,7 @@ class QuantityPlaces {
 
   const Scene& scene_;
   SceneNames names_;
-  std::vector<std::string> points_{};  ///< that members touch
+  std::vector<std::string> points_{};  ///< on members
 };
 
 /// A quantity of which every name has been found.
@@ -265,7 +265,7 @@ struct QuantitySet::Resolved {
   std::vector<int> members{};                        ///< of extremes along whole ones
   std::vector<int> numbers{};
   Expression formula{};
-  std::vector<double> pinned_place{};  ///< of an extreme along members that is pinned, as the columns tell it
+  std::vector<double> pinned_place{};  ///< of a pinned extreme along members, as in its columns
 
   bool is_along_members() const { return !members.empty(); }
   bool is_of_whole() const { return places.empty() || !others.empty(); }  ///< or of two and three places together
@@ -338,7 +338,7 @@ struct QuantitySet::Resolved {
     return {reference[0] + motion[0], reference[1] + motion[1], reference[2] + motion[2]};
   }
 
-  /// By the rank that has the member there.
+  /// Value from the rank that has this place of the member.
   Numbers section_at(const QuantityState& at, int member, double position, const PointSample& sample) const {
     Numbers mine{}, all{};
     if (answers_for(at.model, member, position, asked.before_vertex))
@@ -370,7 +370,7 @@ struct QuantitySet::Resolved {
     return request;
   }
 
-  /// Of kinds that have no place, or two or three.
+  /// Value of kinds that have no place, or two or three.
   Numbers whole(const QuantityState& at) const {
     if (kind.of_structure != nullptr) return {kind.of_structure(at)};
     if (kind.is(QuantitySource::mode))
@@ -392,7 +392,7 @@ struct QuantitySet::Resolved {
   bool is_extreme_of_places() const {
     return places.size() > 1 && !is_of_whole() && asked.take != Take::each && asked.take != Take::sum;
   }
-  /// Of several places: what is taken of them, and the place of an extreme.
+  /// Value reduced over several places, and the index of an extreme.
   std::pair<Numbers, std::size_t> taken(const QuantityState& state) const {
     Numbers total = at(0, state);
     std::size_t best = 0;
@@ -406,7 +406,7 @@ struct QuantitySet::Resolved {
     return {total, best};
   }
 
-  /// Add the derivative of weights . at().
+  /// Adds the derivative of weights . at().
   void add_derivative(std::size_t place, const Numbers& weights, const QuantityState& at, StateDerivative& sum) const {
     if (kind.is(QuantitySource::length)) return sum.add_length(at.first_member + places[place].member, weights[0]);
     if (kind.is(QuantitySource::reaction)) return add_of_reaction(place, vec_from(weights), at, sum);
@@ -450,8 +450,8 @@ struct QuantitySet::Resolved {
     sum.add_spin(*in_element, spin);
   }
 
-  /// Of numbers of N, M and the triad: by differences of fourth order where stresses are searched for over a section,
-  /// of linear functions otherwise.
+  /// Adds the derivative of numbers of N, M and the triad, by differences of fourth order: exact for linear functions;
+  /// stresses are searched over a section.
   void add_of_section(const PlaceInElement& place, int member, const Numbers& weights, const QuantityState& at,
                       StateDerivative& sum) const {
     const Structure& structure = at.model.structure();
@@ -504,7 +504,7 @@ struct QuantitySet::Resolved {
     }
   }
 
-  /// Of kinds that have no place, or two or three.
+  /// Adds the derivative of kinds that have no place, or two or three.
   void add_of_whole(double weight, const QuantityState& at, StateDerivative& sum) const {
     if (kind.name == "load factor") return;
     if (kind.is(QuantitySource::mode)) return sum.know_mode(asked.mode);
@@ -532,7 +532,7 @@ struct QuantitySet::Resolved {
     add(corners[0], -(by_a + by_b));
   }
 
-  /// At the end of an element with a layer that no formula tells, or inside of any element with one.
+  /// Whether it is taken at the end of an element with a layer of unknown form, or inside any element with a layer.
   bool is_hidden(const QuantityState& at) const {
     const bool is_of_section = kind.is(QuantitySource::section) || kind.is(QuantitySource::stress);
     if (!is_of_section && kind.reaction != &RecordedReaction::moment) return false;
@@ -574,7 +574,7 @@ struct QuantitySet::Resolved {
     }
   }
 
-  /// Leaves out what has no stresses; something must be left.
+  /// Removes members and places without stresses; something must be left.
   void require_stresses(const Scene& scene, const InputPlace& place) {
     const auto is_without = [&](int member) {
       return !has_stress(scene, scene.members[static_cast<std::size_t>(member)], asked.kind);
@@ -604,7 +604,7 @@ QuantitySet::QuantitySet(const std::vector<Quantity>& quantities, const Scene& s
       own.attempt([&] {
         if (quantities[i].kind != "formula")
           resolve(quantities[i], i, scene, found, own);
-        else if (!place.source().has_mistakes())  // of what it names
+        else if (!place.source().has_mistakes())  // in the quantities that it names
           add_formula(quantities[i], i, own);
       });
     }

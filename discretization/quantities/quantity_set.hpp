@@ -18,7 +18,7 @@ namespace mixbeam {
 /// Name of a number in formulas: "tip load (2)" -> "tip_load__2_".
 std::string name_in_formulas(std::string name);
 
-/// A state, and what is known of it already.
+/// A state, and data already known of it.
 struct QuantityState {
   const Model& model;
   const State& state;
@@ -27,16 +27,16 @@ struct QuantityState {
   StrainEnergy energy{};
   int negative = -1;  ///< eigenvalues below zero; -1: not counted
   int jumps = 0;      ///< of the path so far
-  /// Samples of all members of this rank, which spare extremes a search; null: there are none.
+  /// Samples of all members of this rank, for extremes; null: none.
   const SampledMembers* samples = nullptr;
-  /// Where the scene of the set begins in a model of several scenes side by side (merged_scene.hpp).
+  /// Offsets of the set's scene in a model of several scenes side by side (merged_scene.hpp).
   int first_member = 0;
   std::size_t first_support = 0;
   std::string prefix_of_points{};
-  /// Which section forces and stresses at ends of members, and extremes, take into account, with forces by their
-  /// spatial components, as the state of a richer space does; null: neither.
+  /// Layers for section forces and stresses at ends of members, and for extremes; forces are then by their spatial
+  /// components, as for the state of a richer space. Null: neither.
   const std::vector<EndLayer>* layers = nullptr;
-  /// omega / (2 pi) of a natural mode, NaN where it is not known; null: of none.
+  /// omega / (2 pi) of a natural mode, NaN if unknown; null: none is known.
   std::function<double(int mode)> natural_frequency{};
   std::shared_ptr<StressedSections> stresses{};  ///< made by QuantitySet::values()
 };
@@ -49,9 +49,9 @@ class QuantitySet {
   /// Throws InputError for names that the scene does not have, at the entry in `place`, the list of quantities.
   QuantitySet(const std::vector<Quantity>& quantities, const Scene& scene, const InputPlace& place);
 
-  /// One number each, in the order of the list: NAME; NAME.x, .y, .z or NAME.1, .2, .3 of a vector; NAME[PLACE] of each
-  /// place that fits a pattern; besides an extreme along members NAME.member (index in the scene), NAME.arc_length and
-  /// NAME.side (-1, 1: of the element before, after a vertex; 0: inside an element).
+  /// One number, in the order of the list: NAME; NAME.x, .y, .z or NAME.1, .2, .3 of a vector; NAME[PLACE] of each
+  /// place that matches a pattern; with an extreme along members also NAME.member (index in the scene), NAME.arc_length
+  /// and NAME.side (-1, 1: of the element before, after a vertex; 0: inside an element).
   struct Column {
     std::string name;
     std::size_t quantity = 0;  ///< in the list
@@ -61,22 +61,21 @@ class QuantitySet {
   };
   const std::vector<Column>& columns() const { return columns_; }
   std::vector<std::string> names() const;
-  /// Of the quantity that a column belongs to.
+  /// Name of the quantity that a column belongs to.
   const std::string& name_of(const Column& column) const { return asked(column).name; }
   const Quantity& asked(const Column& column) const;
-  /// Of every column, empty where it has none; `scene_units`: Scene::units, without which nothing is known.
+  /// Unit of every column, empty for none; `scene_units`: Scene::units, without which nothing is known.
   std::vector<std::string> units(const std::string& scene_units) const;
   bool empty() const { return columns_.empty(); }
 
-  /// Of every column. Collective.
+  /// Value of every column. Collective.
   std::vector<double> values(const QuantityState& at) const;
-  /// (column): where the largest or smallest of several places is, "pier 2", "deck@50%"; empty for all others.
-  /// Collective.
+  /// (column): place of the largest or smallest of several, "pier 2", "deck@50%"; empty for all others. Collective.
   std::vector<std::string> places(const QuantityState& at) const;
-  /// (column): whether a layer of the state lies where a number of its quantity is taken, and no closed form tells it.
+  /// (column): whether the quantity is taken in a layer of the state for which no closed form is known.
   std::vector<unsigned char> hidden_in_layers(const QuantityState& at) const;
 
-  /// The same with extremes kept where they are at a state of these values: smooth functions of state and scene.
+  /// The set with extremes fixed at their places in a state of these values: smooth functions of state and scene.
   QuantitySet pinned(const QuantityState& at, const std::vector<double>& values) const;
   /// Derivative of a column of a pinned set with respect to the state, at the values of all columns there. Throws
   /// std::invalid_argument for what has none. One process only.

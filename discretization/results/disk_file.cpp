@@ -20,9 +20,9 @@ namespace {
   throw DiskError("cannot " + action + ": " + std::strerror(error));
 }
 
-/// Whether bytes beside those written may change. A client of NFS may write whole pages of its cache where a program
-/// wrote a part, and so undo what another machine wrote beside it. Of files that are written synchronously it sends the
-/// bytes that were written and no others (Linux, nfs_can_extend_write).
+/// Whether bytes beside those written may change. A client of NFS may write whole pages of its cache if a program wrote
+/// a part, and so undo what another machine wrote beside it. For files written synchronously it sends only the bytes
+/// that were written (Linux, nfs_can_extend_write).
 bool may_write_neighbours(int descriptor) {
   constexpr long kNfs = 0x6969;  // NFS_SUPER_MAGIC, statfs(2)
   struct statfs system {};
@@ -91,7 +91,7 @@ void DiskFile::write(std::uint64_t offset, const void* bytes, std::size_t count)
     const ssize_t written = ::pwrite(descriptor_, from, count, static_cast<off_t>(offset));
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) fail_on_disk("write the file");
-    if (written == 0) fail_on_disk("write the file", EIO);  // would go on for ever
+    if (written == 0) fail_on_disk("write the file", EIO);  // would loop for ever
     from += written;
     offset += static_cast<std::uint64_t>(written);
     count -= static_cast<std::size_t>(written);
@@ -212,7 +212,7 @@ void TextFile::append(const std::string& text) {
     } catch (const DiskError&) {
       try {
         file_.resize(size_);
-      } catch (const DiskError&) {  // the first reason is the one to tell
+      } catch (const DiskError&) {  // the first reason is reported
       }
       throw;
     }

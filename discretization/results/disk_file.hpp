@@ -27,21 +27,21 @@ class ResultFileError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// `.run.h5.ending` beside `run.h5`.
+/// Hidden name beside a file: `.run.h5.ending` for `run.h5`.
 std::filesystem::path hidden(const std::filesystem::path& path, const std::string& ending);
 
-/// Tells files apart whatever their names are.
+/// Identifies a file, whatever its name.
 struct FileNumber {
   std::uint64_t device = 0, inode = 0;
   bool operator==(const FileNumber& other) const { return device == other.device && inode == other.inode; }
 };
-/// Zeros where there is no file of that name.
+/// Zeros if there is no file of that name.
 FileNumber file_number(const std::filesystem::path& path);
 
 enum class DiskAccess { read, write, create };
 
-/// An open file. `create` makes a new one in the place of one that is there; nothing is written through a link. Throws
-/// DiskError, and InputError where the new one would replace an input of this process.
+/// An open file. `create` makes a new one that replaces an existing one; nothing is written through a link. Throws
+/// DiskError, and InputError if the new one would replace an input of this process.
 class DiskFile {
  public:
   /// `shared`: other ranks, perhaps on other machines, write to other bytes of it at the same time.
@@ -53,14 +53,14 @@ class DiskFile {
   void write(std::uint64_t offset, const void* bytes, std::size_t count);
   void read(std::uint64_t offset, void* bytes, std::size_t count) const;
   std::uint64_t size() const;
-  /// Bytes that are new are zeros.
+  /// Sets the size; new bytes are zeros.
   void resize(std::uint64_t bytes);
-  /// Lengthens the file to this size and makes the system set disk space aside for it, so that a full disk is noticed
-  /// before anything is written.
+  /// Lengthens the file to this size and reserves disk space for it, so that a full disk is noticed before anything is
+  /// written.
   void reserve(std::uint64_t bytes);
   /// Waits until the bytes are on the disk: they survive a power cut.
   void sync();
-  /// Reports what a file system finds out only now (quota, NFS).
+  /// Closes the file, reporting errors that the file system finds only now (quota, NFS).
   void close();
 
  private:
@@ -70,11 +70,11 @@ class DiskFile {
 /// Makes renames and removals in the folder of a file survive a power cut. Throws DiskError.
 void sync_folder_of(const std::filesystem::path& path);
 
-/// A file that is written under a hidden name and takes its own when it is complete. Without that, nothing is left of
-/// it, and a file that bears the name already stays.
+/// A file that is written under a hidden name and takes its own when it is complete. Otherwise it is removed, and an
+/// existing file of that name stays.
 class Replacement {
  public:
-  /// Throws InputError where it would replace an input of this process.
+  /// Throws InputError if it would replace an input of this process.
   explicit Replacement(std::filesystem::path path);
   ~Replacement();
   Replacement(const Replacement&) = delete;
@@ -83,8 +83,8 @@ class Replacement {
   const std::filesystem::path& path() const { return path_; }
   /// Path to write to.
   const std::filesystem::path& hidden_path() const { return hidden_; }
-  /// Gives the file, which must be complete or grow under its name, that name. `durable`: first waits until it is on
-  /// the disk, and then until its name is. Throws DiskError.
+  /// Moves the file, which is complete or grows under its name, to that name. `durable`: first waits until it is on the
+  /// disk, and then until its name is. Throws DiskError.
   void publish(bool durable);
 
  private:
@@ -92,7 +92,7 @@ class Replacement {
   bool published_ = false;
 };
 
-/// Puts `text` into a file of this name in one indivisible operation. Throws FileError.
+/// Replaces a file by `text`, atomically. Throws FileError.
 void replace_file(const std::filesystem::path& path, const std::string& text, bool durable);
 
 /// Receives the next piece of a text.
@@ -100,13 +100,13 @@ using TextSink = std::function<void(const std::string&)>;
 /// Replaces a file by a text that is too long to be held in memory: `write` hands it over piece by piece.
 void replace_file(const std::filesystem::path& path, const std::function<void(const TextSink&)>& write, bool durable);
 
-/// When a file replaces one that bears its name already.
+/// When a file replaces an existing one of its name.
 enum class Appears { at_once, when_closed };
 
 /// A text that grows line by line, each of which reaches the file at once. Throws FileError.
 class TextFile {
  public:
-  /// One that appears when it is closed is removed where that does not happen.
+  /// A file that appears when it is closed is removed if it is never closed.
   TextFile(const std::filesystem::path& path, Appears when);
   /// After an error the file ends behind the last text that fitted.
   void append(const std::string& text);

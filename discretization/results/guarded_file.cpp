@@ -8,10 +8,10 @@ namespace mixbeam {
 
 namespace {
 
-/// Held in memory at most: far more than what HDF5 itself writes for a step, little beside a large model.
+/// Most bytes held in memory: far more than HDF5 itself writes for a step, little beside a large model.
 constexpr std::size_t kMostBytesHeld = std::size_t{64} << 20;
 
-/// Seal of a file that has none: its size, and sums of no meaning.
+/// Seal of a file that has none: its size, and meaningless sums.
 Seal unknown_sums(const DiskFile& file) {
   Seal seal;
   seal.resize(file.size());

@@ -25,7 +25,7 @@ class GuardedFile {
   void read(std::uint64_t offset, void* bytes, std::size_t count);
   void write(std::uint64_t offset, const void* bytes, std::size_t count);
 
-  /// Writes what is new to the file, and its sums to the seal.
+  /// Writes new blocks to the file, and their sums to the seal.
   void flush();
   /// Blocks that were written since the beginning.
   const std::set<std::uint64_t>& changed() const { return changed_; }

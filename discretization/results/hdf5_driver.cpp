@@ -30,7 +30,7 @@ struct Driver {
     std::free(&of(file));
     return 0;
   }
-  /// Answers as the library's own driver does, so that it lays files out in the same way.
+  /// Returns the flags of the library's own driver, so that files are laid out in the same way.
   static herr_t query(const H5FD_t*, unsigned long* flags) {
     *flags = H5FD_FEAT_AGGREGATE_METADATA | H5FD_FEAT_ACCUMULATE_METADATA | H5FD_FEAT_DATA_SIEVE |
              H5FD_FEAT_AGGREGATE_SMALLDATA | H5FD_FEAT_DEFAULT_VFD_COMPATIBLE;

@@ -92,13 +92,13 @@ Handle create_extendible(hid_t group, const std::string& name, std::vector<hsize
 
 constexpr const char* kLeavesFile = "it is a link that may leave the file; results have none";
 
-/// One with a slash leads through links.
+/// Refuses names with a slash, which lead through links.
 void require_plain_name(const std::string& name, const std::string& action) {
   if (name.empty() || name == "." || name.find('/') != std::string::npos)
     refuse(action, "its name is not one that results have");
 }
 
-/// Links of other kinds lead out of the file.
+/// Refuses links of other kinds, which may lead out of the file.
 void require_hard_link(hid_t parent, const std::string& name, const std::string& action) {
   require_plain_name(name, action);
   H5L_info_t link{};
@@ -106,7 +106,7 @@ void require_hard_link(hid_t parent, const std::string& name, const std::string&
   if (link.type != H5L_TYPE_HARD) refuse(action, kLeavesFile);
 }
 
-/// Bytes of a value.
+/// Bytes of a value; refuses types other than the declared ones.
 std::size_t width_of(hid_t type, Stored declared, const std::string& action) {
   Stored found = Stored::texts;
   bool is_written = false;
@@ -132,7 +132,7 @@ std::size_t width_of(hid_t type, Stored declared, const std::string& action) {
   return width;
 }
 
-/// In this very file, as they are: not in other files, nor to be decoded.
+/// Requires values in this very file, without filters.
 void require_plain_storage(hid_t dataset, const std::string& action) {
   if (H5Dget_offset(dataset) != HADDR_UNDEF) return;  // in one piece
   const Handle creation(H5Dget_create_plist(dataset), H5Pclose, action);
@@ -142,7 +142,7 @@ void require_plain_storage(hid_t dataset, const std::string& action) {
   if (H5Pget_nfilters(creation) != 0) refuse(action, "its storage is not the one that results have");
 }
 
-/// Nothing of a result is larger than its file.
+/// Determines shape and size; refuses values larger than the file.
 void measure(StoredValues& values, Stored declared, const std::string& action) {
   constexpr hsize_t kSmall = 65536;  // whatever the file has
   const H5S_class_t kind = H5Sget_simple_extent_type(values.space);
@@ -200,7 +200,7 @@ void copy_attributes(hid_t source, hid_t target) {
   for (const std::string& name : attribute_names(source)) copy_attribute(source, name, target);
 }
 
-/// The numbers of a dataset, as many rows at a time as fit.
+/// Copies the numbers of a dataset, as many rows at a time as fit.
 class RowCopy {
  public:
   RowCopy(const std::string& action, const StoredValues& from, hid_t to)

@@ -56,7 +56,7 @@ class Handle {
   CloseFunction close_function_;
 };
 
-/// Whether closing an object of the file that is open failed: a destructor cannot say so.
+/// Whether closing an object of the open file failed: a destructor cannot report it.
 inline bool a_close_failed = false;
 
 enum class FileUse { create, change, read };
@@ -70,7 +70,7 @@ class File {
   operator hid_t() const { return handle_; }
 
   /// Closes it and throws the errors that occurred meanwhile (Error, DiskError, DamageError): the library is always
-  /// told of success, for after a failure it can neither be trusted to close files nor to end. The bytes written are in
+  /// told of success, since after a failure it neither closes files nor terminates reliably. The bytes written are in
   /// `content`, to be flushed.
   void close();
 
@@ -123,8 +123,8 @@ void write_dataset(hid_t group, const std::string& name, const std::vector<int>&
 /// A dataset of texts, all as long as the longest.
 void write_texts(hid_t group, const std::string& name, const std::vector<std::string>& texts);
 
-/// Creates a dataset whose numbers (native doubles or integers, row by row) others write past the library, after the
-/// file is closed: its place in the file is settled at once and nothing is written there. One column gives a
+/// Creates a dataset whose numbers (native doubles or integers, row by row) are written past the library, after the
+/// file is closed: its place in the file is fixed at once and nothing is written there. One column gives a
 /// one-dimensional dataset. Returns where the numbers begin; 0 when there are none.
 std::uint64_t place_dataset(hid_t parent, const std::string& name, bool integers, std::size_t rows,
                             std::size_t columns);
@@ -136,7 +136,7 @@ bool has_link(hid_t group, const std::string& name);
 /// An object of a group, by name, ascending. Throws Error for links but hard ones.
 struct ObjectLink {
   std::string name{};
-  std::uint64_t address = 0;  ///< of the object in the file: tells objects apart
+  std::uint64_t address = 0;  ///< of the object in the file, which identifies it
 };
 std::vector<ObjectLink> links_of(hid_t group);
 std::vector<std::string> link_names(hid_t group);
@@ -151,7 +151,7 @@ void read_attribute(hid_t object, const std::string& name, bool& value);
 void read_attribute(hid_t object, const std::string& name, std::string& value);
 std::string read_text(hid_t group, const std::string& name);
 std::vector<std::string> read_texts(hid_t group, const std::string& name);
-/// Reads and forgets, to find out whether that can be done.
+/// Reads and discards values, to check that they can be read.
 void read_attributes(hid_t object);
 void read_all(const StoredValues& dataset, const std::string& name);
 /// Opens one of links_of(parent): a group, a dataset or neither.
@@ -159,18 +159,18 @@ Handle open_object(hid_t parent, const std::string& name);
 bool is_group(hid_t object);
 /// Place of the numbers of a dataset in the file, and how many bytes they are; zeros unless they lie in one piece.
 std::pair<std::uint64_t, std::uint64_t> data_place(const StoredValues& dataset);
-/// Row by row, of so many columns; one column is a dataset of one dimension.
+/// Reads numbers row by row, of so many columns; one column is a dataset of one dimension.
 std::vector<double> read_dataset(hid_t group, const std::string& name, std::size_t columns,
                                  Stored declared = Stored::reals);
-/// Row by row; `columns` becomes the length of a row.
+/// Reads numbers row by row; `columns` becomes the length of a row.
 std::vector<double> read_series(hid_t group, const std::string& name, std::size_t& columns);
 
-/// Lengthens the dataset `name` of so many columns by `rows`; creates it when it is missing.
+/// Appends rows to the dataset `name` of so many columns; creates it if it is missing.
 void append_rows(hid_t group, const std::string& name, const std::vector<double>& rows, std::size_t columns);
 /// Appends a row to a table that has as many columns as its longest row; NaN where others have none.
 void append_row(hid_t group, const std::string& name, std::vector<double> row);
 
-/// An object with all that is below it.
+/// Copies an object with everything below it.
 void copy_link(hid_t source, const std::string& name, hid_t target);
 void remove_link(hid_t parent, const std::string& name);
 

@@ -13,7 +13,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kShareOfSyncs = 0.03;  // of the time of a run that waiting for the disk may take
-// A first guess at what waiting costs: a disk that turns takes as long to answer, and writes 100 MB in a second.
+// First guess of the cost of waiting: a rotating disk takes as long to answer, and writes 100 MB in a second.
 constexpr double kFirstCost = 0.01, kCostOfByte = 1e-8;  // seconds
 
 /// The blocks in which tables lie, ascending.
@@ -30,7 +30,7 @@ std::vector<std::uint64_t> blocks_of(const std::vector<ResultTable>& tables, con
   return blocks;
 }
 
-/// Copies blocks that hold what they should; neighbours in one piece.
+/// Copies blocks after a check of their sums; neighbours in one piece.
 void copy_blocks(const fs::path& from, const fs::path& to, bool shared, const BlockSum* blocks, std::size_t count,
                  std::uint64_t block, std::uint64_t bytes) {
   if (count == 0) return;
@@ -65,7 +65,7 @@ void share(const Teuchos::Comm<int>& communicator, std::vector<Value>& values) {
                      reinterpret_cast<char*>(values.data()));
 }
 
-/// The sums of all ranks, on rank 0. `blocks`: those that one of them may have a sum of, ascending.
+/// Sums known to exactly one rank, from all ranks. `blocks`: those that may have such a sum, ascending.
 std::vector<BlockSum> gathered(const Teuchos::Comm<int>& communicator, const std::vector<BlockSum>& own,
                                const std::vector<std::uint64_t>& blocks) {
   if (communicator.getSize() == 1) return own;

@@ -1,4 +1,4 @@
-/// One file that readers find complete at all times while the ranks of a run lengthen it: kills lose no published step.
+/// A file that readers find complete at all times while the ranks of a run extend it: a kill loses no published step.
 ///
 /// Two hidden copies are written in turn, and the name is moved to a copy only after every rank has closed that copy. A
 /// copy is first brought to the bytes of the published one, block by block, each of which is checked; each step is
@@ -22,11 +22,11 @@ namespace mixbeam {
 class SyncBudget {
  public:
   explicit SyncBudget(bool every_step) : every_step_(every_step) {}
-  /// Whether a step that is complete now, and has written so many bytes, can afford it.
+  /// Whether a step that is complete now, and has written so many bytes, can afford to wait.
   bool affords(std::uint64_t bytes) const;
-  /// Runs `sync`, and learns what it costs.
+  /// Runs `sync` and measures its cost.
   void spend(const std::function<void()>& sync);
-  /// A step was published.
+  /// Begins the time of a step: the last one was published.
   void start_step() { since_ = Clock::now(); }
 
  private:
@@ -37,7 +37,7 @@ class SyncBudget {
   std::optional<double> cost_{};  ///< seconds of the last one
 };
 
-/// Throws ResultFileError. Functions are collective, but for those that belong to rank 0.
+/// Throws ResultFileError. Functions are collective, except those of rank 0.
 class PublishedFile {
  public:
   using Write = std::function<void(GuardedFile& content)>;
@@ -52,18 +52,18 @@ class PublishedFile {
   /// A step: makes the next copy the same bytes as the published one; rank 0 changes it and tells where the numbers of
   /// tables lie; every rank writes those of its rows; rank 0 seals the copy.
   void catch_up();
-  /// Rank 0, before the first large step.
+  /// Rank 0: changes to large blocks, before the first large step.
   void use_large_blocks();
-  /// Rank 0.
+  /// Rank 0: changes the next copy.
   void change(const Write& write);
   void write_tables(const std::vector<ResultTable>& tables, std::vector<std::uint64_t> places);
 
-  /// Moves the name to the next copy in one indivisible operation.
+  /// Moves the name to the next copy, atomically.
   void publish();
 
-  /// Rank 0: removes what is hidden, in silence.
+  /// Rank 0: removes hidden files, ignoring errors.
   void remove_copies() const noexcept;
-  /// Rank 0: the published copy is on the disk.
+  /// Rank 0: waits until the published copy is on the disk.
   void sync();
 
  private:
@@ -87,7 +87,7 @@ class PublishedFile {
   Seal seal_;                      ///< of the latest copy; the other one lacks changed_
   std::vector<BlockSum> changed_;  ///< by the last step
   std::uint64_t written_ = 0;      ///< bytes of the next copy, since it was published last
-  FileNumber named_;               ///< the file of the name, as this left it
+  FileNumber named_;               ///< the file that was published last
   bool is_synced_ = false;
 };
 

@@ -13,18 +13,18 @@ namespace mixbeam {
 /// Communicator for the work of a single process, with or without MPI.
 Communicator one_rank();
 
-/// Runs `action` on every rank. Empty when it threw nothing anywhere; otherwise, on every rank, what the first rank on
-/// which it failed has to say, with the number of that rank where it is not 0. So a rank that meets a full disk leaves
-/// none waiting. `action` must not communicate. Collective.
+/// Runs `action` on every rank. Empty if it threw nowhere; otherwise, on every rank, the message of the first rank on
+/// which it failed, with the number of that rank unless it is 0. So no rank waits for one that meets a full disk.
+/// `action` must not communicate. Collective.
 std::string first_problem(const Teuchos::Comm<int>& communicator, const std::function<void()>& action);
 
-/// Which of how many ranks.
+/// Number of a rank, and of ranks.
 struct RankNumber {
   int rank = 0, ranks = 1;
 };
 
-/// The ranks that work on one file of results. An error on one of them throws the same ResultFileError, with the name
-/// of the file, on all. Collective, all of it.
+/// The ranks that write one file of results. An error on one of them throws the same ResultFileError, with the name of
+/// the file, on all. All functions are collective.
 class FileRanks {
  public:
   FileRanks(Communicator communicator, const std::filesystem::path& file)

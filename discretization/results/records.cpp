@@ -75,7 +75,7 @@ struct Reading {
   }
 };
 
-/// A group with one for each record, of which rest(group, record) writes what is no field.
+/// Writes a group of records, each in a group of its own; rest(group, record) writes what is not a field.
 template <class Record, class Rest>
 void write_records(hid_t parent, const char* name, const std::vector<Record>& records, const Rest& rest) {
   if (records.empty()) return;
@@ -147,7 +147,7 @@ void write_stability(hid_t step, const StepRecord& record) {
   });
 }
 
-/// Writes estimated values, if there are any. A value that is not estimated has the reason, and no number as its error.
+/// Writes estimated values, if there are any. A value that is not estimated has a reason, and NaN as its error.
 void write_values(hid_t parent, const std::string& name, const std::vector<EstimatedValue>& values) {
   if (values.empty()) return;
   const auto group = hdf5::create_group(parent, name);
@@ -195,7 +195,7 @@ void write_gradients(hid_t step, const RecordedGradients& gradients) {
   }
 }
 
-/// The time series that every run has are what a step tells of itself.
+/// The time series of every run are the fields of a step's summary.
 void write_monitor(hid_t file, const StepRecord& record) {
   const auto monitor = hdf5::open_group(file, "monitor");
   visit_fields<const StepSummary>(record, [&](const auto& field, auto value) {
@@ -262,7 +262,7 @@ void require_result_file(const std::filesystem::path& path) {
       throw InputError(path.string() + ": not an HDF5 file; allowed: a result file (.h5)");
   } catch (const DiskError& error) {
     throw InputError(path.string() + ": " + error.what());
-  } catch (const DamageError&) {  // whoever reads it says so
+  } catch (const DamageError&) {  // reported when it is read
   }
 }
 

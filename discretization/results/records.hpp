@@ -17,15 +17,15 @@ namespace mixbeam {
 /// 2: first with states to resume from; 3: sealed (seal.hpp); 4: one table of all members, not a group for each.
 inline constexpr int kFirstFormatWithStates = 2, kFirstSealedFormat = 3, kFormatVersion = 4;
 
-/// A text with one of them to each line; nothing where there are none.
+/// Writes lines as one text; nothing if there are none.
 void write_lines(hid_t group, const std::string& name, const std::vector<std::string>& lines);
 
 /// Begins an empty file.
 void write_header(hid_t file, const ResultHeader& header);
 /// Throws InputError unless there is a file of this name that may hold results.
 void require_result_file(const std::filesystem::path& path);
-/// Runs what reads a result file; whatever goes wrong becomes an InputError that names it, with what is `suspected`
-/// where the library refuses.
+/// Runs an action that reads a result file; failures become an InputError that names the file, with the `suspected`
+/// cause if the library refuses.
 template <class Action>
 auto naming_file(const std::filesystem::path& path, const Action& action, const std::string& suspected = "") {
   const auto named = [&](const std::string& problem) { return InputError(path.string() + ": " + problem); };
@@ -58,7 +58,7 @@ inline constexpr const char* kFrequencies = "frequencies";
 /// Adds a row to it, of a step that has modes.
 void append_frequencies(hid_t file, int step, double load_factor, const std::vector<RecordedVibrationMode>& modes);
 
-/// All of a step but its tables.
+/// Writes all of a step except its tables.
 void write_step(hid_t file, const StepRecord& record);
 /// Names of the groups of all steps, in their order.
 std::vector<std::string> step_groups(hid_t file);
@@ -77,7 +77,7 @@ std::vector<MonitoredSeries> read_monitor(hid_t file);
 /// The time series that every run has, from these steps.
 std::vector<MonitoredSeries> own_time_series(hid_t file, const std::vector<std::string>& groups);
 
-/// Copies everything but steps after the first `steps` from one file to an empty one, in the present format.
+/// Copies everything except steps after the first `steps` from one file to an empty one, in the current format.
 /// `monitor`: the time series of at least so many steps.
 void copy_steps(hid_t source, hid_t target, std::size_t steps, const std::vector<MonitoredSeries>& monitor);
 

@@ -50,7 +50,7 @@ bool is_complete(const StateShare& state) {
          held.element_triad.size() == 4 * state.elements.held() && held.interior.size() == state.interior.held();
 }
 
-/// Besides the samples of members.
+/// Whether all rows besides the samples of members are complete.
 bool has_complete_rows(const StepRecord& record) {
   std::size_t samples = 0;
   for (const auto& member : record.members) samples += member.size();
@@ -69,7 +69,7 @@ std::uint64_t bytes_of(const std::vector<ResultTable>& tables) {
   return bytes;
 }
 
-/// Names the stresses of a step in a file that is gone on with.
+/// Names the stresses of a step in a file that is continued.
 std::vector<std::string> stored_stresses(hid_t file, int step) {
   const hdf5::Handle group = hdf5::open_group(hdf5::open_group(file, "steps"), step_group_name(step));
   std::vector<std::string> names(kStressNames.begin(), kStressNames.end());
@@ -133,7 +133,7 @@ ResultFile::~ResultFile() {
   if (closed_ || !ranks_.is_root()) return;
   try {
     finish();
-  } catch (const std::exception&) {  // whoever wants to hear of it closes the file
+  } catch (const std::exception&) {  // close() reports it
   }
 }
 

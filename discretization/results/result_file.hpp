@@ -44,8 +44,8 @@ class ResultFile {
   /// Continues after the last step of a stored run, in its own file. Throws ResultFileError. Collective.
   explicit ResultFile(const StoredRun& run, const Communicator& communicator = one_rank(), WritingOptions options = {});
 
-  /// Removes the second copy and completes the XDMF file, keeping quiet about errors; call `close` to hear of them. Not
-  /// collective, for a rank may be alone in leaving by an exception.
+  /// Removes the second copy and completes the XDMF file, ignoring errors; `close` reports them. Not collective: a rank
+  /// may be alone in leaving by an exception.
   ~ResultFile();
 
   ResultFile(const ResultFile&) = delete;
@@ -83,8 +83,8 @@ class ResultFile {
   bool closed_ = false;
 };
 
-/// For programs that start MPI, before they do. An HDF5 library that is built for MPI closes itself where MPI ends, and
-/// there it would try for ever, and say so, to close a damaged file; begun earlier, it is never asked to.
+/// Must be called before a program starts MPI. An HDF5 library built for MPI closes itself when MPI ends, and would
+/// then try for ever to close a damaged file, with messages; begun earlier, it never does.
 void begin_results_library();
 
 }  // namespace mixbeam

@@ -21,8 +21,7 @@ bool is_without_locks(int error) {
   return error == ENOLCK || error == ENOTSUP || error == EOPNOTSUPP || error == ENOSYS || error == EINVAL;
 }
 
-/// The holder may have removed the hidden file between our opening and our locking it: then the lock is one on a file
-/// that has no name any more.
+/// Whether the locked file still has its name: the holder may have removed it between our opening and our locking it.
 bool is_still_there(int descriptor, const std::filesystem::path& path) {
   struct stat mine {
   }, there{};
@@ -32,7 +31,7 @@ bool is_still_there(int descriptor, const std::filesystem::path& path) {
 
 constexpr const char* kHolder = "process ";
 
-/// "process 123 on host". It is for messages only: that it cannot be written changes nothing.
+/// Writes "process 123 on host", for messages only: a failure changes nothing.
 void write_holder(int descriptor) {
   std::array<char, 256> host{};
   if (::gethostname(host.data(), host.size() - 1) != 0) host[0] = '?';
@@ -41,8 +40,8 @@ void write_holder(int descriptor) {
     const auto written = ::pwrite(descriptor, text.data(), text.size(), 0);
 }
 
-/// Explains why the name is not a lock of this program, in which case nothing is changed (it may be a second name of
-/// another file). Empty: there is nothing against it.
+/// Reason why the file is not a lock of this program, and is left unchanged (it may be a second name of another file);
+/// empty: it may be one.
 std::string problem_with(int descriptor) {
   struct stat facts {};
   if (::fstat(descriptor, &facts) != 0) return std::strerror(errno);
@@ -53,7 +52,7 @@ std::string problem_with(int descriptor) {
   return is_lock ? "" : "it is a file of another kind";
 }
 
-/// The holder says who it is a moment after it has taken the lock.
+/// Name of the holder, which writes it a moment after it has taken the lock.
 std::string holder(int descriptor) {
   constexpr int kTries = 100;
   constexpr useconds_t kMoment = 1000;  // microseconds

@@ -9,8 +9,8 @@
 
 namespace mixbeam {
 
-/// The right to write one file of results and what stands beside it under its name. Held by a lock of the kernel on a
-/// hidden file beside it, so that it ends with the process that holds it, however that ends.
+/// The right to write one file of results and the files beside it under its name. Held by a lock of the kernel on a
+/// hidden file, so that it ends with the process that holds it, however that ends.
 class ResultLock {
  public:
   /// Throws ResultFileError, which names the file and the other process, when another run holds it, be it in this
@@ -34,7 +34,7 @@ class ResultLock {
 
 using SharedResultLock = std::shared_ptr<const ResultLock>;
 
-/// Takes it on rank 0, none on the others; throws the same on every rank. Collective.
+/// Takes the lock on rank 0 only; throws the same on every rank. Collective.
 SharedResultLock lock_result(const std::filesystem::path& file, const Teuchos::Comm<int>& communicator);
 
 }  // namespace mixbeam

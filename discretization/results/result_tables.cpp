@@ -75,7 +75,7 @@ void for_each_held(const RowShare& share, const Action& action) {
     for (std::size_t row = run.first; row < run.first + run.count; ++row) action(row, held++);
 }
 
-/// Numbers that are held as they are written, `values` pointing to the first.
+/// Table of numbers that are held in the layout of the file; `values`: the first of them.
 template <class Number>
 ResultTable table_of(const std::string& name, const RowShare& share, std::size_t columns, const Number* values) {
   const std::size_t row = columns * sizeof(Number);
@@ -94,7 +94,7 @@ const double* numbers_of(const std::vector<Vector3>& vectors) {
   return vectors.empty() ? nullptr : vectors.front().data();
 }
 
-/// The part of this rank in `values`, which every rank has.
+/// Table of `values`, which every rank has, and of which it writes a part.
 template <class Number>
 ResultTable known_table(const std::string& name, RankNumber rank, std::size_t columns, std::size_t rows,
                         const Number* values) {

@@ -22,7 +22,7 @@ std::size_t columns_of(const std::string& field) {
   return std::find(kStressNames.begin(), kStressNames.end(), field) == kStressNames.end() ? 3 : 1;
 }
 
-/// Gives use(group) the group of a path below another one; the empty path means that one itself.
+/// Calls use(group) with the group of a path below another one; the empty path means that one itself.
 template <class Use>
 auto in_group(hid_t parent, const std::string& path, const Use& use) {
   if (path.empty()) return use(parent);
@@ -58,7 +58,7 @@ ActingTable read_table(hid_t acting, const std::string& name) {
   return table;
 }
 
-/// Throws where a table names members or sections that are not there.
+/// Throws if a table names members or sections that do not exist.
 void require_numbers(const Acting& acting, std::size_t members) {
   std::size_t sections = 0;
   for (const ActingTable& table : acting.tables)

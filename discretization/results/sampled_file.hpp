@@ -1,5 +1,5 @@
-/// A result file as pictures need it: fields at the samples of all members, read as they are asked for. Also of a
-/// structure that is not solved, whose file has no state to resume from.
+/// A result file for pictures: fields at the samples of all members, read on demand. Also for a structure that is not
+/// solved, whose file has no state to resume from.
 #pragma once
 
 #include "discretization/results/stored_run.hpp"
@@ -37,7 +37,7 @@ class SampledFile {
   /// Arc lengths of all samples.
   std::vector<double> arc_lengths() const;
   bool has(const std::string& group, const std::string& name) const;
-  /// Groups 0, 1, ... in a group of that name; 0 where it is not there.
+  /// Number of groups 0, 1, ... in a group of that name; 0 if it is missing.
   std::size_t count(const std::string& group, const std::string& name) const;
   /// A field: rows of numbers, one for each sample.
   std::vector<double> field(const std::string& group, const std::string& name) const;
@@ -48,7 +48,7 @@ class SampledFile {
 
  private:
   struct Held;
-  /// Gives read(group) the group of that path.
+  /// Calls read(group) with the group of that path.
   template <class Read>
   auto reading(const std::string& group, const Read& read) const;
 
@@ -62,8 +62,8 @@ class SampledFile {
   std::size_t samples_ = 0;
 };
 
-/// Runs whose largest and smallest quantities a file holds, which then is no result file of a run; empty otherwise.
-/// Throws as SampledFile.
+/// Runs over which a file holds the largest and smallest quantities (such a file is not of one run); else empty. Throws
+/// like SampledFile.
 std::vector<std::filesystem::path> runs_of_envelope(const std::filesystem::path& path);
 
 }  // namespace mixbeam

@@ -1,7 +1,7 @@
 /// Checksums of a file: it is divided into blocks, and its content is followed by the list of their sums (XXH3, 64
-/// bits). Every byte counts, those of the HDF5 library and those of the ranks alike; the place of a block is that of
-/// its sum in the list, so that zeros and bytes of an earlier version of the file are damage too. HDF5 does not look
-/// beyond its own end of the file: other programs read sealed files as they are.
+/// bits). Every byte counts, those of the HDF5 library and those of the ranks alike; sums are listed in the order of
+/// the blocks, so that zeros and bytes of an earlier version of the file are damage too. HDF5 ignores what follows its
+/// own end of the file: other programs read sealed files as they are.
 ///
 ///     content | sum of block 0, 1, ... (8 bytes each) | SealEnd
 #pragma once
@@ -16,14 +16,14 @@
 
 namespace mixbeam {
 
-/// Bytes that are not those which were written.
+/// Bytes differ from those that were written.
 class DamageError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
 /// Small blocks locate damage finely; large ones keep the list short (1/8192) where a step takes many megabytes.
 inline constexpr std::size_t kSmallBlock = 4096, kLargeBlock = 65536;
-/// Tables of a step from which on blocks are large.
+/// Size of a step's tables from which blocks are large.
 inline constexpr std::uint64_t kLargeStep = std::uint64_t{8} << 20;
 
 std::uint64_t checksum(const void* bytes, std::size_t count);
@@ -42,7 +42,7 @@ struct Seal {
   std::size_t bytes_of(std::uint64_t number) const;
   /// Bytes of list and end.
   std::uint64_t bytes_behind() const;
-  /// New blocks are zeros.
+  /// Changes the size; new blocks are zeros.
   void resize(std::uint64_t new_bytes);
   bool holds(std::uint64_t number, const void* block_bytes) const;
   /// Sums of all blocks.
@@ -52,9 +52,9 @@ struct Seal {
 /// "bytes 4096 to 8191 are damaged".
 std::string text_of_damage(std::uint64_t first, std::uint64_t end);
 
-/// None where the file has none. Throws DamageError when the list is not what was written.
+/// Seal of a file, if it has one. Throws DamageError when the list is not what was written.
 std::optional<Seal> read_seal(const DiskFile& file);
-/// Behind the content, where the file then ends.
+/// Writes the seal behind the content and ends the file there.
 void write_seal(DiskFile& file, const Seal& seal);
 
 /// Reads a block, with zeros after the content.
@@ -63,8 +63,8 @@ void read_block(const DiskFile& file, const Seal& seal, std::uint64_t number, st
 /// Seals what a file holds.
 Seal seal_of(const DiskFile& file, std::uint64_t bytes, std::uint64_t block);
 
-/// Sums of the blocks that a sequence of writes covers. Writes that follow one another count as one; a block of which
-/// another part is written before or later is left out.
+/// Sums of the blocks that a sequence of writes covers. Consecutive writes count as one; a block is left out if another
+/// part of it is written before or later.
 class RunningSums {
  public:
   explicit RunningSums(std::uint64_t block);
@@ -77,7 +77,7 @@ class RunningSums {
 
  private:
   std::uint64_t block_;
-  std::uint64_t next_ = 0;  ///< where a write would go on
+  std::uint64_t next_ = 0;  ///< offset at which a write would continue
   bool has_begin_ = false;  ///< of the block that next_ lies in
   void* state_ = nullptr;   ///< of the sum so far
   std::vector<BlockSum> complete_;

@@ -38,7 +38,7 @@ auto reading_step(const fs::path& path, const std::string& name, const Read& rea
   return reading(path, [&](hid_t file) { return read(hdf5::open_group(hdf5::open_group(file, "steps"), name)); });
 }
 
-/// Requires a series of every run that has come as far as to a step.
+/// Requires the time series that every run with steps has.
 void require_own_series(const fs::path& path, const std::vector<MonitoredSeries>& monitor) {
   for (const std::string& name : kOwnTimeSeries)
     if (std::none_of(monitor.begin(), monitor.end(),
@@ -46,7 +46,7 @@ void require_own_series(const fs::path& path, const std::vector<MonitoredSeries>
       throw InputError(path.string() + ": the time series " + name + " is missing");
 }
 
-/// Each motion has a number as soon as it has a mode: no table is wider than there are modes.
+/// A motion has a number as soon as it has a mode: no number exceeds that of all modes so far.
 void require_tracks(const std::string& step, const std::vector<RecordedVibrationMode>& modes, std::size_t& before) {
   before += modes.size();
   for (const RecordedVibrationMode& mode : modes)

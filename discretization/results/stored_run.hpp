@@ -21,7 +21,7 @@ struct ResultHeader {
   std::vector<std::string> quantity_units{};      ///< of these columns, where the scene names units
   std::map<std::string, std::string> imported{};  ///< text of every file that the input names, by that name
 
-  /// Empty where there is none of this name.
+  /// Empty if there is none of this name.
   std::string property(const std::string& name) const {
     const auto found = properties.find(name);
     return found == properties.end() ? "" : found->second;
@@ -38,9 +38,9 @@ struct MonitoredSeries {
 /// Keeps no file open. Whatever is read has been checked against the seal of the file.
 class StoredRun {
  public:
-  /// `last_step`: steps after it do not count, and where the time series cannot be read, has_all_series() is false and
-  /// those that every run has come from the steps. Throws InputError when `path` is no readable result file of this
-  /// program, or of a version that kept no states, or one with a format that this program does not know yet.
+  /// `last_step`: ignores steps after it; if the time series cannot be read then, has_all_series() is false and those
+  /// of every run come from the steps. Throws InputError if `path` is not a readable result file of this program, is of
+  /// a version that kept no states, or has a format newer than this program.
   explicit StoredRun(const std::filesystem::path& path, std::optional<int> last_step = {});
 
   const std::filesystem::path& path() const { return path_; }
@@ -66,7 +66,7 @@ class StoredRun {
   /// Critical points between the step before and the one at this position: what they are, and their states; without
   /// fields at samples and monitored quantities.
   std::vector<RecordedCriticalPoint> critical_points(std::size_t position) const;
-  /// With which a step was made, if it was.
+  /// Jump that led to a step, if any.
   std::optional<RecordedJump> jump(std::size_t position) const;
 
  private:
@@ -82,16 +82,16 @@ class StoredRun {
   StepSummary layout_;
 };
 
-/// Whether a result file is what was written.
+/// Integrity of a result file.
 struct FileReport {
-  bool is_sealed = false;  ///< false: of a version that wrote no checksums; then it can be read, no more is known
+  bool is_sealed = false;  ///< false: of a version without checksums, known only to be readable
   std::vector<int> steps{};
   std::string damage{};  ///< empty: none; else the bytes, and the objects that lie in them
   std::optional<int> last_whole_step{};
 };
 
-/// Reads all of a result file. The HDF5 library sees no bytes that are damaged, but for files without a seal: with
-/// those it may crash. Throws InputError, as StoredRun, where there is nothing to read.
+/// Reads all of a result file. The HDF5 library sees no damaged bytes, except in files without a seal: with those it
+/// may crash. Throws InputError, like StoredRun, if there is nothing to read.
 FileReport verify_results(const std::filesystem::path& path);
 
 }  // namespace mixbeam

@@ -7,7 +7,7 @@ namespace mixbeam {
 
 namespace {
 
-/// Writes into the groups that the name speaks of, which are made where they are missing.
+/// Writes a column into the groups in its name, which are made if they are missing.
 void write_column(hid_t parent, const std::string& name, const std::vector<double>& values) {
   const std::size_t slash = name.find('/');
   if (slash == std::string::npos) return hdf5::write_dataset(parent, name, values, 1);

@@ -13,7 +13,7 @@ namespace mixbeam {
 struct TableColumn {
   std::string name{};
   std::vector<double> values{};
-  std::function<std::vector<double>()> later{};  ///< in their place, where a table is too large for memory
+  std::function<std::vector<double>()> later{};  ///< computes them, for tables too large for memory
 };
 
 /// Replaces a file of that name. `texts`: datasets beside `group`, which holds the columns. Throws ResultFileError.

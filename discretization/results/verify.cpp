@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kMostNames = 6;  // of damaged objects in a message
 
-/// Bytes from `first` to `end` are not what was written.
+/// Damaged bytes from `first` to `end`.
 struct Damage {
   std::uint64_t first = 0, end = 0;
 };
@@ -60,7 +60,7 @@ struct RawHeader {
   std::uint64_t count() const { return number_at<std::uint64_t>(bytes, place + 8); }
 };
 
-/// Nothing where the file ends before, or cannot be read there.
+/// Bytes at an address; empty if the file ends before, or is damaged there.
 std::string bytes_at(GuardedFile& file, std::uint64_t address, std::size_t count) {
   if (address > file.size() || count > file.size() - address) return {};
   std::string bytes(count, '\0');
@@ -90,14 +90,14 @@ RawHeader raw_header(GuardedFile& file, std::uint64_t address) {
   return header;
 }
 
-/// Whether addresses in a file have eight bytes and count from its begin.
+/// Whether addresses in a file have eight bytes and count from its beginning.
 bool has_plain_addresses(GuardedFile& file) {
   const std::string superblock = bytes_at(file, 0, 32);
   return superblock.size() == 32 && superblock.compare(0, 9, std::string("\x89HDF\r\n\x1a\n\0", 9)) == 0 &&
          number_at<std::uint16_t>(superblock, 13) == 0x0808 && number_at<std::uint64_t>(superblock, 24) == 0;
 }
 
-/// Looks at every object of a file, once.
+/// Visits every object of a file once.
 class Walk {
  public:
   /// Walks through a sealed file: numbers that lie in one piece are known to be those that were written, and are not
@@ -161,7 +161,7 @@ class Walk {
   std::string reason_;
 };
 
-/// Reads what resuming reads: bytes may be those that were written, and yet make no run.
+/// Reads what resuming reads: undamaged bytes may still not make a run.
 void read_run(hid_t file, const std::vector<std::string>& groups, Walk& walk) {
   walk.attempt("/", [&] { read_header(file); });
   walk.attempt("/members", [&] {
@@ -183,10 +183,10 @@ void read_run(hid_t file, const std::vector<std::string>& groups, Walk& walk) {
 
 bool begins_with(const std::string& text, const std::string& begin) { return text.rfind(begin, 0) == 0; }
 
-/// Time series are made anew from the steps.
+/// Whether it is a time series, which resuming makes anew from the steps.
 bool is_made_anew(const std::string& path) { return path == "/monitor" || begins_with(path, "/monitor/"); }
 
-/// A step is whole if it is and all that do not belong to a step are, and those before it.
+/// A step is whole if it, all steps before it, and all that does not belong to a step are undamaged.
 std::optional<int> last_whole_step(const std::vector<std::string>& groups, const std::vector<std::string>& damaged) {
   for (const std::string& path : damaged)
     if (!begins_with(path, "/steps/") && !is_made_anew(path)) return {};
@@ -212,8 +212,8 @@ std::string text_of_all(const std::vector<Damage>& found, const std::vector<std:
   return text;
 }
 
-/// Copies a file as resuming does, to nowhere: for files without seal, of which reading each object tells less than the
-/// library meets when it copies them.
+/// Copies a file as resuming does, and discards the copy: in files without seal, copying finds damage that reading each
+/// object does not.
 void rehearse_copy(hid_t source) {
   std::string name = (fs::temp_directory_path() / "mixbeam_verify_XXXXXX").string();
   const int placeholder = ::mkstemp(name.data());

@@ -24,7 +24,7 @@ std::shared_ptr<const StressField> field_of(const SectionShape& shape) {
   return walls ? wall_stress_field(shape) : solid_stress_field(shape);
 }
 
-/// Of largest magnitude: at the point farthest along the slope, or against it.
+/// Normal stress of largest magnitude: at the point farthest along the slope, or against it.
 LargestStress largest_normal(const StressField& field, const NormalStress& normal) {
   const SectionPoint p = field.farthest(normal.slope2, normal.slope3);
   const SectionPoint opposite = field.farthest_against(normal.slope2, normal.slope3);
@@ -82,7 +82,7 @@ PointStress recovered(const StressRows& rows, const SectionForces& f) {
   return {times(rows[0]), {times(rows[1]), times(rows[2])}};
 }
 
-/// Over all points; of those that agree to rounding the first.
+/// Largest stresses over all points; of those that agree to rounding the first.
 LargestStresses largest_recovered(const std::vector<StressPoints::Place>& points, const SectionForces& forces) {
   LargestStresses largest;
   const auto note = [](LargestStress& so_far, double value, const SectionPoint& at) {
@@ -171,7 +171,7 @@ LargestStresses SectionStresses::largest(const SectionForces& forces) const {
   const auto is_there = [](double component) { return component != 0.0; };
   if (std::count_if(load.begin(), load.end(), is_there) > 1) {
     largest.shear = field_->largest_von_mises({}, load);  // sqrt(3) times it
-  } else {                                                // scales what the unit force makes
+  } else {                                                // scales the stress of the unit force
     const auto only = std::find_if(load.begin(), load.end(), is_there);
     largest.shear = unit_shear_[static_cast<std::size_t>(only - load.begin())];
     largest.shear.value *= std::abs(*only);
@@ -191,7 +191,7 @@ double SectionStresses::largest_edge_strain(double axial, double bending2, doubl
 double SectionStresses::curvature_error(double kappa2, double kappa3) const {
   const double kappa = std::hypot(kappa2, kappa3);
   if (kappa == 0.0 || recovered_) return 0.0;
-  const double d2 = kappa3 / kappa, d3 = kappa2 / kappa;  // where the centre of curvature is, but for the sign
+  const double d2 = kappa3 / kappa, d3 = kappa2 / kappa;  // direction of the centre of curvature, except for the sign
   const SectionPoint p = field_->farthest(d2, d3);
   const SectionGeometry& g = field_->geometry();
   const double distance = p[0] * d2 + p[1] * d3;

@@ -45,7 +45,7 @@ class StressField;
 /// Whether the stresses of a section are known: from its shape, or at its stress points.
 bool has_stresses(const Section& section);
 
-/// What its material bears, where that is known.
+/// Admissible von Mises stress of its material, if known.
 std::optional<double> strength_of(const Section& section);
 
 /// Stresses of one section. The fields, with Poisson's ratio n of the material and shear modulus E / (2 (1 + n)):
@@ -63,28 +63,28 @@ std::optional<double> strength_of(const Section& section);
 /// Neglected: curvature of the member (Winkler and Bach), the stresses that a taper adds.
 class SectionStresses {
  public:
-  /// Takes what make_section takes; throws std::invalid_argument for other shapes. Costs some 50 microseconds for a
+  /// Accepts the shapes of make_section; throws std::invalid_argument for others. Costs some 50 microseconds for a
   /// rectangle (its series), a few for other shapes.
   explicit SectionStresses(const SectionShape& shape);
-  /// Of a section that has_stresses().
+  /// For a section that has_stresses().
   explicit SectionStresses(const Section& section);
 
-  /// At a point of the section; one that does not belong to it gives numbers without meaning, see `contains`. Where
-  /// flange and web of an I meet, the flange counts.
+  /// Stress at a point of the section; points outside of it give meaningless numbers, see `contains`. Where flange and
+  /// web of an I meet, the flange counts.
   PointStress at(const SectionForces& forces, const SectionPoint& point) const;
 
   /// Whether a point belongs to the section, its boundary included (to rounding).
   bool contains(const SectionPoint& point) const;
 
-  /// Over the whole section: no point exceeds a value by more than 1e-6 of it.
+  /// Largest stresses over the section: no point exceeds a value by more than 1e-6 of it.
   LargestStresses largest(const SectionForces& forces) const;
 
-  /// Largest strain of normal direction over the section, |gamma_1 + kappa_2 x3 - kappa_3 x2|, for strains of the
-  /// centerline: at its edge.
+  /// Largest normal strain over the section, |gamma_1 + kappa_2 x3 - kappa_3 x2|, for strains of the centerline: at its
+  /// edge.
   double largest_edge_strain(double axial, double bending2, double bending3) const;
 
-  /// By what share the bending stress at the inner fibre of a curved member is larger than the linear one, to first
-  /// order in size over radius (Winkler and Bach): kappa (c - I / (A c)), c the distance of that fibre. h / (3 R) for a
+  /// Relative excess of the bending stress at the inner fibre of a curved member over the linear one, to first order in
+  /// size over radius (Winkler and Bach): kappa (c - I / (A c)), c the distance of that fibre. h / (3 R) for a
   /// rectangle, 3 d / (8 R) for a circle. `kappa2`, `kappa3`: undeformed curvature about axes 2 and 3.
   double curvature_error(double kappa2, double kappa3) const;
 

@@ -23,7 +23,7 @@ using Complex = std::complex<double>;
 using Shear = std::array<double, 2>;  ///< tau_12, tau_13
 
 constexpr Complex kI{0.0, 1.0};
-constexpr double kEqualSums = 1e-8;  // what the search leaves of equal maxima
+constexpr double kEqualSums = 1e-8;  // relative difference of equal maxima after the search
 
 /// Intervals of a grid: along a side, from the hole of a tube to its outside, around it. Fields of round sections have
 /// at most four maxima around.
@@ -39,8 +39,8 @@ constexpr double kMiddle = 0.5;  // of full round sections, share of the radius
 constexpr int kSweeps = 8;       // over the two coordinates, for the top of a parabola
 
 /// The harmonic part of a rectangle is tabulated on squares, by polynomials of so many terms: sizes halve towards a
-/// corner, where it is singular, and are a quarter of the narrow side elsewhere; from so many halves of that side on
-/// nothing is left of it, exp(-pi / 2 distance).
+/// corner, where it is singular, and are a quarter of the narrow side elsewhere; it vanishes as exp(-pi / 2 distance),
+/// and beyond so many halves of that side nothing of it is left.
 constexpr int kTerms = 16, kHalvings = 10, kReach = 12;
 
 /// Up to this |exp(w)| series of so many powers are summed; 0.2^24 / 24^2 is 3e-20.
@@ -71,10 +71,10 @@ Complex dilogarithm(Complex w, double angle) {
 }
 
 /// f(z) = amplitude (S(p (-l + d z)) + sign S(p (-l - d z))) of z = x2 + i x3, where S(w) is
-///   alternating: sum over m = 1, 2, 3, ... of (-1)^m / m^2 exp(m w) / (1 + q^m)
-///   odd:         sum over n = 1, 3, 5, ... of (-1)^((n-1)/2) / n^2 exp(n w) / (1 + q^n), or 1 - q^n,
+/// alternating: sum over m = 1, 2, 3, ... of (-1)^m / m^2 exp(m w) / (1 + q^m)
+/// odd:         sum over n = 1, 3, 5, ... of (-1)^((n-1)/2) / n^2 exp(n w) / (1 + q^n), or 1 - q^n,
 /// with q = exp(-2 p l), at most 0.05. Then tau_13 + i tau_12 = f(z): equilibrium and compatibility are the equations
-/// of Cauchy and Riemann. At the edge the sums converge slowly: there what they are without q is taken in closed form.
+/// of Cauchy and Riemann. At the edge the sums converge slowly: there their part without q is taken in closed form.
 class RectangleSeries {
  public:
   enum class Kind { alternating, odd_plus, odd_minus };
@@ -118,7 +118,7 @@ class RectangleSeries {
   }
 
   Form form_;
-  std::vector<double> power_{}, rest_{};  ///< of exp(m w): all of it, and what the closed form without q leaves
+  std::vector<double> power_{}, rest_{};  ///< of exp(m w): all, and those beyond the closed form without q
 };
 
 /// tau_13 + i tau_12 of a place and its derivatives by x2 and x3.
@@ -171,7 +171,7 @@ struct UnitShear {
   }
 };
 
-/// With axes 2 and 3 exchanged.
+/// Exchanges axes 2 and 3.
 UnitShear exchanged(UnitShear u) {
   SmoothShear& s = u.smooth;
   std::swap(s.c2, s.c3);
@@ -255,7 +255,7 @@ UnitShear rectangle_torque(const SolidSizes& s, double torsion_constant) {
   return s.b <= s.a ? u : exchanged(u);
 }
 
-/// Of T, Q2, Q3.
+/// Shear stresses of unit T, Q2, Q3.
 std::array<UnitShear, 3> unit_shears(const SectionShape& shape, const SectionGeometry& g, const SolidSizes& s) {
   const bool rectangle = shape.kind == SectionShapeKind::rectangle, ellipse = shape.kind == SectionShapeKind::ellipse;
   const auto force3 = rectangle ? rectangle_force3 : ellipse ? ellipse_force3 : round_force3;
@@ -267,7 +267,7 @@ std::array<UnitShear, 3> unit_shears(const SectionShape& shape, const SectionGeo
 }
 
 /// The harmonic part of the three unit forces in the quarter x2, x3 >= 0 of a rectangle, without transcendental
-/// functions: Taylor's polynomials in squares, each made when it is first asked for.
+/// functions: Taylor polynomials in squares, each made when it is first needed.
 class HarmonicTable {
  public:
   using Terms = std::array<std::array<Complex, kTerms>, 3>;  ///< of T, Q2, Q3, powers of (z - middle) / radius
@@ -339,7 +339,7 @@ struct Sum {
   double gain(const Place& s) const { return s.u * (u + 0.5 * uu * s.u + uv * s.v) + s.v * (v + 0.5 * vv * s.v); }
 };
 
-/// The step on which its parabola rises most between `low` and `high`; at their sides found coordinate by coordinate.
+/// Step for which the parabola rises most between `low` and `high`; at their sides found coordinate by coordinate.
 Place top_of(const Sum& f, const Place& low, const Place& high) {
   const auto along = [](double slope, double bend, double from, double to) {
     if (bend < 0.0) return std::clamp(-slope / bend, from, to);
@@ -422,8 +422,8 @@ class SolidStressField : public StressField {
   }
 
  private:
-  /// Denser near the ends, as shear stresses of flat sections change there over lengths like their thickness. `other`:
-  /// the other side over this one.
+  /// Places along a side, denser near its ends, as shear stresses of flat sections change there over lengths like their
+  /// thickness. `other`: the other side over this one.
   static std::vector<double> side_places(double other) {
     std::vector<double> places;
     for (int i = 0; i <= kIntervals; ++i) places.push_back(i == kIntervals / 2 ? 0.0 : -std::cos(kPi * i / kIntervals));
@@ -439,7 +439,7 @@ class SolidStressField : public StressField {
     return {half_[0] * p.u, half_[1] * p.v};
   }
 
-  /// The largest nodes that no neighbour exceeds, largest first, with what F hardly exceeds around them.
+  /// The largest nodes that no neighbour exceeds, largest first, with a bound that F hardly exceeds around them.
   std::vector<std::pair<double, std::size_t>> starts(const double* values) const {
     std::vector<std::pair<double, std::size_t>> found;
     const std::size_t rows = u_.size(), columns = v_.size();
@@ -450,7 +450,7 @@ class SolidStressField : public StressField {
       const auto compare = [&](bool there, std::size_t neighbour) {
         if (!there) return;
         highest = highest && values[n] >= values[neighbour];
-        bound += values[n] - values[neighbour];  // eight times what a parabola exceeds its samples by
+        bound += values[n] - values[neighbour];  // eight times the excess of a parabola over its samples
       };
       compare(n >= first + columns, n - columns);
       if (first > 0 && n < first + columns) bound += std::abs(values[n] - values[0]);
@@ -470,7 +470,7 @@ class SolidStressField : public StressField {
     return std::max(i > 0 ? x[i] - x[i - 1] : 0.0, i + 1 < x.size() ? x[i + 1] - x[i] : 0.0);
   }
 
-  /// F by x2 and x3; from the quarter where both are positive, by symmetry.
+  /// F and its derivatives by x2 and x3; from the quarter where both are positive, by symmetry.
   Sum sum_at(const SectionPoint& p, const NormalStress& normal, const ShearLoad& load) const {
     const double side2 = std::copysign(1.0, p[0]), side3 = std::copysign(1.0, p[1]);
     const ShearLoad there = {load[0], side3 * load[1], side2 * load[2]};

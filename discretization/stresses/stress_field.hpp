@@ -1,4 +1,4 @@
-/// What a family of shapes knows of its stresses; SectionStresses chooses one.
+/// Stress fields of families of shapes; SectionStresses chooses one.
 #pragma once
 
 #include "discretization/scene/section_shape.hpp"
@@ -9,7 +9,7 @@
 
 namespace mixbeam {
 
-/// T, Q2, Q3 of a section: what makes shear stresses.
+/// T, Q2, Q3 of a section, which cause shear stresses.
 using ShearLoad = std::array<double, 3>;
 
 /// sigma = constant + slope2 x2 + slope3 x3
@@ -18,8 +18,8 @@ struct NormalStress {
   double at(double x2, double x3) const { return constant + slope2 * x2 + slope3 * x3; }
 };
 
-/// Largest sqrt(sigma^2 + 3 tau^2) of those that are added; of equal ones the first. `equal`: by what share values may
-/// differ in rounding.
+/// Largest sqrt(sigma^2 + 3 tau^2) of those that are added; of equal ones the first. `equal`: relative rounding of the
+/// values.
 class LargestVonMises {
  public:
   explicit LargestVonMises(double equal) : equal_(equal) {}
@@ -48,7 +48,7 @@ class StressField {
   virtual bool contains(double x2, double x3) const = 0;
   /// Point of the section that is farthest in a direction, from the centroid.
   virtual SectionPoint farthest(double direction2, double direction3) const = 0;
-  /// The one that is farthest against it; most shapes are symmetric.
+  /// Point farthest in the opposite direction; most shapes are symmetric.
   virtual SectionPoint farthest_against(double direction2, double direction3) const {
     const SectionPoint p = farthest(direction2, direction3);
     return {-p[0], -p[1]};

@@ -11,8 +11,8 @@ namespace mixbeam {
 
 namespace {
 
-/// Where two walls meet, the stresses of one of them end this far from the other, over the length of the wall: so a
-/// point belongs to one wall, and what is reported for it is what it has.
+/// Distance at which the stresses of a wall end before the wall that it meets, over its length: a point belongs to one
+/// wall only, whose stresses are reported for it.
 constexpr double kInset = 1e-9;
 
 /// c0 + c1 x + c2 x^2
@@ -37,7 +37,7 @@ struct Wall {
   double circulating = 0.0;  ///< shear stress of a unit torque in the middle of the wall
   double twisting = 0.0;     ///< its increase per length across the wall
 
-  /// Along the wall, at `across` from its middle.
+  /// Shear stress along the wall, at `across` from its middle.
   Parabola shear(const ShearLoad& load, double across) const {
     Parabola p = sum_of_parabolas(load[1], of_force2, load[2], of_force3);
     p.c0 += load[0] * (circulating + twisting * across);
@@ -100,7 +100,7 @@ class FieldOfWalls : public StressField {
     return {0.0, tau};
   }
 
-  /// Across a wall stresses are linear, so the sum of their squares is largest on its faces.
+  /// Searches the faces of walls: across a wall stresses are linear, so the sum of their squares is largest there.
   LargestStress largest_von_mises(const NormalStress& normal, const ShearLoad& load) const override {
     LargestVonMises largest(kEqualOnWalls);
     for (const Wall& wall : walls_)
@@ -272,7 +272,7 @@ class RectangleStressField : public FieldOfWalls {
  private:
   static constexpr double kOnEdge = 1e-12;  // of the length of a wall: rounding of coordinates
 
-  /// The part from..to of a rectangle, whose flow begins at `start` with what `before` hands over.
+  /// Adds the part from..to of a rectangle, whose flow begins at `start` with that of `before`.
   void add_wall(const WallRectangle& r, std::size_t axis, double start, double from, double to,
                 const WallRectangle* before = nullptr) {
     const auto [i2, i3] = geometry().second_moment;
@@ -296,7 +296,7 @@ class RectangleStressField : public FieldOfWalls {
     wall.of_force3 = flow(-i23 / determinant, i3 / determinant);
     walls_.push_back(wall);
   }
-  /// A web or leg between its ends, a little away from what it meets there.
+  /// Adds a web or leg, which ends just before the walls that it meets.
   void add_upright(const WallRectangle& r, double start, const WallRectangle* before = nullptr) {
     const double inset = kInset * r.length(1);
     add_wall(r, 1, start, r.from[1] + inset, r.to[1] - inset, before);
