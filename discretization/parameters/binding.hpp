@@ -129,7 +129,7 @@ class BoundList {
                 [field](const T& object) { return binding::value_from(std::invoke(field, object)); }});
   }
 
-  /// The same for words that denote values of any type.
+  /// Binds words that denote values of any type.
   template <class Field>
   BoundParameter<T>& bind(
       Field field, ParameterSpec parameter, const std::string& meaning,
@@ -148,7 +148,7 @@ class BoundList {
     return add({std::move(parameter), set, get});
   }
 
-  /// The same for a subset of words; the field has a flag for each.
+  /// Binds a subset of words; the field has a flag for each.
   template <std::size_t n>
   BoundParameter<T>& bind(std::array<bool, n> T::*field, const ParameterSpec& parameter, const std::string& meaning) {
     const std::vector<std::string> words = parameter.choices;
@@ -166,7 +166,7 @@ class BoundList {
     return add({parameter.means(meaning), set, get});
   }
 
-  /// The same with functions that set and get the field.
+  /// Binds functions that set and get the field.
   BoundParameter<T>& bind_by(std::function<void(T&, const ParameterValue&)> set,
                              std::function<ParameterValue(const T&)> get, const ParameterSpec& parameter,
                              const std::string& meaning) {

@@ -43,7 +43,7 @@ FileFormat format_of(const std::string& file, const std::string& text = "");
 /// Reads a file in either format. Throws InputError with file and line. `spec` resolves the types of YAML scalars.
 XmlParameters read_parameters(const std::string& file, const ListSpec& spec, Mistakes mistakes = Mistakes::thrown);
 
-/// The same for a text; `file` appears in the messages.
+/// Reads a text in either format; `file` appears in the messages.
 XmlParameters parse_parameters(const std::string& text, const std::string& file, const ListSpec& spec,
                                Mistakes mistakes = Mistakes::thrown);
 

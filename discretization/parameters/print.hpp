@@ -11,14 +11,14 @@ namespace mixbeam {
 /// The complete tree below a list called `name`: every parameter with its type, default, range and meaning.
 void print_parameters(std::ostream& out, const ListSpec& spec, const std::string& name = "");
 
-/// The same as a page of Markdown: title and introduction (itself Markdown), links to the outer lists, then a heading
-/// for each list and a table of its parameters. The root has no parameters of its own.
+/// Page of Markdown: title and introduction (itself Markdown), links to the outer lists, then a heading for each list
+/// and a table of its parameters. The root has no parameters of its own.
 void print_parameters_markdown(std::ostream& out, const ListSpec& spec, const std::string& title,
                                const std::string& introduction);
 
-/// The same as JSON, for programs. A list has its `path` (a free name as "<point>"), `presence`, `meaning`, its
-/// `parameters` and `lists`; if the user names its entries, `free_names` with the `placeholder`, their least number and
-/// the declaration of each (`parameter` or `list`); `forms`: for each word, the other entries that it needs and allows.
+/// JSON for programs. A list has its `path` (a free name as "<point>"), `presence`, `meaning`, its `parameters` and
+/// `lists`; if the user names its entries, `free_names` with the `placeholder`, their least number and the declaration
+/// of each (`parameter` or `list`); `forms`: for each word, the other entries that it needs and allows.
 void print_parameters_json(std::ostream& out, const ListSpec& spec);
 
 /// JSON Schema (draft 7) of files in YAML. It cannot express comparisons of values: ranges that depend on another

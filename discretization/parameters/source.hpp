@@ -107,8 +107,8 @@ class ParameterSource {
 
   /// `scene.xml:12: XML path "Scene / Members": <remark>`
   std::string message(const ParameterPath& path, const std::string& remark) const;
-  /// The same as an error, with the line of the file and a mark below the place: below the value if `problem` begins
-  /// with that word, else below the name.
+  /// Error with that message, the line of the file and a mark below the place: below the value if `problem` begins with
+  /// that word, else below the name.
   InputError error(const ParameterPath& path, const std::string& problem) const;
 
  private:

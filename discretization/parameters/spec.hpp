@@ -97,7 +97,7 @@ struct Form {
   std::vector<std::string> needed, optional{};
 };
 
-/// What a list may contain: parameters and lists of fixed names, and either parameters or lists of free names.
+/// Declaration of a list: parameters and lists of fixed names, and either parameters or lists of free names.
 struct ListSpec {
   ListSpec() = default;
   explicit ListSpec(std::string sentence);

@@ -101,7 +101,7 @@ struct Misfits {
   std::vector<std::string> missing, too_many;
   std::size_t needed_given = 0;
   std::size_t size() const { return missing.size() + too_many.size(); }
-  /// Of two forms that differ as much, the one with more needed entries given is meant.
+  /// The nearer form differs in fewer entries, or in as many and has more needed entries given.
   bool is_nearer_than(const Misfits& other) const {
     return size() != other.size() ? size() < other.size() : needed_given > other.needed_given;
   }

@@ -64,7 +64,7 @@ inline Vector3 get_vector(const Teuchos::ParameterList& list, const std::string&
 
 /// Whether a text is a formula in place of a number: `=2*L`. For its value see reading/variables.hpp.
 bool is_formula(const std::string& text);
-/// The same for a value; for an array, of any entry.
+/// Whether a value is a formula, or an array with one.
 bool holds_formula(const ParameterValue& value);
 
 /// Entry as written, with its formulas. Once a formula is evaluated, the entry keeps type and formula in its

@@ -34,7 +34,7 @@ class StateDerivative {
   void add_held(const HeldRows& held) { held_.push_back(held); }
   void add_rows(const MixedVector& rows) { rows_.update(1.0, rows, 1.0); }
 
-  /// The same at a place in an element.
+  /// Adds the derivative of weight . displacement at a place in an element.
   void add_displacement(const PlaceInElement& place, const Vec& weight);
   /// Adds the derivative of weight . spin of Lambda_E, spatial.
   void add_spin(const PlaceInElement& place, const Vec& weight);

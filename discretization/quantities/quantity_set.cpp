@@ -481,7 +481,7 @@ struct QuantitySet::Resolved {
     sum.add_spin(place, cross(to_vec3(kind.field(sample, at.model.mesh().members[member])), vec_from(weights)));
   }
 
-  /// Springs on displacements tell their force; other rows that are held are those of the equations.
+  /// Adds a derivative: displacement springs give their force; other held rows are those of the equations.
   void add_of_reaction(std::size_t place, const Vec& weight, const QuantityState& at, StateDerivative& sum) const {
     const bool is_moment = kind.reaction == &RecordedReaction::moment;
     for (const VertexSupport& support : at.model.conditions().supports) {

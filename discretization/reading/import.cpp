@@ -78,7 +78,7 @@ ParameterValue written_cell(const ImportTable& table, const CsvRecord& record, c
   return value;
 }
 
-/// The same with formulas evaluated.
+/// Value of a cell that is not empty, with formulas evaluated.
 ParameterValue cell_value(const ImportTable& table, const CsvRecord& record, const ParameterSpec& spec,
                           Variables* variables) {
   ParameterValue value = written_cell(table, record, spec);

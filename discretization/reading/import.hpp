@@ -37,7 +37,7 @@ class ImportTable {
   std::string where(const CsvRecord& record, const std::string& column) const;
   /// Error at the cell of this column.
   InputError error(const CsvRecord& record, const std::string& column, const std::string& problem) const;
-  /// The same for the record in this line.
+  /// Error in that column of the record in this line.
   InputError error(int line, const std::string& column, const std::string& problem) const;
 
  private:

@@ -150,8 +150,8 @@ ResultTable triad_table(const std::string& name, const SampledMembers& members, 
   });
 }
 
-/// For each member 2, its number of samples, their numbers: of the samples that are held, and the first two beside the
-/// first sample.
+/// For each member 2, its number of samples, their numbers: a rank writes those of its samples, and the first two with
+/// the first sample.
 ResultTable connectivity_table(const SampledMembers& members) {
   constexpr std::size_t kHead = 2;
   const std::size_t rows = members.samples() + kHead * members.members();

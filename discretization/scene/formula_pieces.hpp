@@ -37,7 +37,7 @@ struct FormulaVector {
 /// process, whatever the number of members. Throws std::invalid_argument for an invalid formula.
 FormulaVector pieces_of(const std::array<std::string, 3>& formula, double length);
 
-/// The same for the compliance of a member whose taper is a formula; null for all others. Throws like SectionLaw.
+/// Pieces of the compliance of a member whose taper is a formula; null for all others. Throws like SectionLaw.
 std::shared_ptr<const FormulaPieces> pieces_of_taper(const Scene& scene, const Member& member);
 
 /// Formula along a member: of a load, of an eigenstrain, of the member's taper or of its curve.

@@ -33,7 +33,7 @@ class SectionLaw {
   /// (1 - w) start + w end where both sections come from shapes of one kind, otherwise the stiffness matrix in that
   /// way. Throws std::invalid_argument where the weight is not finite.
   Section section(double x) const;
-  /// The same for a given weight; members without end section have one section only.
+  /// Section for a given weight; members without end section have one section only.
   Section section_of_weight(double weight) const;
 
   /// section_compliance(section(x)); the text of an error names the place.

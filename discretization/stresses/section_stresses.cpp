@@ -10,7 +10,7 @@ namespace mixbeam {
 
 namespace {
 
-/// Values that differ by less are equal: in a symmetric state the sign of the largest stress must not hang on rounding.
+/// Relative difference of values that count as equal: signs in a symmetric state must not depend on rounding.
 constexpr double kEqualStresses = 1e-10;
 
 const double kSqrt3 = std::sqrt(3.0);

@@ -33,7 +33,7 @@ struct LargestStress {
   SectionPoint point{};
 };
 
-/// The three need not be at one point. Of values that agree to rounding the same one is named for any symmetric state.
+/// Largest stresses, at points that may differ. For equal values any symmetric state names the same point.
 struct LargestStresses {
   LargestStress normal;     ///< of largest magnitude, with its sign; tension where both are as large
   LargestStress shear;      ///< sqrt(tau_12^2 + tau_13^2)

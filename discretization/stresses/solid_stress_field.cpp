@@ -305,7 +305,7 @@ class HarmonicTable {
   }
 
  private:
-  /// By Cauchy's integrals around the circle in the square. `from`: middle over size, from the corner.
+  /// Makes the terms by Cauchy's integrals around the circle in the square. `from`: middle over size, from the corner.
   void make(Square& square, const std::array<double, 2>& from, double size) const {
     static const std::array<Complex, kTerms> root = [] {
       std::array<Complex, kTerms> roots;
@@ -506,7 +506,7 @@ class SolidStressField : public StressField {
             bend(ev, ev) - (polar ? slope(p) : 0.0)};
   }
 
-  /// Newton's method from a node to a maximum. Radius and angle serve round sections but for the middle of full ones.
+  /// Newton's method to a maximum: by radius and angle in round sections, except in the middle of full ones.
   void climb(std::size_t node, const NormalStress& normal, const ShearLoad& load, LargestVonMises& largest) const {
     const Place gaps{gap(u_, node / v_.size()), gap(v_, node % v_.size())};
     SectionPoint at = points_[node];

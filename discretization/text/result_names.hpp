@@ -27,7 +27,7 @@ inline constexpr const char* kEnvelopeRuns = "runs";
 /// Reason why `name` cannot name an entry of a result file (HDF5 reads names as paths), and what is allowed; or empty.
 Problem result_name_problem(const std::string& name);
 
-/// The same for a name that becomes part of file names.
+/// Reason why `name` cannot be part of file names, and what is allowed; or empty.
 Problem file_name_problem(const std::string& name);
 
 }  // namespace mixbeam
