@@ -23,7 +23,7 @@ std::string short_text(double value) {
 
 bool all_finite(const Vector3& v) { return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]); }
 
-/// Loads and prescribed motions know nothing of the iteration: what is wrong with them is wrong from the start.
+/// Names a load or prescribed motion that is not finite. They do not depend on the iterate, so it is checked first.
 std::string load_not_finite(const Scene& scene, double load_factor) {
   std::string found;
   for_each_acting(scene, [&](const auto& load, auto kind) {

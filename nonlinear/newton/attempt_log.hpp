@@ -1,5 +1,5 @@
-/// What became of each attempt of Newton's method: why it failed, where the residual was largest, where a number ceased
-/// to be one. Filled while NOX iterates; costs nothing as long as all goes well.
+/// Log of the attempts of Newton's method: why each failed, where its residual was largest, where the first NaN or
+/// infinity arose. Filled while NOX iterates; costs nothing unless an attempt fails.
 #pragma once
 
 #include "discretization/assembly/equation_place.hpp"
@@ -11,29 +11,29 @@
 
 namespace mixbeam {
 
-/// A failed attempt as an observer of the path sees it, at the moment when it happens.
+/// A failed attempt, as reported to an observer of the path when it happens.
 struct StepFailure {
   int step = 0;              ///< number that the step would have had
   double load_factor = 0.0;  ///< at which equilibrium was sought
   int iterations = 0;
-  std::string cause{};  ///< a few words
+  std::string cause{};  ///< in a few words, see cause_text()
 };
 
 enum class AttemptEnd {
-  iterations_used_up,  ///< or ended by a status test of the user
+  iterations_used_up,  ///< or a status test of the user ended the solve
   not_finite,          ///< a number became infinite or not a number
   linear_solver,       ///< the tangent could not be factorised, or the solution does not solve the equations
-  refused              ///< by what follows the path, whatever Newton's method found
+  refused              ///< by the path follower, although Newton's method may have converged
 };
 
-/// Where a number that is not finite arose first.
+/// Origin of the first number that is not finite.
 struct NotFinite {
   enum class Source {
-    load_factor,  ///< at which equilibrium was sought: the path had no direction
-    load,         ///< value of a load or of its amplitude; `what` says which
+    load_factor,  ///< the one at which equilibrium was sought: the path had no direction
+    load,         ///< value of a load or of its amplitude; `what` names the load
     tangent,      ///< condensed tangent of an element
     increment,    ///< Newton's correction
-    residual      ///< the equations at the new state
+    residual      ///< at the new state
   };
   Source source = Source::residual;
   int iteration = 0;  ///< 0: at the state where the attempt started
@@ -47,13 +47,13 @@ struct FailedAttempt {
   int iterations = 0;
   AttemptEnd end = AttemptEnd::iterations_used_up;
   std::optional<NotFinite> not_finite{};
-  std::string linear_solver{};         ///< message
-  std::string refused_because{};       ///< likewise
+  std::string linear_solver{};         ///< message of the linear solver
+  std::string refused_because{};       ///< message of the path follower
   std::optional<ResidualPeak> peak{};  ///< of the last iterate with a finite residual
   double first_residual = 0.0;         ///< scaled maximum norm after the first iteration
   double last_residual = 0.0;          ///< of the last iterate with a finite residual
   double smallest_residual = 0.0;
-  EndAngle end_angle{};  ///< largest between an element and its vertices, at the end
+  EndAngle end_angle{};  ///< largest angle between an element and its vertices, at the last iterate
 };
 
 /// "no equilibrium in 50 iterations, residual 3.1e-02 (balance of forces, component y, at point "tip")".
@@ -65,23 +65,23 @@ class AttemptLog {
  public:
   using Observer = std::function<void(const StepFailure& failure)>;
 
-  /// A path begins: forgets everything. `steps`: completed ones.
+  /// Clears the log at the start of a path. `steps`: number of completed steps.
   void start_path(int steps, Observer observer);
-  /// A step has converged: the attempts before it are forgotten.
+  /// Clears the attempts when a step has converged.
   void step_completed(int steps);
 
   void start_attempt();
-  /// After each iteration, and before the first one; `previous`: the group before the iteration, null if there is none.
+  /// Records an iteration. `previous`: the group before it, null for a start that is converged already (iteration 0).
   void iterated(const BeamGroup& group, const BeamGroup* previous, int iteration);
-  /// The attempt has failed.
+  /// Records that the attempt has failed.
   void failed(const BeamGroup& group, int iterations);
 
-  /// The path follower refused the step (`cause`) although Newton's method converged.
+  /// Records that the path follower refused the step (`cause`) although Newton's method converged.
   void refused(double load_factor, const std::string& cause);
 
-  /// Since the last completed step, the latest last; at most kMostKept.
+  /// Failed attempts since the last completed step, the latest last; at most kMostKept.
   const std::vector<FailedAttempt>& attempts() const { return attempts_; }
-  int failures() const { return failures_; }  ///< since the last completed step, all of them
+  int failures() const { return failures_; }  ///< number of all failed attempts since the last completed step
 
   static constexpr int kMostKept = 20;
 

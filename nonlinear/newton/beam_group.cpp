@@ -199,7 +199,7 @@ Linearization& BeamGroup::linearization(const MixedVector* first) {
   return *linearization_;
 }
 
-/// The linearisation leaves the square of what it left in the last step.
+/// Newton's method converges quadratically: the residual falls by the square of its last reduction.
 double BeamGroup::enough_for_increment() const {
   if (choice_.enough == 0.0 || norm_before_ == 0.0) return choice_.enough;
   const double norm = getNormF(), tolerance = problem_->model.options().residual_tolerance;
@@ -214,11 +214,11 @@ NOX::Abstract::Group::ReturnType BeamGroup::computeJacobian() {
   return Ok;
 }
 
-/// Borders may leave the plane, and all solves are to be with the same tangent.
+/// `in_space`: for borders that leave the plane; all later solves then use this same tangent.
 void BeamGroup::linearize_here(bool in_space, const MixedVector* first) const {
   TangentChoice choice = choice_;
   choice.in_space = in_space;
-  linearization_.reset();  // its arrays are used again
+  linearization_.reset();  // so that its arrays are reused
   linearization_ = linearize(*problem_, point_, choice, first);
 }
 
@@ -248,7 +248,7 @@ NOX::Abstract::Group::ReturnType BeamGroup::applyJacobianInverse(Teuchos::Parame
                                                                  NOX::Abstract::Vector& result) const {
   if (!isJacobian()) return BadDependency;
   const MixedVector& rhs = BeamVector::of(input);
-  if (rhs.same_values(rows())) {  // what LOCA asks for in every Newton iteration
+  if (rhs.same_values(rows())) {  // LOCA asks for this in every Newton iteration
     find_newton();
     result.update(-1.0, *newton_, 0.0);
     return Ok;
@@ -266,7 +266,7 @@ NOX::Abstract::Group::ReturnType BeamGroup::applyJacobianInverse(Teuchos::Parame
     problem_->last_failure = error.what();
     increment.init(std::numeric_limits<double>::quiet_NaN());
   }
-  increment.scale(-1.0);  // in its place
+  increment.scale(-1.0);
   result = increment;
   return Ok;
 }

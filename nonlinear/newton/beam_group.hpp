@@ -1,4 +1,4 @@
-/// Vectors and equations as NOX and LOCA see them: adapters, no more.
+/// Adapters that present vectors and equations to NOX and LOCA.
 #pragma once
 
 #include "nonlinear/newton/step.hpp"
@@ -11,7 +11,7 @@
 
 namespace mixbeam {
 
-/// A mixed vector as NOX and LOCA see it. Increments and scaled residuals are vectors in the true sense; the "solution
+/// A mixed vector for NOX and LOCA. Increments and scaled residuals are elements of a vector space; the "solution
 /// vector" of a BeamGroup is only a coordinate (the sum of all increments so far), because configurations with
 /// rotations do not add.
 class BeamVector : public NOX::Abstract::Vector {
@@ -22,7 +22,7 @@ class BeamVector : public NOX::Abstract::Vector {
     if (type == NOX::DeepCopy) maximum_norm_ = other.maximum_norm_;
   }
   BeamVector(const BeamVector& other) : BeamVector(other, NOX::DeepCopy) {}
-  // The implicit operator would call the pure virtual one of the base.
+  // The implicit operator would call the pure virtual one of the base class.
   BeamVector& operator=(const BeamVector& other) {
     values_.assign(other.values_);
     is_negated_ = other.is_negated_;
@@ -30,7 +30,7 @@ class BeamVector : public NOX::Abstract::Vector {
     return *this;
   }
 
-  /// For writing at once: what is written after the next question for a norm would not be seen by it.
+  /// Values to be written at once: norm() caches its result and would miss later writes through this reference.
   MixedVector& values() {
     maximum_norm_.reset();
     give_sign();
@@ -40,7 +40,7 @@ class BeamVector : public NOX::Abstract::Vector {
     give_sign();
     return values_;
   }
-  /// The mixed vector inside any vector that NOX or LOCA hands over, also one extended by continuation parameters.
+  /// The mixed vector inside any vector passed by NOX or LOCA, also one extended by continuation parameters.
   static const MixedVector& of(const NOX::Abstract::Vector& vector);
 
   NOX::Abstract::Vector& init(double gamma) override;
@@ -66,15 +66,15 @@ class BeamVector : public NOX::Abstract::Vector {
   }
 
   mutable MixedVector values_;
-  mutable bool is_negated_ = false;             ///< values_ lack their sign: LOCA turns that of each solution, and back
-  mutable std::optional<double> maximum_norm_;  ///< once known: status tests and reports all ask for that of F
+  mutable bool is_negated_ = false;             ///< the vector is -values_: LOCA negates each solution twice
+  mutable std::optional<double> maximum_norm_;  ///< cached: status tests and reports all ask for that of F
 };
 
 /// Name of the continuation parameter.
 inline constexpr const char* kLoadFactor = "load factor";
 
-/// The nonlinear system that NOX and LOCA see. It owns "x + a d": displacements and interior unknowns are added,
-/// rotations are composed with exp(a dtheta), so no total rotation vector exists that could reach 2 pi.
+/// The nonlinear system for NOX and LOCA. It defines the update "x + a d": displacements and interior unknowns are
+/// added, rotations are composed with exp(a dtheta), so no total rotation vector exists that could reach 2 pi.
 class BeamGroup : public LOCA::Abstract::Group {
  public:
   /// Called once for every converged step.
@@ -88,32 +88,32 @@ class BeamGroup : public LOCA::Abstract::Group {
   const State& state() const { return state_; }
   BeamProblem& problem() const { return *problem_; }
   double load_factor() const { return parameters_.getValue(kLoadFactor); }
-  /// What the rows of F are divided by.
+  /// Divisors of the rows of F.
   const ResidualScales& scales() const { return point_.scales; }
-  /// Of F.
+  /// Point at which F was evaluated.
   const EvaluationPoint& point() const { return point_; }
-  /// The tangent here with its factors, without the Newton increment. `first`: see linearize().
+  /// The factorised tangent at this state, without the Newton increment. `first`: see linearize().
   Linearization& linearization(const MixedVector* first = nullptr);
-  /// As the Newton increment here is computed with, taken anew.
+  /// Evaluates anew the tangent that the Newton increment here is computed with.
   Tangent tangent() const;
   /// Largest equilibrium row (forces and moments, compatibility left out) of the scaled residual.
   double equilibrium_norm() const;
   /// Largest strain or relative rotation that the cap of the last tangent left out of the Newton step from `before` to
-  /// here, over how far the structure has moved; zero where the increment was corrected (newton/step.hpp).
+  /// here, relative to the motion of the structure; zero if the increment was corrected (newton/step.hpp).
   double left_out_since(const BeamGroup& before) const;
-  /// The beam group inside any group that NOX or LOCA hands over.
+  /// The beam group inside any group passed by NOX or LOCA.
   static const BeamGroup& of(const NOX::Abstract::Group& group);
 
   // NOX::Abstract::Group
   NOX::Abstract::Group& operator=(const NOX::Abstract::Group& source) override;
-  /// Moves the state by the difference to the present coordinate; setX(getX()) changes nothing at all.
+  /// Moves the state by the difference to the present coordinate; setX(getX()) changes no bit.
   void setX(const NOX::Abstract::Vector& y) override;
   void computeX(const NOX::Abstract::Group& from, const NOX::Abstract::Vector& direction, double step) override;
   ReturnType computeF() override;
   ReturnType computeJacobian() override;
   ReturnType computeGradient() override { return NotDefined; }
   ReturnType computeNewton(Teuchos::ParameterList& params) override;
-  /// Known for the Newton direction only (where it is -F): the mixed tangent is never formed.
+  /// Defined for the Newton direction only, where the result is -F: the mixed tangent is never formed.
   ReturnType applyJacobian(const NOX::Abstract::Vector& input, NOX::Abstract::Vector& result) const override;
   ReturnType applyJacobianInverse(Teuchos::ParameterList& params, const NOX::Abstract::Vector& input,
                                   NOX::Abstract::Vector& result) const override;
@@ -152,7 +152,7 @@ class BeamGroup : public LOCA::Abstract::Group {
     valid_f_ = valid_newton_ = false;
     linearization_.reset();
   }
-  const MixedVector& rows() const { return BeamVector::of(*f_); }  ///< F to read, which keeps its norm
+  const MixedVector& rows() const { return BeamVector::of(*f_); }  ///< F for reading, so that its cached norm stays
   Cap cap() const { return cap_for(problem_->model, point_.scales, choice_.cap_raise); }
   void linearize_here(bool in_space, const MixedVector* first) const;
   void find_newton() const;
@@ -167,10 +167,10 @@ class BeamGroup : public LOCA::Abstract::Group {
   StepObserver observer_;
   TangentChoice choice_;
   bool valid_f_ = false;
-  double norm_before_ = 0.0;  ///< of F where the last step began; zero: not known
-  // Caches of what belongs to F: the tangent, of which copies take their own when they need it, and its increment.
+  double norm_before_ = 0.0;  ///< of F at the start of the last Newton step; zero: not known
+  // Caches that belong to F: the Newton increment and the tangent, which copies evaluate anew when they need it.
   mutable bool valid_newton_ = false;
-  mutable Cap newton_cap_;  ///< left in the Newton increment; of no stiffness where it was taken out
+  mutable Cap newton_cap_;  ///< cap that is left in the Newton increment; stiffness zero if it was removed
   mutable std::unique_ptr<Linearization> linearization_;
 };
 

@@ -1,4 +1,4 @@
-/// What all groups of one run share: the model, its linear solvers and the record of the work done.
+/// Data shared by all groups of one run: the model, its linear solvers and the record of the work done.
 #pragma once
 
 #include "discretization/assembly/tangent.hpp"
@@ -16,9 +16,9 @@ namespace mixbeam {
 struct WorkCount {
   int residuals = 0, tangents = 0, newton_iterations = 0;
   int factorizations = 0;  ///< of tangents, by Newton's method
-  // What it costs to know that a step follows the path:
-  int check_iterations = 0;  ///< of Newton's method, beside newton_iterations
-  int looks = 0;             ///< tangents inside of steps
+  // Cost of checking that steps follow the path:
+  int check_iterations = 0;  ///< of Newton's method, not in newton_iterations
+  int looks = 0;             ///< tangents probed inside steps
 };
 
 class BeamProblem {
@@ -31,7 +31,7 @@ class BeamProblem {
   BeamProblem(const Scene& scene, const Communicator& comm, const SolverParameters& parameters)
       : BeamProblem(std::make_shared<const Scene>(scene), comm, parameters) {}
 
-  /// A solver that is not in use elsewhere: as a rule the same one again and again.
+  /// A solver that is not in use elsewhere, usually the same one each time.
   std::shared_ptr<TangentSolver> take_solver() {
     for (const auto& solver : solvers_)
       if (solver.use_count() == 1) return solver;
@@ -39,13 +39,13 @@ class BeamProblem {
     return solvers_.back();
   }
 
-  /// Whether tangents are too large for factors: then eigenvalues are not counted.
+  /// Whether tangents are too large for factors, so that eigenvalues are not counted.
   bool iterates() const { return solvers_.front()->iterates(); }
-  /// Whether stable states are iterated with, and counted so.
+  /// Whether stable states may be solved for, and confirmed as stable, by iteration.
   bool tries_iteration() const { return solvers_.front()->tries_iteration(); }
 
-  /// A state is never written to, and the last one is held, so that its address tells it, also on a rank without
-  /// elements (empty views have one, too). What formulas of loads mean depends on the piece that runs.
+  /// Whether the last residual was taken at this state. States are never written to and the last one is held, so
+  /// addresses identify them, even those of empty views. Formulas of loads also depend on the stage: never the same.
   bool is_last_point(const State& state, double load_factor) const {
     if (!last_point || model.clock().have_formulas()) return false;
     const State& last = last_point->state;
@@ -58,7 +58,7 @@ class BeamProblem {
     for (const auto& solver : solvers_) solver->reset_factors();
   }
 
-  /// Frees what the next residual and tangent make anew.
+  /// Frees arrays that the next residual and tangent allocate again.
   void release_idle() {
     last_rows.reset();
     for (const auto& solver : solvers_)
@@ -71,12 +71,11 @@ class BeamProblem {
 
   const Model model;
   WorkCount work;
-  // Where the residual was taken last: steps are judged, counted and reported at the state that was found.
+  // Point and rows of the last residual: a converged state is judged, counted and reported without a new evaluation.
   std::optional<EvaluationPoint> last_point;
   std::optional<MixedVector> last_rows;
   AttemptLog attempts;
-  /// Called before each iteration and each evaluation inside a step; throws to leave it. Must answer the same on every
-  /// rank.
+  /// Called before each iteration and each evaluation inside a step; throws to leave it, on every rank or on none.
   std::function<void()> leave_if_asked{};
   std::string last_failure;  ///< why the last linear solve failed; empty when it did not
   std::string objection;     ///< why the path rejected the last converged state

@@ -21,7 +21,7 @@ namespace mixbeam {
 
 namespace {
 
-/// Newton steps limited by rotation instead of residual, as NOX wants them.
+/// Adapter that presents step_within_rotation() to NOX as a line search.
 class RotationLimitedLineSearch : public NOX::LineSearch::Generic {
  public:
   explicit RotationLimitedLineSearch(double maximum_rotation) : maximum_rotation_(maximum_rotation) {}
@@ -44,12 +44,12 @@ struct RotationLimitedFactory : NOX::LineSearch::UserDefinedFactory {
   double maximum_rotation_;
 };
 
-/// Tiny loads: residuals of compatibility allow for the rounding errors of strains, which are differences of numbers of
-/// size one. Where these errors do not arise (members along an axis), the residual cannot tell the first increment of a
-/// capped tangent from an equilibrium, although it misses some 1e-5 of the motion.
+/// Test that the cap of the tangent left a negligible part out of the last step; combine it by AND with a test of the
+/// residual.
 ///
-/// Converged when the cap of the tangent has left nothing worth mentioning out of the last step. For use in AND
-/// combinations behind a test of the residual.
+/// It is needed for tiny loads: residuals of compatibility allow for the rounding errors of strains, which are
+/// differences of numbers of size one. Where these errors do not arise (members along an axis), the residual cannot
+/// distinguish the first increment of a capped tangent from an equilibrium, although it misses some 1e-5 of the motion.
 class CapStatusTest : public NOX::StatusTest::Generic {
  public:
   NOX::StatusTest::StatusType checkStatus(const NOX::Solver::Generic& solver,
@@ -119,7 +119,7 @@ class IterationRecorder : public NOX::Observer {
   bool is_check_;
 };
 
-/// By the norm that the other tests ask for too; not-a-number counts as infinity there.
+/// Tests the norm that the other tests use too, in which NaN counts as infinity.
 Teuchos::RCP<NOX::StatusTest::Generic> finite_residual() {
   using NOX::StatusTest::FiniteValue;
   return Teuchos::rcp(new FiniteValue(FiniteValue::FVector, NOX::Abstract::Vector::MaxNorm));
@@ -142,8 +142,8 @@ Teuchos::ParameterList default_nox(const NewtonParameters&) {
   nox.set("Nonlinear Solver", "Line Search Based");
   nox.sublist("Direction").set("Method", "Newton");
   nox.sublist("Line Search").set("Method", kRotationLimited);
-  // Nothing but what the program itself reports: LOCA prints some messages whatever "Output Information" says, and what
-  // that lets through costs its text and norms although nobody reads it.
+  // Silence NOX, for the program reports by itself: LOCA prints some messages whatever "Output Information" says, and
+  // messages that are let through cost text and norms although nobody reads them.
   const Teuchos::RCP<std::ostream> nowhere = Teuchos::rcp(new Teuchos::oblackholestream);
   nox.sublist("Printing").set("Output Stream", nowhere).set("Error Stream", nowhere);
   nox.sublist("Printing").set("Output Information", static_cast<int>(NOX::Utils::Error));

@@ -1,4 +1,4 @@
-/// Newton's method as NOX runs it, the same for every kind of path: parameter list, status tests, record of the work.
+/// Set-up of Newton's method in NOX, the same for every kind of path: parameter list, status tests, record of the work.
 #pragma once
 
 #include "discretization/state/resume_point.hpp"
@@ -13,25 +13,25 @@
 
 namespace mixbeam {
 
-/// What Newton's method did since the last converged step.
+/// Record of Newton's method since the last converged step.
 struct SolveRecord {
   std::vector<NewtonIteration> history;
-  int attempt = 0;     ///< number of the present one, from 1
-  int iterations = 0;  ///< of the present one
+  int attempt = 0;     ///< number of the present attempt, from 1
+  int iterations = 0;  ///< of the present attempt
 
   void clear() { *this = SolveRecord{}; }
 };
 
-/// What Newton's method is used for: a step of the path, or an evaluation inside one.
+/// Purpose of a Newton solve: a step of the path, or an evaluation inside one.
 enum class NewtonPurpose { step, check };
 
-/// The user's list, or the default, with our own objects put where their names stand; what Newton's method does goes to
-/// `record`, which must outlive the list.
+/// The user's list, or the default, with names replaced by our own objects where NOX needs objects. Newton's method
+/// writes to `record`, which must outlive the list.
 Teuchos::ParameterList nox_list(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,
                                 SolveRecord& record, NewtonPurpose purpose = NewtonPurpose::step);
 
 /// The user's tests, or the default ones, and two that always end an iteration that diverges or whose residual is NaN.
-/// Throws what NOX throws for lists that it refuses.
+/// Passes on the exceptions of NOX for lists that it refuses.
 Teuchos::RCP<NOX::StatusTest::Generic> guarded_status_tests(const SolverParameters& parameters,
                                                             const NOX::Utils& utils);
 

@@ -20,7 +20,7 @@ EvaluationPoint take_residual(BeamProblem& problem, const State& state, double l
     return *problem.last_point;
   }
   ++problem.work.residuals;
-  problem.last_rows.reset();  // its arrays are used again
+  problem.last_rows.reset();  // so that its arrays are reused
   // scales of the rows -> residual of the elements
   problem.last_point = mixed_residual(problem.model, state, load_factor, rows);
   problem.last_rows = rows.clone(true);
@@ -49,7 +49,7 @@ Cap find_increment(BeamProblem& problem, Linearization& here, const MixedVector&
     here.newton_increment(increment, enough);  // junctions solved, checked -> chains expanded -> interiors recovered
     if (!choice.keeps_cap && remove_cap_compliance_where_it_slows(here, rows, increment, choice.is_last)) return {};
   } catch (const LinearSolverError& error) {
-    // an increment that is NaN fails the finite-value test of this very iteration, and the step is repeated smaller
+    // A NaN increment fails the finite-value test of this iteration, and the step is repeated with a smaller size.
     problem.last_failure = error.what();
     increment.fill(std::numeric_limits<double>::quiet_NaN());
   }
@@ -88,7 +88,7 @@ void Linearization::solve_condensed(bool is_first, MixedVector& increment, doubl
   if (!failure_.empty()) throw LinearSolverError(failure_);
   DofVector& rhs = tangent_.condensed_rows();
   if (!is_first) rhs.scale(-1.0);
-  const std::optional<MixedVector> first = std::exchange(first_, std::nullopt);  // its address is not used again yet
+  const std::optional<MixedVector> first = std::exchange(first_, std::nullopt);  // held: no reuse of its address
   solver_->solve(rhs, is_first && first ? increment.share_vertices(*first) : increment.writable_dofs(false), enough);
   if (!vertices_alone_) tangent_.recover_last(increment);
 }
@@ -106,7 +106,7 @@ bool feels_cap(const Linearization& linearization, const MixedVector& motion, do
   return !(largest_cap_compliance_row(tangent.model(), tangent.cap(), as_moved, motion) <= enough);
 }
 
-// With S = J_c^-1 (-.): d = d_0 + S g and g = D d, so (I - D S) g = D d_0.
+// With S = -J_c^-1: d = d_0 + S g and g = D d, so (I - D S) g = D d_0.
 bool remove_cap_compliance(Linearization& linearization, double cap_ratio, MixedVector& increment, double reduction) {
   MixedVector left_out = increment.clone(false);
   linearization.cap_compliance_rows(increment, left_out);
@@ -137,7 +137,7 @@ bool remove_cap_compliance_where_it_slows(Linearization& linearization, const Mi
   const ResidualScales& scales = tangent.point().scales;
   if (cap.least_ratio == 0.0) return false;
   const double left = largest_cap_compliance_row(model, cap, scales, increment);
-  // Strains of the order of the squared rotation are left by the linearisation.
+  // The linearisation leaves strains of the order of the squared rotation.
   const double spin = increment.largest_vertex_spin();
   const double from_rotation = spin * spin / scales.rotation;
   const double tolerance = model.options().residual_tolerance, held_anyway = std::max(tolerance, from_rotation);

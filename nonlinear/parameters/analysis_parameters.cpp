@@ -89,7 +89,7 @@ const BoundList<AnalysisParameters> kAnalysisParameters = [] {
   return analysis;
 }();
 
-/// A direction that is perpendicular to another one but for rounding.
+/// Cosine below which two directions are perpendicular, apart from rounding.
 constexpr double kNoFreedom = 1e-12;
 
 void require_point(const std::string& name, const Scene& scene, const InputPlace& place) {
@@ -100,7 +100,7 @@ void require_point(const std::string& name, const Scene& scene, const InputPlace
                       "\"?");
 }
 
-/// A component that a support leaves no freedom cannot be controlled.
+/// Throws if a support fixes the controlled component.
 void require_free(const MonitoredComponent& control, const Scene& scene, const InputPlace& place) {
   for (const Support& support : scene.supports) {
     if (support.point != control.point) continue;
@@ -114,7 +114,7 @@ void require_free(const MonitoredComponent& control, const Scene& scene, const I
   }
 }
 
-/// The load factor is the unknown of a controlled displacement: something must grow with it, in every load case.
+/// Throws if nothing acts in some load case: the load factor is the unknown of displacement control.
 void require_loads(const Scene& scene, const InputPlace& place) {
   std::vector<std::string> cases = alternatives(scene);
   if (cases.empty()) cases.emplace_back();
@@ -140,7 +140,7 @@ std::optional<MonitoredComponent> read_branch_point(const Teuchos::ParameterList
   return branch;
 }
 
-/// Linear buckling takes stresses that grow with the loads, and a plane has no frame.
+/// Rejects options that a rotating frame excludes: buckling factors of proportional stresses, and planar modes.
 void require_rest(const AnalysisParameters& parameters, const InputPlace& place) {
   if (parameters.buckling_modes > 0)
     throw place["Buckling Modes"].error(
@@ -152,7 +152,7 @@ void require_rest(const AnalysisParameters& parameters, const InputPlace& place)
 }
 
 constexpr size_t kMostLoadFactors = 1000;
-/// Load factors that differ by less are one: the path stops there to rounding.
+/// Relative difference below which load factors are the same: the path stops at them up to rounding.
 constexpr double kSameFactor = 1e-12;
 
 void require_load_factors(const AnalysisParameters& parameters, const Scene& scene, const InputPlace& place) {

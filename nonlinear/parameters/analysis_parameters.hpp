@@ -1,4 +1,4 @@
-/// Questions about the path of a structure, whatever way it is computed.
+/// Analysis options: what to determine about the path of a structure, independent of how it is computed.
 #pragma once
 
 #include "discretization/parameters/source.hpp"
@@ -14,16 +14,16 @@ namespace mixbeam {
 
 struct Scene;
 
-/// Which of the paths that meet at the first bifurcation is followed.
+/// Path to follow from the first bifurcation.
 enum class Branch { primary, positive, negative };
 
-/// Behaviour where no stable state lies on the path at the next load.
+/// Behaviour where the path has no stable state at the next load.
 enum class Snap {
-  follow,  ///< the path, through unstable states
-  jump     ///< down the total potential to a stable state at that load
+  follow,  ///< follow the path through unstable states
+  jump     ///< descend the total potential to a stable state at that load
 };
 
-/// A displacement that is driven to a target, while the load factor is whatever equilibrium needs.
+/// A displacement that is driven to a target, while the load factor follows from equilibrium.
 struct MonitoredComponent {
   std::string point;
   int component = 0;    ///< 0, 1, 2: x, y, z
@@ -33,30 +33,30 @@ struct MonitoredComponent {
 /// Whether the discretization error of the state at the end of the path is estimated.
 enum class ErrorEstimation { automatic, on, off };
 
-/// States of which the stresses along members are computed, for sections given by their shape.
+/// States in which stresses along members are computed, for sections given by their shape.
 enum class StressesOf { automatic, every_step, none };
 
 /// Natural modes about converged states.
 struct ModesParameters {
   int number = 0;
-  bool every_step = false;             ///< at the end of the path alone otherwise
-  std::vector<double> load_factors{};  ///< likewise, where the path first has them; it stops there
-  bool in_plane = false;               ///< of a scene in a plane: without the motions that leave it
+  bool every_step = false;             ///< false: at the end of the path alone
+  std::vector<double> load_factors{};  ///< also at these, where the path first reaches them; it stops there
+  bool in_plane = false;               ///< planar scenes: without out-of-plane modes
 };
 
-/// Whether modes are asked for about a state of the path.
+/// Whether modes are requested about a state of the path.
 bool asks_for_modes(const ModesParameters& modes, double load_factor, bool end_of_path);
 
 struct AnalysisParameters {
-  /// Count the negative eigenvalues of every converged state and locate critical points. Not said: for all but the
-  /// largest meshes (kVerticesForStability).
+  /// Count the negative eigenvalues of every converged state and locate critical points. Unset: for all but the largest
+  /// meshes (kVerticesForStability).
   std::optional<bool> stability{};
-  bool trace = false;  ///< follow the path by its length from the start, never with a load step of any size
-  /// How closely the path is followed where it is unstable: 0 as others, 1 as with `trace`, each one more with half the
-  /// angle. Of a run that starts again, not of a scene.
+  bool trace = false;  ///< follow the path by arc length from the start, without load steps
+  /// How closely the path is followed where it is unstable: 0 as elsewhere, 1 as with `trace`, each further level with
+  /// half the angle. Set when a run starts again, not by a scene.
   int closeness = 0;
   Branch branch = Branch::primary;  ///< positive, negative: along the mode of the first bifurcation, or against it
-  /// Whose displacement is positive on the positive branch; `target` is not used. Not said: by rule (branch_direction).
+  /// Displacement that is positive on the positive branch; `target` is not used. Unset: by rule (branch_direction).
   std::optional<MonitoredComponent> branch_point{};
   Snap snap = Snap::follow;
   int buckling_modes = 0;  ///< of the linear buckling analysis of the unloaded structure
@@ -66,18 +66,18 @@ struct AnalysisParameters {
   StressesOf stresses = StressesOf::automatic;                  ///< automatic: see kElementsForStresses
 };
 
-/// A path that returns to an earlier state is followed again from its start, up to this closeness.
+/// Largest closeness: a path that returns to an earlier state is followed again from its start, up to this level.
 inline constexpr int kMostCloseness = 3;
 
-/// Above this size the factorisations that stability needs take longer, and more memory, than the rest of a load step.
+/// Vertices above which the factorisations for stability take more time and memory than the rest of a load step.
 inline constexpr int kVerticesForStability = 100'000;
 
-/// Above this number of elements a run estimates its error on request only: it costs about two Newton iterations and a
+/// Elements above which the error is estimated on request only: an estimate costs about two Newton iterations and a
 /// second set of equations in memory.
 inline constexpr int kElementsForEstimate = 100'000;
 
-/// Up to this number of elements the stresses of the state at the end of a path are computed unasked: a few
-/// microseconds for each sample, together about what a few Newton iterations take.
+/// Elements up to which stresses at the end of a path are computed by default: a few microseconds for each sample,
+/// in total about as long as a few Newton iterations.
 inline constexpr int kElementsForStresses = 20'000;
 
 /// Whether the stresses of a state are computed.
@@ -86,13 +86,13 @@ inline bool computes_stresses(const AnalysisParameters& parameters, size_t eleme
   return parameters.stresses == StressesOf::every_step;
 }
 
-/// Whether the error of the state at the end of a path is estimated in a mesh of this many elements.
+/// Whether the error at the end of a path is estimated for a mesh of this many elements.
 inline bool estimates_error(const AnalysisParameters& parameters, size_t elements) {
   if (parameters.error_estimate == ErrorEstimation::automatic) return elements <= kElementsForEstimate;
   return parameters.error_estimate == ErrorEstimation::on;
 }
 
-/// Whether stability is determined in a mesh of this many vertices.
+/// Whether stability is determined for a mesh of this many vertices.
 inline bool looks_at_stability(const AnalysisParameters& parameters, int vertices) {
   return parameters.stability.value_or(vertices <= kVerticesForStability);
 }
@@ -100,7 +100,7 @@ inline bool looks_at_stability(const AnalysisParameters& parameters, int vertice
 /// Declaration of the list "Analysis".
 ListSpec analysis_spec();
 
-/// Validates and reads the list. `path`: where it stands below the root of `source`. Throws InputError.
+/// Validates and reads the list. `path`: its location below the root of `source`. Throws InputError.
 AnalysisParameters read_analysis_parameters(Teuchos::ParameterList& list, const Scene& scene,
                                             const ParameterSource& source, const ParameterPath& path = {"Analysis"});
 

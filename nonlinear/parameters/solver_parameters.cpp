@@ -170,8 +170,8 @@ ListSpec step_size_spec() {
 }
 
 /// Declares the parameters of NOX that a user may set (names: NOX_LineSearch_*.H, NOX_Direction_Newton.H, NOX_Utils.H
-/// of Trilinos 13.2). NOX and LOCA ignore names that they do not know, so a misspelt one would have no effect and no
-/// message; defaults stay theirs unless this program sets its own.
+/// of Trilinos 13.2). NOX and LOCA silently ignore unknown names, so a misspelt one would have no effect. Their own
+/// defaults apply unless this program sets others.
 ListSpec nox_spec() {
   ListSpec spec("Parameters handed to NOX, on top of the program's own.");
   spec.add(choice("Nonlinear Solver", {"Line Search Based"}), "The only solver that the element's state supports.");
@@ -184,9 +184,9 @@ ListSpec nox_spec() {
   return spec;
 }
 
-/// Declares those of LOCA (names: LOCA_Stepper, LOCA_MultiContinuation_ArcLengthGroup.H, LOCA_StepSize_*.H,
-/// LOCA_MultiPredictor_Factory.H). Continuation parameter, its range and the numbers of steps and iterations are not
-/// among them: the program sets them from the scene and from "Load Path" and "Newton".
+/// Declares the parameters of LOCA that a user may set (names: LOCA_Stepper, LOCA_MultiContinuation_ArcLengthGroup.H,
+/// LOCA_StepSize_*.H, LOCA_MultiPredictor_Factory.H). The program itself sets the continuation parameter, its range
+/// and the limits of steps and iterations, from the scene and from "Load Path" and "Newton".
 ListSpec loca_spec() {
   ListSpec spec("Parameters handed to LOCA, on top of the program's own.");
   spec.add_list("Stepper", stepper_spec(), Presence::optional);
@@ -216,7 +216,7 @@ const BoundList<SolverParameters> kSolverParameters = [] {
   return solver;
 }();
 
-/// Checks the three sizes; the default of the first follows the bounds.
+/// Checks the three sizes; clamps the initial step to the bounds if it is not given.
 void check_steps(LoadPathParameters& parameters, const ParameterList& list, const InputPlace& place) {
   if (parameters.minimum_step > parameters.maximum_step)
     throw place["Minimum Step"].error("value " + shortest(parameters.minimum_step) +
@@ -229,7 +229,7 @@ void check_steps(LoadPathParameters& parameters, const ParameterList& list, cons
   parameters.initial_step = nearest;
 }
 
-/// A copy that does not depend on the list it was found in; null if the user gave none.
+/// An independent copy of a sublist; null if the user gave none.
 RCP<ParameterList> given_list(const ParameterList& list, const std::string& name) {
   if (!list.isSublist(name)) return Teuchos::null;
   return Teuchos::rcp(new ParameterList(list.sublist(name)));
@@ -237,7 +237,7 @@ RCP<ParameterList> given_list(const ParameterList& list, const std::string& name
 
 bool begins_with(const std::string& line, const std::string& beginning) { return line.rfind(beginning, 0) == 0; }
 
-/// Lines that Teuchos puts around a message: the place in its own source, and how often it has thrown.
+/// Recognises lines that Teuchos adds to a message: the place in its own source, and how often it has thrown.
 bool is_decoration(const std::string& line) {
   return begins_with(line, "Throw number") || begins_with(line, "Throw test that evaluated") ||
          (line.find(".C:") != std::string::npos && line.back() == ':') ||
@@ -256,7 +256,7 @@ std::string one_line(const std::string& message) {
 }
 
 /// Returns NOX's complaint about the list "Status Tests", in one line; empty if it can build the tests. NOX checks
-/// names, types and test types itself, but only when it builds the tests, and in a form that is no message for a user.
+/// names, types and test types itself, but only when it builds the tests, and its messages are not meant for users.
 std::string problem_of_status_tests(const ParameterList& tests) {
   ParameterList tried(tests);  // NOX fills in defaults
   const NOX::Utils silent;
@@ -265,7 +265,7 @@ std::string problem_of_status_tests(const ParameterList& tests) {
   } catch (const std::exception& error) {
     if (is_out_of_memory(error)) throw;
     return one_line(error.what());
-  } catch (const char* error) {  // NOX throws texts too
+  } catch (const char* error) {  // NOX throws C strings too
     return error;
   }
   return "";
@@ -286,7 +286,7 @@ SolverParameters read_solver_parameters(ParameterList& list, const ParameterSour
       parameters.status_tests.is_null() ? "" : problem_of_status_tests(*parameters.status_tests);
   if (!refusal.empty()) throw place["Status Tests"].error("NOX refuses this list: " + refusal);
   parameters.loca = given_list(list, "LOCA");
-  // LOCA's own parameters are for LOCA's stepper
+  // The list "LOCA" has an effect only with LOCA's stepper.
   if (!parameters.loca.is_null() && parameters.load_path.method == LoadPathMethod::automatic)
     parameters.load_path.method = LoadPathMethod::adaptive;
   return parameters;

@@ -1,4 +1,4 @@
-/// How the equations are solved: load path, Newton's method, linear solver.
+/// Parameters of the solution: load path, Newton's method, linear solver.
 #pragma once
 
 #include "discretization/parameters/source.hpp"
@@ -13,7 +13,7 @@
 namespace mixbeam {
 
 enum class LoadPathMethod {
-  automatic,  ///< load steps as large as possible; where they fail, along the length of the path
+  automatic,  ///< load steps as large as possible; where they fail, arc-length steps
   fixed,      ///< equal steps
   adaptive    ///< steps grow after easy steps and shrink after failed ones
 };
@@ -25,15 +25,15 @@ struct LoadPathParameters {
   double initial_step = 1.0;
   double minimum_step = 1e-4;
   double maximum_step = 1.0;
-  int maximum_steps = 1000;  ///< of all stages together; fixed: on top of those asked for
+  int maximum_steps = 1000;  ///< of all stages together; fixed: on top of the requested ones
   double aggressiveness = 0.5;
 
-  /// Attempts that a path of so many stages may make.
+  /// Limit of attempts for a path of so many stages.
   int most_steps(int stages) const;
 };
 
 struct NewtonParameters {
-  double residual_tolerance = 1e-11;  ///< scaled residual, without dimension
+  double residual_tolerance = 1e-11;  ///< of the scaled, dimensionless residual
   int maximum_iterations = 50;
   double maximum_rotation = 0.4;  ///< of any vertex in one iteration
 };
@@ -50,21 +50,21 @@ struct SolverParameters {
   LoadPathParameters load_path;
   NewtonParameters newton;
   LinearSolverParameters linear;
-  int threads = 0;     ///< 0: as OMP_NUM_THREADS says
-  bool planar = true;  ///< scenes in a plane are solved with three unknowns per vertex; see Model::plane()
-  // Null unless the user gave the list; then it holds what was given and nothing else.
+  int threads = 0;     ///< 0: from OMP_NUM_THREADS
+  bool planar = true;  ///< solve planar scenes with three unknowns per vertex; see Model::plane()
+  // Lists as the user gave them, without defaults; else null.
   Teuchos::RCP<Teuchos::ParameterList> nox;
   Teuchos::RCP<Teuchos::ParameterList> status_tests;
   Teuchos::RCP<Teuchos::ParameterList> loca;
 };
 
-/// Name of the line search of our own.
+/// Name of this program's own line search.
 inline constexpr const char* kRotationLimited = "Rotation Limited";
 
 /// Declaration of the list "Solver".
 ListSpec solver_spec();
 
-/// Validates and reads the list. `path`: where it stands below the root of `source`.
+/// Validates and reads the list. `path`: its location below the root of `source`.
 SolverParameters read_solver_parameters(Teuchos::ParameterList& list, const ParameterSource& source,
                                         const ParameterPath& path = {"Solver"});
 
