@@ -20,7 +20,7 @@ Function* found(const char* name) {
 }
 
 #if defined(__x86_64__)
-/// Kernels that OpenBLAS chooses for processors that it does not know, and better ones.
+/// Better kernels, if OpenBLAS chose those for unknown processors; else null.
 const char* better_kernels(const std::string& chosen) {
   if (chosen != "Prescott" && chosen != "Unknown") return nullptr;
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw") &&
@@ -29,7 +29,7 @@ const char* better_kernels(const std::string& chosen) {
   return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? "Haswell" : nullptr;
 }
 
-/// The library reads the variable when it begins; it is made to begin again.
+/// Restarts OpenBLAS with the variable set, which it reads at initialisation only.
 void choose_kernels() {
   constexpr const char* kVariable = "OPENBLAS_CORETYPE";
   const auto name = found<char*()>("openblas_get_corename");
@@ -46,14 +46,14 @@ void choose_kernels() {
 void choose_kernels() {}
 #endif
 
-/// OpenBLAS works in rooms of this size, one for each thread that is inside it, and keeps them. [byte]
+/// Size of OpenBLAS's work buffers, of which it allocates and keeps one for each thread that is inside it. [byte]
 constexpr std::size_t kRoomOfBlas = std::size_t{32} << 22;
 int rooms_taken = 0;
 
 using TakeRoom = void*(int);
 
-/// Makes OpenBLAS take so many rooms, of which it touches nothing before it works there; false: they are not to be had.
-/// It asks the system for one that it does not get again and again, for ever.
+/// Makes OpenBLAS allocate this many buffers, which it does not touch before use; false: there is no address space for
+/// them. The space is probed first because OpenBLAS retries a failed allocation for ever.
 bool take_rooms(int count) {
   const auto take = found<TakeRoom>("blas_memory_alloc");
   const auto give_back = found<void(void*)>("blas_memory_free");
@@ -69,7 +69,7 @@ bool take_rooms(int count) {
   return true;
 }
 
-/// Not among what a factorisation throws, after which others would be tried.
+/// Not a LinearSolverError, after which other factorisations would be tried.
 struct NoRoomForBlas : std::bad_alloc {
   const char* what() const noexcept override {
     return "OpenBLAS works in a buffer of 134 MB of addresses, which the limit of memory (ulimit -v or -d) does not "

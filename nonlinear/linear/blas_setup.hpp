@@ -1,25 +1,24 @@
-/// Sets up the BLAS and LAPACK of the system, whichever the program meets: its threads, which decide about bits, its
-/// kernels, which decide about time, and its buffer, without which a run would not end.
+/// Set-up of whichever BLAS and LAPACK the system provides: number of threads (bitwise reproducibility), kernels
+/// (speed) and work buffer (without which OpenBLAS may hang).
 #pragma once
 
 #include <mutex>
 
 namespace mixbeam {
 
-/// Makes a BLAS that has threads of its own work with one: a sum shared out among threads has other bits. Selects
-/// kernels of AVX2 or AVX-512 if OpenBLAS does not recognise the processor (3 to 8 times faster), unless the
-/// environment names others (OPENBLAS_CORETYPE). Not while other threads call BLAS. An OpenBLAS takes its buffer here,
-/// once. Throws std::bad_alloc with a text where a limit of memory leaves no room for it: OpenBLAS itself would wait
-/// for ever.
+/// Restricts a multithreaded BLAS to one thread: sums split among threads differ in their bits. Selects AVX2 or AVX-512
+/// kernels if OpenBLAS does not recognise the processor (3 to 8 times faster), unless the environment names others
+/// (OPENBLAS_CORETYPE). Makes OpenBLAS allocate its buffer, once; throws std::bad_alloc with a text if a memory limit
+/// does not permit it, where OpenBLAS itself would wait for ever. Do not call while other threads use BLAS.
 void set_up_blas();
 
-/// Addresses that OpenBLAS has still to take for its buffer, of which it touches what it needs. [byte]
+/// Address space that OpenBLAS has yet to reserve for its buffer; it touches only what it needs. [byte]
 double blas_room_to_come();
 
-/// Lock to hold around calls of BLAS or LAPACK from several threads at once. It serialises them where OpenBLAS was
-/// built for one thread (Debian's libopenblas0-serial): there two threads are now and then given the same room to work
-/// in, and their results are wrong (11 of 400 calls of dsyevx with 300 rows); and where a limit of memory does not
-/// leave a buffer for every thread. Nothing elsewhere.
+/// Lock to hold around calls of BLAS or LAPACK from several threads at once. It serialises them if OpenBLAS was built
+/// for one thread (Debian's libopenblas0-serial), which occasionally gives two threads the same buffer and returns
+/// wrong results (11 of 400 calls of dsyevx with 300 rows), or if a memory limit does not permit a buffer for every
+/// thread. Otherwise it locks nothing.
 std::unique_lock<std::mutex> turn_for_blas();
 
 }  // namespace mixbeam

@@ -10,14 +10,14 @@ namespace mixbeam {
 
 namespace {
 
-/// Condensation leaves rounding errors where a mechanism has a zero, and no sparse solver can tell any more. A response
-/// this large, in units in which the diagonal is one, is that of rounding errors: the condition of what remains of real
-/// structures is far below (capped force stiffness 1e5 or 1e7, ratios of sections), that of rounding errors 1e11 and
-/// more.
+/// Response (see below) above which the remaining matrix is singular up to rounding. Condensation leaves rounding
+/// errors where a mechanism has a zero, which no sparse solver can detect. The condition of the remaining system of
+/// real structures is far below (capped force stiffness 1e5 or 1e7, ratios of sections), that of rounding errors 1e11
+/// and more.
 constexpr double kResponseOfRounding = 1e10;
 
-/// max |x_i| sqrt(|A_ii|) / max |b_i| / sqrt(|A_ii|): never more than the condition of the matrix scaled to a diagonal
-/// of ones. Collective.
+/// Computes max |x_i| sqrt(|A_ii|) / max(|b_i| / sqrt(|A_ii|)), a lower bound of the condition of the matrix scaled to
+/// a unit diagonal. Collective.
 double response(const DofVector& diagonal, const DofVector& b, const DofVector& x) {
   const KernelView<const double*> a = MixedVector::view_of(diagonal), rhs = MixedVector::view_of(b),
                                   solution = MixedVector::view_of(x);
@@ -32,7 +32,7 @@ double response(const DofVector& diagonal, const DofVector& b, const DofVector& 
   return largest == 0.0 ? 0.0 : largest / maximum_over_ranks(comm, most[1]);
 }
 
-/// The matrix over all vertices, gathered anew for every factorisation.
+/// Solves with the matrix over all vertices, gathered anew for every factorisation.
 class WholeSolver : public TangentSolver {
  public:
   WholeSolver(const Model& model, const std::string& method, double tolerance)
@@ -92,7 +92,7 @@ void ChainSolver::solve_once(const DofVector& b, DofVector& x, double energy_red
   system_.condense_rows(b, *remaining_b_, x);
   try {
     remaining_error = remaining_->solve(*remaining_b_, *remaining_x_, energy_reduction);
-  } catch (const LinearSolverError&) {  // the whole matrix may be solvable all the same
+  } catch (const LinearSolverError&) {  // the whole matrix may be solvable nevertheless
     if (iterates()) throw;
     remaining_error = std::numeric_limits<double>::infinity();
   }
@@ -111,7 +111,7 @@ double ChainSolver::solve_condensed(const DofVector& b, DofVector& x, double ene
     system_.chain_residual(b, x, residual);
     solve_once(residual, correction, energy_reduction, ignored);
     x.update(1.0, correction, 1.0);
-    system_.condense_rows(b, *remaining_b_, correction);  // what arrives at the ends belongs to b again
+    system_.condense_rows(b, *remaining_b_, correction);  // makes the condensed rows at the ends those of b again
     error = system_.chain_error(b, x);
   }
   return std::max(error, remaining_error);

@@ -1,5 +1,5 @@
-/// Direct solution in two parts: chains of elements are condensed to their ends inside the kernels, and a sparse
-/// solver sees only what is left.
+/// Direct solution in two parts: kernels condense chains of elements to their ends, and a sparse solver solves the
+/// remaining system.
 #pragma once
 
 #include "discretization/assembly/condensed_system.hpp"
@@ -12,19 +12,19 @@ namespace mixbeam {
 /// Solves with the tangents of one model.
 class TangentSolver : public Solver {
  public:
-  /// Solves are with this tangent from now on, and it must not be gone by then. `first`: taken along where that is
-  /// cheaper. Throws LinearSolverError.
+  /// Factorises the tangent, which must outlive the solves with it. `first`: a right-hand side to condense in the same
+  /// pass, if that is cheaper. Throws LinearSolverError.
   virtual void factorize(const Tangent& tangent, const FirstSolve& first = {}) = 0;
-  /// Estimates how much the rounding of the rows left by chains may change x . K x for a motion x, where that is known.
+  /// Estimates how much rounding in the rows of the remaining system may change x . K x for a motion x; 0: unknown.
   /// Collective.
   virtual double rounding_of_form(const DofVector&) const { return 0.0; }
-  /// Its room for chains, which others may use until the next factorize(); null: it has none.
+  /// Its storage for chains, which others may use until the next factorize(); null: it has none.
   virtual CondensedSystem* chains() { return nullptr; }
-  /// Its room while that holds the symmetric chains of the tangent, with pivots to rely on; else null.
+  /// Its storage if that holds the symmetric chains of the tangent, with reliable pivots; else null.
   virtual CondensedSystem* condensed_chains() { return nullptr; }
 };
 
-/// Solves what chains leave.
+/// Makes the solver of the remaining system.
 using RemainingSolver = std::function<std::unique_ptr<LinearSolver>(const CondensedSystem& system)>;
 
 /// Condenses chains and solves the remaining system. Falls back to factorising the whole tangent if a chain pivot is
@@ -32,7 +32,7 @@ using RemainingSolver = std::function<std::unique_ptr<LinearSolver>(const Conden
 /// factors. `method`: an Amesos2 name for both.
 class ChainSolver : public TangentSolver {
  public:
-  /// `solver`: in place of the direct one that belongs to `method`.
+  /// `solver`: replaces the direct solver that belongs to `method`.
   ChainSolver(const Model& model, const std::string& method, double residual_tolerance,
               const RemainingSolver& solver = {});
 
@@ -49,7 +49,7 @@ class ChainSolver : public TangentSolver {
   std::optional<long> negative_eigenvalues() override;
   double rounding_of_form(const DofVector& x) const override;
 
-  /// Tangents that had to be factorised as a whole.
+  /// Number of tangents that had to be factorised as a whole.
   int fallback_factorizations() const { return fallback_factorizations_; }
   const CondensedSystem& system() const { return system_; }
   CondensedSystem* chains() override { return &system_; }

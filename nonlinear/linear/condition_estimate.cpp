@@ -13,13 +13,13 @@ namespace mixbeam {
 
 namespace {
 
-/// Higham, ACM TOMS 14: more than five products with the matrix and its transpose hardly ever improve the estimate.
+/// Limit of rounds: more than five hardly ever improve the estimate (Higham, ACM TOMS 14).
 constexpr int kMostRounds = 5;
 
-/// A solution with a larger backward error says nothing about the size of the inverse.
+/// Backward error above which a solution says nothing about the size of the inverse.
 constexpr double kUsableSolution = 1e-2;
 
-/// B = R A^-T C^-1 and its transpose, of which ||B||_1 is wanted; R: row sums of |A| C.
+/// Applies B = R A^-T C^-1 and its transpose, to estimate ||B||_1; R: row sums of |A| C.
 class ScaledInverse {
  public:
   ScaledInverse(const Teuchos::RCP<const DofMatrix>& matrix, const std::string& method, double length)
@@ -75,7 +75,7 @@ void for_each_entry(DofVector& v, const Function& value) {
     entries(i) = value(v.getMap()->getGlobalElement(static_cast<LocalOrdinal>(i)), entries(i));
 }
 
-/// The first of the entries of largest magnitude, by its global number.
+/// Global number of the first entry of largest magnitude.
 GlobalOrdinal largest_entry(DofVector& v) {
   const double largest = v.normInf();
   GlobalOrdinal mine = v.getMap()->getMaxAllGlobalIndex(), first = mine;
@@ -87,7 +87,7 @@ GlobalOrdinal largest_entry(DofVector& v) {
   return first;
 }
 
-/// Hager's ascent: the gradient of ||B x||_1 names the unit vector that promises most.
+/// Hager's ascent: goes to the unit vector along which the gradient of ||B x||_1 is largest.
 double hager_estimate(const ScaledInverse& b) {
   DofVector x = b.create_vector(), y = b.create_vector(), gradient = b.create_vector();
   x.putScalar(1.0 / static_cast<double>(x.getGlobalLength()));
@@ -106,7 +106,7 @@ double hager_estimate(const ScaledInverse& b) {
   return estimate;
 }
 
-/// Higham's vector of alternating signs: catches most matrices that mislead the ascent.
+/// Higham's estimate from a vector of alternating signs: catches most matrices that mislead the ascent.
 double alternating_estimate(const ScaledInverse& b) {
   DofVector x = b.create_vector(), y = b.create_vector();
   const auto n = static_cast<double>(x.getGlobalLength());

@@ -47,32 +47,32 @@ enum Control {
   kAnalysisKind = 28,
   kDeterminant = 33
 };
-constexpr int kEntries = 29;  // of INFOG: of the factors, in millions where below zero
+constexpr int kEntries = 29;  // index in INFOG: entries of the factors, in millions if negative
 constexpr int kApproximateMinimumDegree = 0, kGivenOrdering = 1, kOfEachRank = 3;
-/// MUMPS's errors of too small a workspace: of numbers, of integers, to send and to receive.
+/// MUMPS's errors for too small a workspace: of reals, of integers, of send and receive buffers.
 constexpr int kWorkspaceTooSmall[] = {-9, -8, -17, -20};
-/// KEEP(9): a front is shared among ranks where so many of its rows are left to its parent. Who takes part is decided
-/// during the run: without that, two ranks took a tenth less time and 4 % less memory for 20^3 junctions.
+/// KEEP(9): a front is shared among ranks if it leaves this many rows to its parent. MUMPS decides at run time which
+/// ranks take part: without such sharing, two ranks took 10 % less time and 4 % less memory for 20^3 junctions.
 constexpr int kLeastSharedFront = 9;
-constexpr int kLargestWorkspace = 2000;  // per cent above the estimate: far beyond what delayed pivots need
+constexpr int kLargestWorkspace = 2000;  // per cent above the estimate: far more than delayed pivots need
 
-/// So many rows are factorised by LAPACK: its n^3 / 3 are then 0.1 ms, what MUMPS takes to begin and end.
+/// Rows up to which LAPACK factorises: its n^3 / 3 operations then take 0.1 ms, as MUMPS does to start and terminate.
 constexpr int kMostDenseRows = 60;
-/// A pivot below this share of the largest entry is zero: as MUMPS has it.
+/// Share of the largest entry below which a pivot is zero, as in MUMPS.
 constexpr double kNullPivot = 1e-5 * std::numeric_limits<double>::epsilon();
-constexpr double kHeld = 1e150;  ///< in place of it: what it stands for does not move
-/// Operations of a factorisation that take as long as a solve does for each entry, and solves that take as long as what
-/// a factorisation does with each entry besides: measured with OpenBLAS on cubes and sheets of junctions.
+constexpr double kHeld = 1e150;  ///< replaces a null pivot, so that its unknown does not move
+/// Operations of a factorisation that take as long as a solve does per entry, and additional cost of a factorisation
+/// per entry, in solves: measured with OpenBLAS on cubes and sheets of junctions.
 constexpr double kOperationsOfSolve = 67.0, kSolvesForEntries = 5.0;
 
-/// Below this many groups of rows minimum degree is as good as nested dissection, and METIS costs more than it saves.
+/// Groups of rows below which minimum degree is as good as nested dissection, and METIS costs more than it saves.
 constexpr int kLeastGroups = 50;
 
-/// Rows with the same columns: those of one junction, as a rule. A graph of such groups is ordered in a few per cent of
-/// the time that the matrix would take.
+/// Groups of rows with the same columns, usually those of one junction. The graph of groups is ordered in a few per
+/// cent of the time that the matrix would take.
 struct RowGroups {
   std::vector<int> group;          ///< (row)
-  std::vector<idx_t> start, next;  ///< neighbours of each group, itself not among them
+  std::vector<idx_t> start, next;  ///< neighbours of each group, without itself
   explicit RowGroups(const SparseMatrix& a);
   int count() const { return static_cast<int>(start.size()) - 1; }
 };
@@ -86,7 +86,7 @@ RowGroups::RowGroups(const SparseMatrix& a) : group(a.rows()) {
     if (!joins) first.push_back(i);
     group[i] = static_cast<int>(first.size()) - 1;
   }
-  // the graph of a and its transpose
+  // Graph of a and its transpose.
   const Graph<int> graph = joined_links<int>(static_cast<int>(first.size()), [&](const auto& add) {
     for (size_t g = 0; g < first.size(); ++g)
       for (auto column = begin_of(first[g]); column != begin_of(first[g] + 1); ++column) {
@@ -98,8 +98,8 @@ RowGroups::RowGroups(const SparseMatrix& a) : group(a.rows()) {
   next.assign(graph.neighbour.begin(), graph.neighbour.end());
 }
 
-/// Place of each row in the order of pivots, counted from one, by nested dissection (METIS) of groups of rows that have
-/// the same columns; empty where that has no use.
+/// Position of each row in the order of pivots, counted from one, by nested dissection (METIS) of groups of rows with
+/// the same columns; empty if that does not pay.
 std::vector<int> dissection_order(const SparseMatrix& a) {
   RowGroups groups(a);
   if (groups.count() < kLeastGroups || groups.next.empty()) return {};
@@ -123,8 +123,8 @@ struct InertiaSolver::Factors {
   Kind kind;
   RowsOfRanks share;
   int rows;                      ///< of all ranks
-  std::vector<int> row, column;  ///< entries that count, from one; symmetric: those of the lower triangle
-  std::vector<int> entry;        ///< where their values stand in the matrix
+  std::vector<int> row, column;  ///< of the entries used, from one; symmetric: the lower triangle
+  std::vector<int> entry;        ///< position of their values in the matrix
   std::vector<double> value;
   Signs signs;  ///< of the factors, while there are any
   bool has_factors = false;
@@ -150,12 +150,12 @@ struct InertiaSolver::Factors {
   }
   virtual Signs factorize() = 0;
   virtual void solve(double* block, int columns, bool transposed) = 0;
-  /// See InertiaSolver::solves_for_factors(); 0 where factors are always cheap.
+  /// See InertiaSolver::solves_for_factors(); 0 if factors are always cheap.
   virtual double solves_for_factors() const { return 0.0; }
 };
 
-/// Matrices of a few rows by LAPACK's dsytrf or dgetrf: MUMPS takes a fifth of the time of a small run to begin and
-/// end, and for each solve ten times what such a matrix does.
+/// Factorises matrices of a few rows by LAPACK's dsytrf or dgetrf: MUMPS takes a fifth of the time of a small run to
+/// start and terminate, and ten times as long for each solve.
 struct InertiaSolver::Dense final : Factors {
   std::vector<double> factors, work;
   std::vector<int> pivots;
@@ -198,7 +198,7 @@ struct InertiaSolver::Dense final : Factors {
     if (info < 0) throw LinearSolverError("LAPACK's dsytrf stopped with code " + std::to_string(info));
     Signs found;
     for (int i = 0; i < rows; ++i) {
-      if (pivots[i] < 0) {  // a block of two, which has one eigenvalue of either sign
+      if (pivots[i] < 0) {  // a 2 x 2 block, which has one eigenvalue of each sign
         if (std::abs(at(i + 1, i)) > zero) {
           ++found.negative;
         } else {
@@ -254,7 +254,7 @@ struct InertiaSolver::Mumps final : Factors {
     call(kAnalyse);
   }
   ~Mumps() override {
-    // others would wait for ever for a rank that has an error of its own, as lack of memory
+    // Termination is collective: other ranks would wait for ever for one that failed alone, say for lack of memory.
     if (share.has_several_ranks() && std::uncaught_exceptions() > 0) return;
     data.job = kTerminate;
     dmumps_c(&data);
@@ -294,7 +294,7 @@ struct InertiaSolver::Mumps final : Factors {
     Signs found;
     if (kind == Kind::symmetric) found.negative = info(12);
     found.null = info(28);
-    // the first rank alone has these
+    // Rank 0 alone has these.
     MPI_Bcast(data.rinfog, static_cast<int>(std::size(data.rinfog)), MPI_DOUBLE, 0, share.communicator);
     const int count = info(kEntries);
     const double entries = count > 0 ? count : -1e6 * count;
@@ -317,12 +317,12 @@ struct InertiaSolver::Mumps final : Factors {
   void set_controls() {
     control(kErrorStream) = control(kDiagnosticStream) = control(kGlobalStream) = -1;
     control(kPrintLevel) = 0;
-    // the analysis comes before any values, so nothing may depend on them
+    // The analysis has no values yet, so nothing in it may depend on them.
     control(kColumnPermutation) = 0;
     control(kSymmetricStrategy) = 1;
     control(kAnalysisKind) = 1;
     control(kOrdering) = kApproximateMinimumDegree;
-    control(kRootParallelism) = 1;  // else pivots of the last front may not be counted
+    control(kRootParallelism) = 1;  // otherwise pivots of the last front may not be counted
     control(kDetectNullPivots) = 1;
     control(kDeterminant) = 1;
     if (!share.has_several_ranks()) return;
@@ -353,7 +353,7 @@ RowsOfRanks of_one_rank(const SparseMatrix& structure) {
   return share;
 }
 
-/// given - A x or A^T x; its size, over the largest sum of the terms of a row.
+/// Subtracts A x or A^T x from `given`; returns the largest residual over the largest sum of |terms| of a row.
 double rest_of(const SparseMatrix& matrix, bool transposed, const double* x, double* given) {
   std::vector<double> sum(matrix.rows());
   for (int i = 0; i < matrix.rows(); ++i) sum[i] = std::abs(given[i]);

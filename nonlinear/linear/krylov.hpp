@@ -1,4 +1,4 @@
-/// Krylov methods for vectors of any kind, with all sums in a fixed order.
+/// Krylov methods for any type of vector, with all sums in a fixed order.
 #pragma once
 
 #include <cmath>
@@ -9,10 +9,10 @@ namespace mixbeam {
 
 enum class KrylovEnd { converged, not_converged, negative_curvature };
 
-/// Conjugate gradients: adds A^-1 r to x until r . M^-1 r has fallen by reduction^2; r becomes what is left. z, p and q
+/// Conjugate gradients: adds A^-1 r to x until r . M^-1 r has fallen by reduction^2; r is then the residual. z, p and q
 /// are scratch. `system` has dot(a, b), add(s, b, a) for a += s b, precondition(r, z) for z = M^-1 r,
-/// extend(z, beta, p) for p = z + beta p (p without value where beta = 0) and multiply(p, q) for q = A p.
-/// `goes_on(iterations, energy, first)` is asked before each iteration; energy: r . M^-1 r now, and at first.
+/// extend(z, beta, p) for p = z + beta p (p undefined if beta = 0) and multiply(p, q) for q = A p.
+/// `goes_on(iterations, energy, first)` is called before each iteration with r . M^-1 r now and at the start.
 template <class System, class Vector, class GoesOn>
 KrylovEnd conjugate_gradients(const System& system, Vector& x, Vector& r, Vector& z, Vector& p, Vector& q,
                               double reduction, const GoesOn& goes_on) {
@@ -87,9 +87,9 @@ struct GmresResult {
   double left = 0.0;  ///< norm of the residual
 };
 
-/// GMRES without restart: y with which |b - A sum y_k v_k| is least, v the basis of the Krylov space of b. `basis`: b,
-/// of norm `beta`, and afterwards v. `multiply(v, next)` sets next = A v; false: y is found without it. Stops where the
-/// residual has fallen by `reduction`. Vectors have inner_product, update, scale and clone as MixedVector.
+/// GMRES without restart: minimises |b - A sum y_k v_k| over y, v the basis of the Krylov space of b. `basis`: b, of
+/// norm `beta`, on entry, v on return. `multiply(v, next)` sets next = A v, or returns false to stop without it. Stops
+/// when the residual has fallen by `reduction`. Vectors have inner_product, update, scale, clone like MixedVector.
 template <class Vector, class Multiply>
 GmresResult gmres(std::vector<Vector>& basis, double beta, double reduction, int most_vectors,
                   const Multiply& multiply) {

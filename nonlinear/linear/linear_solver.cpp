@@ -20,7 +20,7 @@ namespace {
 using DofMultiVector = Tpetra::MultiVector<double, LocalOrdinal, GlobalOrdinal, TpetraNode>;
 using Amesos2Solver = Amesos2::Solver<DofMatrix, DofMultiVector>;
 
-/// By a solver behind Amesos2; nothing is checked.
+/// Solves by a solver of Amesos2, without checks.
 class Amesos2Factors : public LinearSolver {
  public:
   Amesos2Factors(const Teuchos::RCP<DofMatrix>& matrix, const std::string& method, PhaseTimes& times) : times_(times) {
@@ -44,14 +44,14 @@ class Amesos2Factors : public LinearSolver {
   Teuchos::RCP<Amesos2Solver> solver_;
 };
 
-/// With fewer rows factors of rank 0 alone are as quick. Whole runs on two ranks, over those with factors of rank 0:
-/// cubic lattices of 10^3 and 15^3 vertices 0.95, 0.7; square ones of 40^2, 60^2, 100^2 0.97, 0.9, 0.87.
+/// Rows below which factorising on rank 0 alone is as fast. Time of whole runs on two ranks, relative to factorisation
+/// on rank 0: cubic lattices of 10^3 and 15^3 vertices 0.95, 0.7; square ones of 40^2, 60^2, 100^2 0.97, 0.9, 0.87.
 constexpr Tpetra::global_size_t kLeastSharedRows = 5000;
 
-/// So many rows are factorised by LAPACK (see InertiaSolver), which costs nothing beside a tangent.
+/// Rows up to which LAPACK factorises (see InertiaSolver), at a negligible cost beside a tangent.
 constexpr size_t kMostCountedRows = 60;
 
-/// Independent loops in the graph of the vertices of a matrix, or fewer: a graph of several parts has more.
+/// Lower bound of the number of independent loops in the graph of vertices; exact if the graph is connected.
 double independent_loops(const DofMatrix& matrix) {
   const double vertices = static_cast<double>(matrix.getGlobalNumRows()) / kVertexDofs;
   const double blocks = static_cast<double>(matrix.getGlobalNumEntries()) / (kVertexDofs * kVertexDofs);
@@ -89,7 +89,7 @@ class DirectSolver : public LinearSolver {
   void factorize() override {
     has_failed_ = true;
     if (root_ != nullptr) {
-      reset_factors();  // ranks that wait for a solution must not be left alone with an error
+      reset_factors();  // rank 0 must not factorise in solve(): the others would wait for ever if it threw there
       PhaseTimer timer(times_, "gather matrix");
       root_->gather_values();
     }
@@ -117,7 +117,7 @@ class DirectSolver : public LinearSolver {
   }
 
   std::optional<long> negative_eigenvalues() override {
-    long known[2] = {0, 0};  // whether it is known; how many
+    long known[2] = {0, 0};  // {whether it is known, count}
     if (root_ == nullptr || root_->is_root())
       if (const std::optional<long> here = negative_here()) known[0] = 1, known[1] = *here;
     if (root_ != nullptr) root_->share(known, 2, MPI_LONG);
@@ -125,7 +125,7 @@ class DirectSolver : public LinearSolver {
   }
 
  private:
-  /// KLU's factors do not tell.
+  /// Counts by MUMPS, or for small matrices by additional factors: those of KLU do not provide the count.
   std::optional<long> negative_here() {
     if (method_ == kMumps) return factors_->negative_eigenvalues();
     const Teuchos::RCP<DofMatrix>& matrix = root_ == nullptr ? matrix_ : root_->matrix();
@@ -155,7 +155,7 @@ class DirectSolver : public LinearSolver {
       }
       factors_->factorize();
     } catch (const std::exception& error) {
-      if (is_out_of_memory(error)) throw;  // no fault of the matrix: another factorisation would need as much
+      if (is_out_of_memory(error)) throw;  // another factorisation would need as much
       return error.what();
     }
     return "";
@@ -187,7 +187,7 @@ class DirectSolver : public LinearSolver {
   Teuchos::RCP<DofMatrix> matrix_;
   std::string method_;
   double tolerance_;
-  bool has_failed_ = false;  ///< the last factorisation
+  bool has_failed_ = false;  ///< whether the last factorisation failed
   PhaseTimes& times_;
   std::unique_ptr<RootCopy> root_;  ///< several ranks only
   std::unique_ptr<LinearSolver> factors_, signs_;

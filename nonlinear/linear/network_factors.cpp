@@ -13,17 +13,17 @@ namespace mixbeam {
 
 namespace {
 
-/// Rounding of the condensation leaves asymmetry of 1e-15; one refinement removes the error that this much leaves.
+/// Asymmetry that passes for rounding, for which one refinement is enough. Condensation leaves 1e-15.
 constexpr double kSymmetryOfRounding = 1e-12;
 
-/// Iterations with the factors of an earlier matrix may cost this share of a factorisation: the rest pays for attempts
-/// that end in one.
+/// Share of a factorisation that iterations with the factors of an earlier matrix may cost: the rest pays for attempts
+/// that end in a factorisation.
 constexpr double kShareOfFactorization = 0.5;
-/// Fewer are not worth an attempt: cubes of 14^3 junctions and sheets of 200^2 have that many.
+/// Smallest iteration budget worth an attempt: that of cubes of 14^3 junctions and sheets of 200^2.
 constexpr int kLeastIterations = 7;
-/// Share of the error left, in energy: Newton's method converges as with factors.
+/// Energy error left by an iteration: Newton's method converges as with factors.
 constexpr double kReduction = 1e-9;
-/// So many iterations tell how many it will take.
+/// Iterations after which the total number is extrapolated.
 constexpr int kForecast = 2;
 
 bool is_moment(int row) { return row % kVertexDofs >= 3; }
@@ -42,7 +42,7 @@ bool NetworkFactors::on_all_ranks(bool here) const {
   return all == 1;
 }
 
-/// Behind the values of the rows here those of columns that belong to others.
+/// Appends to the values of the rows here those of columns that belong to other ranks.
 void NetworkFactors::complete(std::vector<double>& values) const {
   if (!share_.has_several_ranks()) return;
   DofVector mine(matrix_->getRowMap());
@@ -54,7 +54,7 @@ void NetworkFactors::complete(std::vector<double>& values) const {
   for (size_t c = remaining_.rows(); c < column_.size(); ++c) values[c] = known(column_[c]);
 }
 
-/// 1 where a row has no other entry than that on the diagonal.
+/// Marks rows without entries off the diagonal.
 std::vector<unsigned char> NetworkFactors::rows_alone() const {
   const auto local = matrix_->getLocalMatrixHost();
   std::vector<unsigned char> alone(local.numRows(), 1);
@@ -93,7 +93,7 @@ void NetworkFactors::take_out(std::vector<unsigned char> alone) {
   if (share_.has_several_ranks()) find_mirrors_of_others();
 }
 
-/// Ranks learn from the owners of their columns which of those remain, and as which numbers.
+/// Numbers the remaining rows over all ranks and imports the numbers of the columns from their owners.
 void NetworkFactors::number_columns() {
   const int rows = static_cast<int>(alone_.size()),
             remain = static_cast<int>(std::count(alone_.begin(), alone_.end(), 0));
@@ -152,7 +152,7 @@ void NetworkFactors::find_mirrors_of_others() {
   }
 }
 
-/// In units of the largest entries of the rows, forces by displacements and moments by rotations.
+/// Whether the matrix is symmetric, relative to the largest force-displacement or moment-rotation entries of its rows.
 bool NetworkFactors::has_symmetry() const {
   std::vector<double> size(remaining_.rows(), 0.0);
   const auto each_entry = [this](const auto& action) {
@@ -241,7 +241,7 @@ void NetworkFactors::adopt_factors_of(Solver& solver) {
 std::optional<long> NetworkFactors::negative_eigenvalues() {
   if (is_earlier_) try {
       factorize_now();
-    } catch (const LinearSolverError&) {  // a singular matrix tells no signs
+    } catch (const LinearSolverError&) {  // a singular matrix has no count
     }
   return negative_;
 }
@@ -274,7 +274,7 @@ struct NetworkFactors::Iteration {
   }
 };
 
-/// Conjugate gradients; false where they would need more iterations than are left.
+/// Conjugate gradients; false if they would need more iterations than the budget.
 bool NetworkFactors::iterate(std::vector<double>& b) {
   PhaseTimer timer(times_, "iterations with earlier factors");
   std::vector<double> r = b, z, p(b.size(), 0.0), q(b.size()), x(b.size(), 0.0);
@@ -311,7 +311,7 @@ double NetworkFactors::solve(const DofVector& b, DofVector& x, double /*energy_r
     const int row = column_[r];
     rhs[r] = given(row);
     for (size_t k = local.graph.row_map(row); k < local.graph.row_map(row + 1); ++k)
-      rhs[r] -= local.values(k) * known(local.graph.entries(k));  // zero where the unknown is not known yet
+      rhs[r] -= local.values(k) * known(local.graph.entries(k));  // zero for unknowns not yet solved for
   }
   if (is_earlier_ && !iterate(rhs)) factorize_now();
   if (unknowns() > 0 && !is_earlier_) factors_->solve(rhs.data(), 1);

@@ -1,4 +1,4 @@
-/// Factors of the matrices of networks by MUMPS, on all ranks that share their rows.
+/// Factors of network matrices by MUMPS, on all ranks that share their rows.
 #pragma once
 
 #include "discretization/assembly/phase_timer.hpp"
@@ -17,18 +17,18 @@ class NetworkFactors : public LinearSolver {
   NetworkFactors(const Teuchos::RCP<DofMatrix>& matrix, PhaseTimes& times);
 
   void factorize() override;
-  /// Checks nothing, and returns zero.
+  /// Solves without a check and returns zero.
   double solve(const DofVector& b, DofVector& x, double energy_reduction = 0.0) override;
   /// Known if the matrix is symmetric and the unknowns eliminated first have a positive diagonal.
   std::optional<long> negative_eigenvalues() override;
   void reset_factors() override { reusable_ = false; }
-  /// Adopts the factors of a matrix of the same structure as if they were those of an earlier one.
+  /// Adopts the factors of a matrix of the same structure like those of an earlier matrix.
   void adopt_factors_of(Solver& other) override;
-  /// Unknowns of the matrix factorised last that were not eliminated first, and whether their matrix is symmetric.
+  /// Number of unknowns that were not eliminated first, in the last matrix; see is_symmetric() for theirs.
   int unknowns() const { return share_.rows.total(); }
   int factorizations() const { return factors_ == nullptr ? 0 : factors_->factorizations(); }
   bool is_symmetric() const { return kind_ == InertiaSolver::Kind::symmetric; }
-  /// Iterations of the last solve by conjugate gradients.
+  /// Number of iterations of the last solve by conjugate gradients.
   int iterations() const { return iterations_; }
 
  private:
@@ -47,21 +47,21 @@ class NetworkFactors : public LinearSolver {
 
   Teuchos::RCP<DofMatrix> matrix_;
   PhaseTimes& times_;
-  std::vector<unsigned char> alone_;  ///< (row): 1 where it is taken out
-  std::vector<int> column_;  ///< (remaining row here, then remaining column of others): its column in the matrix
+  std::vector<unsigned char> alone_;  ///< (row): 1 if it is eliminated first
+  std::vector<int> column_;  ///< (remaining row here, then remaining column of other ranks): its column in the matrix
   SparseMatrix remaining_;
   RowsOfRanks share_;
-  std::vector<size_t> entry_;  ///< (entry of remaining_): where it stands in the matrix
-  std::vector<int> mirror_;    ///< (entry of remaining_): that of its transpose, -1 where there is none; behind the
-                               ///< entries here those of all ranks in rows of one and columns of another one
-  std::vector<int> border_;    ///< entries of remaining_ in columns of others
+  std::vector<size_t> entry_;  ///< (entry of remaining_): its position in the matrix
+  std::vector<int> mirror_;    ///< (entry of remaining_): number of its transpose, -1 if there is none; numbers after
+                               ///< the entries here are those of the border entries of all ranks, see borders_
+  std::vector<int> border_;    ///< entries of remaining_ in columns owned by other ranks
   GatherPlan borders_;
   InertiaSolver::Kind kind_ = InertiaSolver::Kind::symmetric;
-  std::shared_ptr<InertiaSolver> factors_;  ///< as preconditioner shared with whoever has taken them over
+  std::shared_ptr<InertiaSolver> factors_;  ///< as preconditioner shared with solvers that have adopted them
   std::optional<long> negative_;
-  bool reusable_ = false;     ///< factors_ may be the preconditioner of the next matrix
-  bool is_earlier_ = false;   ///< factors_ are those of an earlier matrix
-  int iteration_budget_ = 0;  ///< iterations that are still cheaper than factors of the present matrix
+  bool reusable_ = false;     ///< factors_ may precondition the next matrix
+  bool is_earlier_ = false;   ///< factors_ belong to an earlier matrix
+  int iteration_budget_ = 0;  ///< number of iterations that are still cheaper than factors of the present matrix
   int iterations_ = 0;
 };
 

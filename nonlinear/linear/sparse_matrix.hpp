@@ -1,4 +1,4 @@
-/// A sparse matrix by itself, for solvers that know nothing of structures; how ranks share one, and its copy on rank 0.
+/// A plain sparse matrix for solvers that do not depend on Tpetra, its distribution over ranks, and its copy on rank 0.
 #pragma once
 
 #include "discretization/mesh/tpetra_types.hpp"
@@ -9,7 +9,7 @@
 
 namespace mixbeam {
 
-/// Square matrix in compressed rows; both triangles, whether symmetric or not. The columns of a row need no order.
+/// Square matrix in compressed row storage, both triangles also if symmetric. The columns of a row need no order.
 struct SparseMatrix {
   std::vector<int> row_start, column;
   std::vector<double> value;
@@ -19,7 +19,7 @@ struct SparseMatrix {
   void multiply(const double* x, double* y) const;
 };
 
-/// How many entries each rank contributes, and where they go on rank 0.
+/// Number of entries that each rank contributes, and their offsets on rank 0.
 struct GatherPlan {
   std::vector<int> counts, offsets;
   int total() const { return counts.empty() ? 0 : counts.back() + offsets.back(); }
@@ -30,7 +30,7 @@ struct GatherPlan {
 
 MPI_Comm communicator_of(const DofMatrix& matrix);
 
-/// Ranks that hold the rows of a matrix together, each those behind the rows of the rank before it.
+/// Distribution of the rows of a matrix over ranks, in the order of ranks.
 struct RowsOfRanks {
   MPI_Comm communicator = MPI_COMM_SELF;
   GatherPlan rows;                 ///< of each rank
@@ -40,19 +40,19 @@ struct RowsOfRanks {
   bool has_several_ranks() const { return rows.counts.size() > 1; }
 };
 
-/// The structure with the rows of all ranks on the first one, without rows on every other one. Collective.
+/// Gathers the structure on rank 0; other ranks get a matrix without rows. Collective.
 SparseMatrix gathered_structure(const SparseMatrix& here, const RowsOfRanks& share);
 /// Gathers the structure with its values. Collective.
 SparseMatrix gathered(const SparseMatrix& here, const RowsOfRanks& share);
 
-/// Largest |A_ij - A_ji| / sqrt(max(|A_ii|, 1) max(|A_jj|, 1)): entries are numbers without unit.
+/// Largest |A_ij - A_ji| / sqrt(max(|A_ii|, 1) max(|A_jj|, 1)) of a dimensionless matrix.
 double asymmetry(const SparseMatrix& a);
 
-/// (A + A^T) / 2 where the entries of A^T have a place in A, as those of structures have.
+/// Computes (A + A^T) / 2 for a matrix with a symmetric pattern; entries without a mirror stay as they are.
 SparseMatrix symmetric_part(SparseMatrix a);
 
-/// Copy of a distributed matrix on rank 0 alone, and the exchange of its values and vectors. Rows must be contiguous by
-/// rank. All functions are collective. A process alone takes the matrix itself and needs no MPI.
+/// Copy of a distributed matrix on rank 0, with the exchange of values and vectors. Rows must be contiguous by rank.
+/// All functions are collective. On a single process it is the matrix itself and needs no MPI.
 class RootCopy {
  public:
   explicit RootCopy(const Teuchos::RCP<DofMatrix>& matrix);
@@ -62,7 +62,7 @@ class RootCopy {
   bool is_alone() const { return mpi_ == MPI_COMM_NULL; }
   MPI_Comm communicator() const { return mpi_; }
 
-  /// Numbers of rank 0 on every rank.
+  /// Broadcasts numbers from rank 0.
   void share(void* numbers, int count, MPI_Datatype type) const;
   void gather_values() const;
   void gather(const DofVector& from, double* to) const;
