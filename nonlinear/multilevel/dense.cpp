@@ -13,7 +13,7 @@ namespace mixbeam::dense {
 
 namespace {
 
-/// C += A B for Packs * Width rows and so many columns of C, which stay in registers meanwhile.
+/// Adds C += A B for a tile of Packs * Width rows and Columns columns of C, which is kept in registers.
 template <int Packs, int Width, int Columns>
 void add_tile(int k, const double* a, int a_stride, const double* b, int b_row, int b_column, double* c, int c_stride) {
   Pack<Width> sum[Columns][Packs];
@@ -31,7 +31,7 @@ void add_tile(int k, const double* a, int a_stride, const double* b, int b_row, 
     for (int q = 0; q < Packs; ++q) store(sum[j][q], c + static_cast<size_t>(c_stride) * j + Width * q);
 }
 
-/// Products with more multiplications are left to BLAS: those of some 50 rows and more.
+/// Multiplications above which BLAS computes a product: from about 50 rows on.
 constexpr double kLargeProduct = 1e5;
 
 void add_large_product(int m, int k, int n, const double* a, int a_stride, const double* b, const char* b_form,
@@ -43,7 +43,7 @@ void add_large_product(int m, int k, int n, const double* a, int a_stride, const
 
 }  // namespace
 
-/// In tiles, but for large ones: most blocks have 6 to 40 rows, for which a call of BLAS costs as much as it gains.
+/// Uses tiles except for large products: most blocks have 6 to 40 rows, for which a call of BLAS gains nothing.
 void add_product(int m, int k, int n, const double* a, int a_stride, const double* b, int b_row, int b_column,
                  double* c, int c_stride) {
   constexpr int kColumns = 4;

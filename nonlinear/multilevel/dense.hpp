@@ -1,4 +1,4 @@
-/// Products of small dense blocks, column-major, in tiles and lanes.
+/// Products of small dense blocks, column-major, by register tiles and SIMD lanes.
 #pragma once
 
 #include "kernels/execution/pack.hpp"
@@ -15,22 +15,22 @@ inline void store(const Pack<Width>& numbers, double* to) {
     numbers.store(to);
 }
 
-/// C (m x n) += A (m x k) B (k x n); A and C have contiguous columns `a_stride` and `c_stride` apart, B any strides.
+/// Adds C (m x n) += A (m x k) B (k x n); A and C have contiguous columns of these strides, B any strides.
 void add_product(int m, int k, int n, const double* a, int a_stride, const double* b, int b_row, int b_column,
                  double* c, int c_stride);
-/// Lower triangle of C (m x m) += that of A (m x k) B (k x m), columns of C m apart; some entries above it change too.
+/// Adds A (m x k) B (k x m) to the lower triangle of C (m x m, stride m); changes some entries above it too.
 void add_lower_product(int m, int k, const double* a, int a_stride, const double* b, int b_row, int b_column,
                        double* c);
-/// Inverse of the Cholesky factor L of a (m x m, lower triangle read); false where a is not positive definite.
+/// Inverts the Cholesky factor L of a (m x m, lower triangle read); false if a is not positive definite.
 bool inverse_cholesky(int m, double* a, double* inverse);
 
-/// transposed (n) = A^T z and, where x (n) is given, y (m) += A x, with one reading of A (m x n); see add_columns().
-/// For double and single precision.
+/// Computes transposed (n) = A^T z and, if x (n) is given, y (m) += A x, reading A (m x n) once; see add_columns().
+/// For A in double and single precision.
 template <bool WithProduct, class Value>
 void multiply_both_ways(int m, int n, const Value* a, const double* z, double* transposed, const double* x = nullptr,
                         double* y = nullptr);
 
-/// y (m) += A x, A (m x n) with contiguous columns.
+/// Adds y (m) += A x, A (m x n) with contiguous columns.
 inline void add_times_vector(int m, int n, const double* __restrict__ a, const double* __restrict__ x,
                              double* __restrict__ y) {
   for (int j = 0; j < n; ++j)
@@ -38,8 +38,8 @@ inline void add_times_vector(int m, int n, const double* __restrict__ a, const d
     for (int i = 0; i < m; ++i) y[i] += a[static_cast<size_t>(m) * j + i] * x[j];
 }
 
-/// Multiplies columns side by side: sums = A^T z, and y += A x where x is given. Reads and writes in whole lanes: z
-/// must be zero and y have room up to kLanes - 1 numbers behind m, and the numbers behind A must be finite.
+/// Multiplies several columns at once: sums = A^T z, and y += A x if x is given. Reads and writes whole lanes: behind
+/// the m numbers of z and y there must be kLanes - 1 more, zero in z, and the numbers behind A must be finite.
 template <int Columns, bool WithProduct, class Value>
 inline void add_columns(int m, const Value* a, const double* z, double* sums, const double* x, double* y) {
   Pack<kLanes> sum[Columns];

@@ -1,4 +1,4 @@
-/// Nodes of other ranks that the nodes of one are linked with.
+/// Ghosts: nodes of other ranks that are linked with nodes of this one.
 #pragma once
 
 #include "nonlinear/linear/sparse_matrix.hpp"
@@ -10,14 +10,14 @@
 
 namespace mixbeam {
 
-/// Nodes here are numbered first, then those of others, ghosts, rank by rank. All functions but renumber() are
-/// collective where there are several ranks.
+/// Local nodes are numbered first, then the ghosts, rank by rank. All functions but renumber() are collective if there
+/// are several ranks.
 class Halo {
  public:
   /// Halo of one rank, which has all nodes.
   Halo() = default;
-  /// `ghosts`: their numbers among the nodes of all ranks, ascending. Those of a rank are numbered behind those of the
-  /// rank before it. Owners are told which of their nodes are ghosts elsewhere.
+  /// `ghosts`: their global numbers, ascending; global numbers follow the order of ranks. Informs owners which of their
+  /// nodes are ghosts elsewhere.
   Halo(MPI_Comm communicator, int nodes, const std::vector<int>& ghosts) : communicator_(communicator), nodes_(nodes) {
     const GatherPlan owners(communicator, nodes);
     const int ranks = static_cast<int>(owners.counts.size());
@@ -50,13 +50,12 @@ class Halo {
   bool has_several_ranks() const { return communicator_ != MPI_COMM_SELF; }
   MPI_Comm communicator() const { return communicator_; }
   int ghosts() const { return ghost_.empty() ? 0 : ghost_.back(); }
-  /// (node): its new number; ghosts keep theirs here.
+  /// Renumbers local nodes; ghosts keep their numbers. `place`: (node) new number.
   void renumber(const std::vector<int>& place) {
     for (int& node : sender_) node = place[node];
   }
 
-  /// Copies the numbers of ghosts from their owners. `start`: (node, ghosts behind them, and one more): where those of
-  /// a node begin.
+  /// Copies the values of ghosts from their owners. `start`: (nodes, then ghosts, and one more) first value of each.
   template <class Number, class Start>
   void exchange(Number* data, const Start& start) const {
     if (!has_several_ranks()) return;
@@ -75,13 +74,13 @@ class Halo {
     MPI_Waitall(2 * neighbours, requests.data(), MPI_STATUSES_IGNORE);
   }
 
-  /// First number among those of all ranks, where those of the rank before have `mine` as well.
+  /// Exclusive sum of `mine` over the ranks before this one: the first global number here.
   int first_of(int mine) const {
     int before = 0;
     if (has_several_ranks()) MPI_Exscan(&mine, &before, 1, MPI_INT, MPI_SUM, communicator_);
     int rank = 0;
     MPI_Comm_rank(communicator_, &rank);
-    return rank == 0 ? 0 : before;  // MPI leaves that of the first rank as it is
+    return rank == 0 ? 0 : before;  // MPI_Exscan leaves it undefined on rank 0
   }
 
   double sum(double here) const {
@@ -102,8 +101,8 @@ class Halo {
   int nodes_ = 0;
   std::vector<int> rank_;    ///< (neighbour)
   std::vector<int> ghost_;   ///< (neighbour, and one more): first ghost that it owns
-  std::vector<int> sent_;    ///< (neighbour, and one more): first of the nodes that it gets
-  std::vector<int> sender_;  ///< the nodes
+  std::vector<int> sent_;    ///< (neighbour, and one more): first entry of sender_ for it
+  std::vector<int> sender_;  ///< local nodes whose values are sent
 };
 
 }  // namespace mixbeam

@@ -15,43 +15,43 @@ namespace mixbeam {
 
 namespace {
 
-/// Modes of an aggregate with smaller eigenvalues are left to the next level; the smoother takes the others. On the
-/// first level there is a gap between 0.01 and 0.1. Measured with 2e4 junctions of all kinds and slendernesses: with
-/// 0.05 and 0.04 in place of 0.1 and 0.05 cubic lattices need as many iterations, those with a third of the struts
-/// removed 36 in place of 30; 0.03 on later levels needs 1 or 2 more.
-/// Under compression all motions that shear a lattice soften together; on the first level a raise gains nothing.
+/// Eigenvalues below which modes of an aggregate go to the next level; the smoother damps the others. On the first
+/// level there is a gap between 0.01 and 0.1. Measured with 2e4 junctions of all kinds and slendernesses: with 0.05 and
+/// 0.04 in place of 0.1 and 0.05 cubic lattices need as many iterations, but those with a third of the struts removed
+/// 36 in place of 30; 0.03 on later levels needs 1 or 2 more.
+/// Under compression all modes that shear a lattice soften together; on the first level a raise gains nothing.
 constexpr Level::ModeLimit kSoftMode{0.1, 0.0}, kSoftModeLater{0.05, 4.0};
-/// A level with so few unknowns is factorised: 2 million entries if its matrix is full. With 5000 the solves of the
-/// coarsest level took half of the iterations of a cubic lattice of 8,610 struts.
+/// Unknowns up to which a level is factorised: 2 million entries if its matrix is full. With 5000 the solves of the
+/// coarsest level took half of the time of iterations for a cubic lattice of 8,610 struts.
 constexpr int kDirectUnknowns = 2000;
-/// Coarsening stops at a level that would keep more than this share of the unknowns.
+/// Share of the unknowns above which the next level is not made.
 constexpr double kLeastReduction = 0.75;
 
-// Aggregates: groups of neighbouring nodes of a network, groups of those, and so on, the parts of the coarse spaces.
+// Aggregates: nested groups of neighbouring nodes of a network, on which the coarse spaces are defined.
 
-/// Unknowns of a level with fewer nodes are few enough for a direct solver, whatever the modes of a node are.
+/// Nodes up to which a level is not coarsened: few enough for a direct solver, however many unknowns a node has.
 constexpr int kSmallGraph = 64;
-/// A level with more aggregates than this share of its nodes is not worth having.
+/// Ratio of aggregates to nodes above which the next level does not pay.
 constexpr double kLeastCoarsening = 0.5;
 
-/// Pairs of pairs of pairs: eight nodes for each aggregate, of which networks need the least time: eigenproblems grow
-/// with the cube of this number, levels with its logarithm.
+/// Rounds of pairing: pairs of pairs of pairs have eight nodes, the size with the least total time. Eigenproblems grow
+/// with the cube of this size, the number of levels falls with its logarithm.
 constexpr int kRounds = 3;
-/// An aggregate that stayed smaller joins a neighbour, as long as both together are not larger than that: the ends of
-/// odd rows beside whole cubes.
+/// Size below which an aggregate joins a neighbour, and the largest size of both together: for the ends of odd rows
+/// beside whole cubes.
 constexpr int kLeastSize = 5, kMostSize = 12;
-/// A direction that lattices do not have, nor sums of theirs with small numbers.
+/// Direction that is no lattice direction, nor a combination of those with small integers.
 constexpr Vector3 kDirection = {0.7799, 0.5515, 0.2948};
-/// Twice as many links count more than any direction: squares before rows of four.
+/// Exponent for which twice as many links count more than any direction: squares before rows of four.
 constexpr double kWeightPower = 4.0;
-/// Weight of a link across the direction, beside the squared cosine of the angle to it.
+/// Weight of a link perpendicular to the direction, added to the squared cosine of the angle to it.
 constexpr double kAcross = 0.01;
-/// A neighbour is as good as the best one, which is taken, if its closeness is this share of it: a lattice whose nodes
-/// are displaced has no better ones in its rows.
+/// Share of the best neighbour's closeness, if that is taken, down to which another one is as good: the rows of a
+/// perturbed lattice have no better ones.
 constexpr double kCloseEnough = 0.5;
-constexpr double kLeastDistance = 1e-300;  ///< against division by zero
+constexpr double kLeastDistance = 1e-300;  ///< avoids division by zero
 
-/// Weights are numbers of links. (link): its weight; empty: all one.
+/// Builds the graph of nodes. `weights`: (link) number of links that it stands for; empty: all one.
 Graph<double> graph_of(int nodes, const LinkEnds& ends, const std::vector<double>& weights) {
   return joined_links<double>(nodes, [&](const auto& add) {
     for (size_t l = 0; l < ends.size(); ++l)
@@ -66,10 +66,10 @@ struct Groups {
   std::vector<int> size;       ///< (group): its nodes
 };
 
-/// Joins groups to pairs, in the order in which they lie along a direction: each with the neighbour with the most
-/// links; of several with that which closes a square beside another pair, or lies along the direction. In a lattice
-/// pairs are therefore parallel and side by side, pairs of pairs squares, and pairs of those cubes. One whose best
-/// neighbours are all taken stays single: the last one of an odd row. (group): its pair, and how many there are.
+/// Joins groups to pairs, in their order along a direction: each with the neighbour that has the most links; among
+/// equals, with the one that closes a square beside another pair, or lies along the direction. In a lattice pairs are
+/// therefore parallel and side by side, pairs of pairs squares, and pairs of those cubes. A group whose best neighbours
+/// are all taken stays single, like the last one of an odd row. Returns (group): its pair; `count`: number of pairs.
 std::vector<int> pairs_of(const Graph<double>& graph, const std::vector<Vector3>& place, int& count) {
   const int n = graph.nodes();
   std::vector<double> along(n);
@@ -111,7 +111,7 @@ std::vector<int> pairs_of(const Graph<double>& graph, const std::vector<Vector3>
   return pair;
 }
 
-/// Joins groups of few nodes to the neighbour with the most links. (group): its new number, and how many there are.
+/// Joins small groups to the neighbour with the most links. Returns (group): new number; `count`: number of groups.
 std::vector<int> without_small_ones(const Graph<double>& graph, std::vector<int> size, int& count) {
   const int n = graph.nodes();
   std::vector<int> joined(n), number(n, -1);
@@ -121,7 +121,7 @@ std::vector<int> without_small_ones(const Graph<double>& graph, std::vector<int>
     return v;
   };
   for (int v = 0; v < n; ++v) {
-    if (size[v] >= kLeastSize) continue;  // of what has joined it, too
+    if (size[v] >= kLeastSize) continue;  // includes groups that have joined it
     int best = -1;
     double most = 0.0;
     for (int k = graph.start[v]; k < graph.start[v + 1]; ++k) {
@@ -142,7 +142,7 @@ std::vector<int> without_small_ones(const Graph<double>& graph, std::vector<int>
   return group;
 }
 
-/// The graph over groups of its nodes.
+/// Contracts the graph to groups of its nodes.
 Graph<double> contracted(const Graph<double>& graph, const std::vector<int>& group, int groups) {
   LinkEnds links;
   std::vector<double> weights;
@@ -155,7 +155,7 @@ Graph<double> contracted(const Graph<double>& graph, const std::vector<int>& gro
   return graph_of(groups, links, weights);
 }
 
-/// Groups of groups.
+/// Joins groups to larger ones. `joined`: (group) number of the larger one.
 void join(Graph<double>& graph, Groups& groups, const std::vector<int>& joined, int count) {
   graph = contracted(graph, joined, count);
   std::vector<Vector3> place(count, Vector3{});
@@ -218,7 +218,7 @@ namespace {
 
 LevelVector zeros(int count) { return LevelVector("mixbeam::multilevel::vector", count); }
 
-/// Modes of the aggregate that has most.
+/// Largest number of modes of an aggregate.
 int widest(const Level::Coarse& coarse) {
   int most = 0;
   for (size_t a = 0; a + 1 < coarse.unknown.size(); ++a)
@@ -244,7 +244,7 @@ Hierarchy::Hierarchy(const std::vector<Vector3>& places, const LinkEnds& ends, H
   int count = nodes;
   const auto most = static_cast<size_t>(halo.largest(static_cast<double>(nesting.first.size())));
   for (size_t l = 0; l < most; ++l) {
-    if (l >= nesting.first.size()) {  // where other ranks have more levels, nodes stay single
+    if (l >= nesting.first.size()) {  // if other ranks have more levels, nodes here stay single
       nesting.first.emplace_back(count + 1);
       std::iota(nesting.first[l].begin(), nesting.first[l].end(), 0);
     }
@@ -277,7 +277,7 @@ void Hierarchy::set(const NetworkMatrix& matrix) {
     if (halo.sum(next->unknown[fine.aggregates()]) > kLeastReduction * unknowns ||
         halo.largest(widest(*next)) > Level::kMostModes)
       break;
-    if (used_ > 1) fine.round();  // before the links of two levels lie in memory
+    if (used_ > 1) fine.round();  // frees memory before the links of two levels exist
     fine.project_links(links, *next);
     self = next->self;
     present = std::move(next);
@@ -296,15 +296,15 @@ void Hierarchy::set(const NetworkMatrix& matrix) {
       vectors_[l] = {zeros(n), zeros(n), zeros(n), zeros(n)};
   factorize_coarsest();
 #ifdef __GLIBC__
-  malloc_trim(0);  // what making spaces has freed lies between what is kept: it would stay until the end of the run
+  malloc_trim(0);  // memory freed by making spaces is fragmented and would not be returned until the end of the run
 #endif
 }
 
-/// By one rank alone, so that results of the same ranks have the same bits.
+/// Factorises on rank 0 alone, so that runs on the same number of ranks have the same bits.
 void Hierarchy::factorize_coarsest() {
   Level& level = *levels_[used_ - 1];
   const bool is_shared = level.halo().has_several_ranks();
-  direct_.reset();  // one at a time
+  direct_.reset();  // frees the old factors first
   SparseMatrix coarsest = level.matrix();
   if (used_ > 1) level.drop_values();
   if (is_shared) {
@@ -326,7 +326,7 @@ void Hierarchy::factorize_coarsest() {
   if (level.halo().largest(negative) > 0.0) throw NegativeCurvature("the coarsest matrix has negative eigenvalues");
 }
 
-/// x = A^-1 residual
+/// Solves x = A^-1 residual.
 void Hierarchy::solve_coarsest() {
   const Vectors& v = vectors_[used_ - 1];
   const Level& level = *levels_[used_ - 1];

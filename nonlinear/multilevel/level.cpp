@@ -25,9 +25,9 @@ using multilevel::for_each, multilevel::numbers;
 using LevelRange = Kokkos::RangePolicy<ExecutionSpace>;
 
 constexpr int kFine = 6;          ///< unknowns of a node of the finest level
-constexpr double kLargest = 2.0;  ///< eigenvalue of A^: a link, being positive, is at most twice its own diagonal
+constexpr double kLargest = 2.0;  ///< bound of eigenvalues of A^: a positive link is at most twice its block diagonal
 constexpr double kRatio = 20.0;   ///< of the largest to the least eigenvalue that the smoother damps
-constexpr int kDegree = 3;        ///< of the smoother
+constexpr int kDegree = 3;        ///< of the smoother's polynomial
 
 }  // namespace
 
@@ -52,7 +52,7 @@ void Level::build_rows() {
   slot_ = std::move(rows.entries);
 }
 
-/// Aggregates of all nodes: own ones, and behind them those that ghosts belong to.
+/// Numbers the aggregates of all nodes: those here first, then those that ghosts belong to.
 void Level::find_aggregates() {
   aggregate_.resize(nodes_ + halo_.ghosts());
   for (int i = 0; i < aggregates(); ++i) std::fill(&aggregate_[first_[i]], &aggregate_[0] + first_[i + 1], i);
@@ -73,7 +73,7 @@ void Level::find_aggregates() {
 
 void Level::build_coarse_links() {
   crossing_start_ = {0};
-  std::vector<std::array<int, 2>> of_aggregate;  // aggregate at the other end, link and its direction
+  std::vector<std::array<int, 2>> of_aggregate;  // {aggregate at the other end, 2 * link + end here}
   for (int i = 0; i < aggregates(); ++i) {
     of_aggregate.clear();
     for (int s = row_[first_[i]]; s < row_[first_[i + 1]]; ++s)
@@ -106,10 +106,10 @@ void Level::set(std::vector<int> unknown, const KernelView<double*>& self, const
   scale(self, links);
 }
 
-/// Blocks lie in the order in which rows meet them first, summands of a row behind each other, and behind all of them
-/// what is computed for rows of other ranks and not used. How many numbers blocks have.
+/// Places blocks in the order in which rows first meet them, and summands of a row consecutively; those computed for
+/// rows of other ranks, and not used, come last. Returns the number of entries of all blocks.
 size_t Level::number_blocks() {
-  std::vector<int> slot_of_link(ends_.size());  // that of its earlier node
+  std::vector<int> slot_of_link(ends_.size());  // at its earlier node
   block_.resize(slot_.size());
   summand_.resize(slot_.size());
   first_summand_.resize(nodes_ + 1);
@@ -153,7 +153,7 @@ void Level::add_own(int node, const LinkBlocks& link, std::vector<double>& block
     for (int i = 0; i < m; ++i) block[m * j + i] += link.first[link.first_stride * j + i];
 }
 
-/// Factors of the blocks on the diagonal, and the others in scaled unknowns.
+/// Factorises the diagonal blocks and transforms the others to scaled unknowns.
 void Level::scale(const KernelView<double*>& self, const LinkSource& links) {
   std::atomic<bool> definite{true};
   for_each(nodes_, [&](int v) {
@@ -194,8 +194,8 @@ void Level::round() {
   value_ = {};
 }
 
-/// Each block is read once, for both nodes: first what rows sum up themselves and what later nodes owe them, then the
-/// sums over both, in the order of the nodes.
+/// Multiplies with A^, reading each block once for both nodes: the first loop computes each row's own products and its
+/// contributions to rows of later nodes, the second sums up both in the order of nodes.
 template <int Size, class Value, class Finish>
 void Level::for_each_row(const Value* value, const LevelVector& x, const Finish& finish) const {
   const double* from = x.data();
@@ -327,7 +327,7 @@ SparseMatrix Level::matrix() const {
         if (s == behind) add(unknown_[v] + i, 1.0);
         if (s == slots.end()) break;
         const int first = unknown_[slot_[*s][2]], n = unknowns_of(slot_[*s][2]);
-        const bool is_stored = slot_[*s][2] > v;  // else its transpose
+        const bool is_stored = slot_[*s][2] > v;  // otherwise its transpose is
         for (int j = 0; j < n; ++j)
           add(first + j,
               value_(block_[*s] + (is_stored ? static_cast<size_t>(m) * j + i : static_cast<size_t>(n) * i + j)));
@@ -349,16 +349,16 @@ RowsOfRanks Level::shares() const {
   return share;
 }
 
-// The next level: soft modes of aggregates, and what passes between the two.
+// The next level: soft modes of aggregates, projection, and transfer of vectors.
 
 namespace {
 
-/// Entries beside the diagonal of a tridiagonal form that count as none: rounding of its eigenvalues, from 0 to 2.
+/// Off-diagonal entries of a tridiagonal form that count as zero: rounding of its eigenvalues, which lie in [0, 2].
 constexpr double kNoLink = 1e-16;
 
 /// Eigenvalues of a symmetric matrix (lower triangle read) up to a limit, with eigenvectors in the columns of
-/// `vectors`: all values of the tridiagonal form, then the wanted vectors by inverse iteration. LAPACK's dsyevx, which
-/// finds the wanted values alone by bisection, takes a quarter more time for the spaces of a cubic lattice.
+/// `vectors`: finds all values of the tridiagonal form, then the wanted vectors by inverse iteration. LAPACK's dsyevx,
+/// which finds only the wanted values by bisection, takes 25 % more time for the spaces of a cubic lattice.
 struct SoftModes {
   std::vector<double> values, vectors;
 
@@ -368,7 +368,7 @@ struct SoftModes {
     int info = 0;
     const auto turn = turn_for_blas();
     dsytrd_("L", &n, form.data(), &n, diagonal.data(), beside.data(), reflectors.data(), work.data(), &size, &info);
-    std::vector<int> block, last;  // (mode): its block of the tridiagonal form; (block): last row, both from one
+    std::vector<int> block, last;  // (mode): its block of the tridiagonal form; (block): last row; both count from one
     for (int begin = 0; begin < n && info == 0;) {
       int end = begin + 1;
       while (end < n && std::abs(beside[end - 1]) > kNoLink) ++end;
@@ -400,8 +400,8 @@ struct SoftModes {
   }
 
  private:
-  /// Inverse iteration now and then misses a vector of a cluster, in one aggregate of thousands: then all are found, by
-  /// divide and conquer.
+  /// Finds all pairs by divide and conquer, and returns the number of those wanted. Inverse iteration misses a vector
+  /// of a cluster in about one of thousands of aggregates.
   int among_all(int n, std::vector<double> matrix, const Level::ModeLimit& limit) {
     std::vector<double> work(1 + (6 + 2 * static_cast<size_t>(n)) * n);
     std::vector<int> integers(3 + 5 * static_cast<size_t>(n));
@@ -433,7 +433,7 @@ std::vector<double> Level::modes_of(int aggregate, const ModeLimit& limit, const
       const int other = slot_[s][2];
       if (other < begin || other >= end) continue;
       add_own(v, link_of(v, s, links, room), block);
-      if (other > v) continue;  // lower triangle: rows of the later node
+      if (other > v) continue;  // lower triangle only: rows of the later node
       const int column = unknown_[other] - origin, mo = unknowns_of(other);
       for (int i = 0; i < m; ++i)
         for (int j = 0; j < mo; ++j)
@@ -455,14 +455,14 @@ std::vector<double> Level::modes_of(int aggregate, const ModeLimit& limit, const
 
 namespace {
 
-/// Slender struts leave 3 n^2 soft modes to a block of n^3 nodes of a cubic lattice, on every level. Where the next
-/// level would have more unknowns than this, and an aggregate more modes, those of its modes alone are kept that are
-/// softer. Measured with 2e4 junctions of slenderness 100: 25 iterations in place of 19, half as many unknowns.
+/// Limits for slender struts, for which a block of n^3 nodes of a cubic lattice has 3 n^2 soft modes on every level. If
+/// the next level would have more unknowns than kManyUnknowns, aggregates with more than kManyModes keep the softest.
+/// Measured with 2e4 junctions of slenderness 100: 25 iterations in place of 19, half as many unknowns.
 constexpr int kManyUnknowns = 20000;
 constexpr size_t kManyModes = 64;
 constexpr double kVerySoft = 0.01;
 
-/// `modes`: (mode, unknown), column-major.
+/// Drops the stiffer of too many modes. `modes`: (mode, unknown), column-major.
 void keep_softest(std::vector<double>& modes, std::vector<double>& eigenvalues) {
   const size_t m = eigenvalues.size();
   if (m <= kManyModes) return;
@@ -479,7 +479,7 @@ void keep_softest(std::vector<double>& modes, std::vector<double>& eigenvalues) 
                     eigenvalues.end());
 }
 
-/// Numbers of the lower triangle of a symmetric matrix, column by column.
+/// Number of entries of the lower triangle of a matrix of m rows, which is packed column by column.
 size_t triangle(size_t m) { return m * (m + 1) / 2; }
 
 void pack_triangle(int m, const double* full, double* lower) {
@@ -533,8 +533,8 @@ Level::Coarse Level::find_modes(const ModeLimit& limit, const KernelView<double*
 }
 
 void Level::project_links(const LinkSource& links, Coarse& coarse) const {
-  // modes in unscaled unknowns of this level: V^T L^-1
-  std::vector<size_t> part(aggregate_.size() + 1, 0);  // (node, ghosts too, and one more): first number of its part
+  // Modes in unscaled unknowns of this level: V^T L^-1.
+  std::vector<size_t> part(aggregate_.size() + 1, 0);  // (node, then ghost, and one more): first number of its part
   for (size_t v = 0; v < aggregate_.size(); ++v)
     part[v + 1] = part[v] + static_cast<size_t>(mode_[aggregate_[v] + 1] - mode_[aggregate_[v]]) * unknowns_of(v);
   const KernelView<double*> unscaled = numbers(part.back());

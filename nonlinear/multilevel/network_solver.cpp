@@ -10,7 +10,7 @@ namespace mixbeam {
 
 namespace {
 
-/// The matrix that chains leave, read by vertices: rows of a vertex have the same columns, six for each neighbour.
+/// Views the remaining matrix by vertices: rows of a vertex have the same columns, six for each neighbour.
 struct BlockRows {
   explicit BlockRows(const DofMatrix& matrix) : local(matrix.getLocalMatrixHost()) {}
   int vertices() const { return static_cast<int>(local.numRows()) / kVertexDofs; }
@@ -25,31 +25,31 @@ struct BlockRows {
   DofMatrix::local_matrix_host_type local;
 };
 
-/// Share of the error left if the residual is still too large then: twice the digits.
+/// Energy error of the second attempt, if the residual is too large after the first: almost twice the digits.
 constexpr double kSmallReduction = 1e-13;
 constexpr int kMostIterations = 300;
-/// Most iterations of GMRES, to which each joint adds some.
+/// Limit of iterations of GMRES, to which each joint adds some.
 constexpr int kMostOfGmres = 1000;
-/// Factors of unsymmetric tangents up to this share of the largest are taken before GMRES is tried: a cube of 26^3
-/// junctions.
+/// Share of the limit of factor entries up to which unsymmetric tangents are factorised without trying GMRES: a cube of
+/// 26^3 junctions.
 constexpr double kBeforeGmres = 0.1;
-/// Spaces of an earlier tangent serve as long as they need at most so many times the iterations of fresh ones. (They
-/// cost about as much as 40 iterations.)
+/// Growth of the number of iterations at which spaces of an earlier tangent are replaced. (Making spaces costs about
+/// as much as 40 iterations.)
 constexpr double kMostGrowth = 1.5;
-/// A solve with them that needs this many times as many is begun anew with fresh ones.
+/// Growth at which a solve with such spaces is abandoned and started again with new ones.
 constexpr int kGivenUp = 3;
 
 using NetworkRange = Kokkos::RangePolicy<ExecutionSpace>;
 
-/// Entries of a block that the links do not explain, relative to the largest one of the row: rounding of sums.
+/// Entries of a block not due to links that pass for rounding of sums, relative to the largest one of the row.
 constexpr double kUnexplained = 1e-11;
 
-/// Stiffness of a vertex where a support at an angle prescribes its motion, over that of the links there: the error of
-/// the preconditioner is the inverse of it.
+/// Stiffness by which the preconditioner replaces a motion prescribed by a support at an angle, over that of the links
+/// there: the error of the preconditioner is the inverse of it.
 constexpr double kAlmostRigid = 1e6;
-/// GMRES keeps so many vectors, each with what M^-1 makes of it, and then starts anew: 1 GB for a million unknowns.
+/// Vectors v that GMRES keeps, each with M^-1 v, before it restarts: 1 GB for a million unknowns.
 constexpr int kVectorsOfGmres = 60;
-/// Components of axes that differ by less are the same.
+/// Difference below which components of axes are the same.
 constexpr double kSameAxis = 1e-14;
 
 class IteratingSolver final : public NetworkSolver {
@@ -62,7 +62,7 @@ class IteratingSolver final : public NetworkSolver {
         most_fallback_entries_(most_fallback_entries),
         times_(times),
         has_factors_at_hand_(has_factors_at_hand) {
-    set_up_blas();  // LAPACK finds the modes of aggregates
+    set_up_blas();  // LAPACK computes the modes of aggregates
   }
 
   void factorize() override {
@@ -117,8 +117,8 @@ class IteratingSolver final : public NetworkSolver {
   bool tries_iteration() const override { return true; }
   void allow_iteration(bool allowed) override { may_iterate_ = allowed || !has_factors_at_hand_; }
   bool counts_by_solves() const override { return iterates() || method_ == Method::conjugate_gradients; }
-  /// Counts by factors if there are some; else by the solves with the last matrix, which have met none, or at least
-  /// one.
+  /// Counts by factors if there are any; otherwise 0 or 1 says whether solves with the last matrix met negative
+  /// curvature.
   std::optional<long> negative_eigenvalues() override {
     if (method_ == Method::factors) return direct_->negative_eigenvalues();
     if (is_unstable_) return 1;
@@ -147,7 +147,7 @@ class IteratingSolver final : public NetworkSolver {
   const std::string& objection() const override { return objection_; }
 
  private:
-  /// Nodes are vertices with at least one free row; links join two of them.
+  /// Numbers the nodes, which are vertices with at least one free row, and finds the links between them.
   void number_nodes() {
     const DofMatrix& matrix = *system_.matrix();
     const std::vector<unsigned char> free = free_rows();
@@ -188,7 +188,7 @@ class IteratingSolver final : public NetworkSolver {
                             kVertexDofs * (nodes + static_cast<size_t>(hierarchy_->finest().halo().ghosts())));
   }
 
-  /// (row, then column of other ranks): 1 where an equation couples the unknown with others.
+  /// Returns (row, then column of other ranks): 1 if its equation couples several unknowns.
   std::vector<unsigned char> free_rows() const {
     const DofMatrix& matrix = *system_.matrix();
     const BlockRows rows(matrix);
@@ -215,7 +215,7 @@ class IteratingSolver final : public NetworkSolver {
     return std::any_of(first, first + kVertexDofs, [](auto f) { return f != 0; });
   }
 
-  /// Places of other ranks' vertices in node_, in the order of their ranks and numbers there.
+  /// Numbers other ranks' vertices in node_, in the order of ranks and of their numbers there.
   Halo number_ghosts(int nodes) {
     const DofMatrix& matrix = *system_.matrix();
     if (matrix.getRowMap()->getComm()->getSize() == 1) return {};
@@ -227,7 +227,7 @@ class IteratingSolver final : public NetworkSolver {
     for (int v = 0; v < n; ++v) number(vertex_row(v, 0)) = first + node_[v];
     const DofVector columns = in_columns(matrix, mine);
     const KernelView<const double*> all = MixedVector::view_of(columns);
-    std::vector<std::pair<int, int>> ghosts;  // number among those of all ranks, vertex
+    std::vector<std::pair<int, int>> ghosts;  // {global number, vertex}
     for (int v = n; v < static_cast<int>(node_.size()); ++v)
       if (has_free_row(v)) ghosts.push_back({static_cast<int>(all(vertex_row(v, 0))), v});
     std::sort(ghosts.begin(), ghosts.end());
@@ -257,14 +257,14 @@ class IteratingSolver final : public NetworkSolver {
     return ends;
   }
 
-  /// Reads the part of the rows that the links do not explain: S on the diagonal, and nothing beside it; false where
-  /// there is, or S is unsymmetric.
+  /// Reads the part of the rows that is not due to links: the diagonal blocks S. Returns whether S is symmetric and
+  /// there are no other entries.
   bool read_values() {
     matrices_ = system_.link_matrices();
     find_turned_rows();
     const BlockRows rows(*system_.matrix());
     const int n = rows.vertices();
-    std::vector<std::vector<std::pair<int, int>>> touching(n);  // link, its end here
+    std::vector<std::vector<std::pair<int, int>>> touching(n);  // {link, its end here}
     for (size_t l = 0; l < link_.size(); ++l)
       for (int end = 0; end < 2; ++end)
         if (const int v = link_vertices_[l][end]; v < n) touching[v].push_back({static_cast<int>(l), end});
@@ -343,7 +343,7 @@ class IteratingSolver final : public NetworkSolver {
     return {self_, [this](int link, double* room) { return link_blocks(link, room); }};
   }
 
-  /// Coarse spaces of earlier tangents serve where there are some.
+  /// Sets the matrix; reuses coarse spaces of earlier tangents if there are any.
   void set_matrix(const NetworkMatrix& matrix) {
     if (has_spaces_) {
       PhaseTimer timer(times_, "multilevel: finest level");
@@ -362,7 +362,7 @@ class IteratingSolver final : public NetworkSolver {
     ++spaces_made_;
   }
 
-  /// With spaces of an earlier tangent as long as they serve.
+  /// Iterates with spaces of an earlier tangent, and with new ones if these take too many iterations.
   bool iterate_with_spaces(const DofVector& b, DofVector& x, double reduction) {
     const double digits = -std::log10(reduction);
     const int most = method_ == Method::gmres ? kMostOfGmres : kMostIterations;
@@ -377,7 +377,7 @@ class IteratingSolver final : public NetworkSolver {
     }
   }
 
-  /// Factors of large unsymmetric tangents take twice as long, GMRES as long as conjugate gradients.
+  /// Whether to factorise an unsymmetric tangent. Large ones take twice as long, GMRES as long as conjugate gradients.
   bool prefers_factors() const {
     return direct_ != nullptr ||
            factor_entries(system_) <= (gmres_fails_ ? 1.0 : kBeforeGmres) * most_fallback_entries_;
@@ -414,14 +414,14 @@ class IteratingSolver final : public NetworkSolver {
     void precondition(const LevelVector& r, const LevelVector& z) const { hierarchy.precondition(r, z); }
   };
 
-  /// A vector v with z = M^-1 v: all sums are done to both, and v . z' is the inner product in which A M^-1 is
-  /// self-adjoint where A is symmetric. Copies share their numbers.
+  /// A vector v with z = M^-1 v: operations apply to both, and v . z' is the inner product in which A M^-1 is
+  /// self-adjoint if A is symmetric. Copies share their values.
   struct Column {
     const Level* level;
     LevelVector v, z;
 
     double inner_product(const Column& other) const { return level->dot(v, other.z); }
-    /// this = a x + b this
+    /// Sets this = a x + b this.
     void update(double a, const Column& x, double b) const {
       for (const auto& [from, to] : {std::pair(x.v, v), std::pair(x.z, z)}) {
         const double* other = from.data();
@@ -435,13 +435,13 @@ class IteratingSolver final : public NetworkSolver {
     }
   };
 
-  /// Unknowns of rows that are not free, in x, and r_, what they leave of b to the others.
+  /// Solves for the unknowns of rows that are not free, in x, and sets r_ to the right-hand side left for the others.
   void begin_solve(const DofVector& b, DofVector& x) {
     const BlockRows rows(*system_.matrix());
     const auto given = MixedVector::view_of(b);
     const auto found = MixedVector::view_of(x);
     const int nodes = static_cast<int>(vertex_.size());
-    // rows that are not free have one unknown each
+    // Rows that are not free have one unknown each.
     for (int v = 0; v < rows.vertices(); ++v)
       for (int r = 0; r < kVertexDofs; ++r) {
         double& value = found(vertex_row(v, r));
@@ -468,7 +468,7 @@ class IteratingSolver final : public NetworkSolver {
     Kokkos::deep_copy(x_, 0.0);
   }
 
-  /// x_ to the free rows of x.
+  /// Unscales x_ into the free rows of x.
   void end_solve(DofVector& x) {
     const auto found = MixedVector::view_of(x);
     hierarchy_->finest().unscale(x_, z_);
@@ -501,7 +501,7 @@ class IteratingSolver final : public NetworkSolver {
     return end == KrylovEnd::converged;
   }
 
-  /// Minimises r . M^-1 r, until it has fallen by reduction^2.
+  /// Minimises r . M^-1 r until it has fallen by reduction^2.
   bool gmres(double reduction, int most_iterations) {
     const Level& finest = hierarchy_->finest();
     const LevelVector answer("mixbeam::multilevel::vector", r_.extent(0));
@@ -531,7 +531,7 @@ class IteratingSolver final : public NetworkSolver {
     }
   }
 
-  /// A^ x with the matrix itself.
+  /// Computes y = A^ x with the unsymmetric matrix itself.
   void multiply(const LevelVector& x, const LevelVector& y) const {
     const Level& finest = hierarchy_->finest();
     const BlockRows rows(*system_.matrix());
@@ -556,12 +556,12 @@ class IteratingSolver final : public NetworkSolver {
     finest.scale_rows(q_, y);
   }
 
-  /// Turns the spatial forces and moments of a vertex to the axes of a support at an angle, and its rows back, with
-  /// stiff springs in place of prescribed motions.
+  /// Rotates the spatial forces and moments of a vertex to the axes of a support at an angle (`projection`), and rows
+  /// back, with stiff springs in place of prescribed motions (`back`).
   struct TurnedRows {
-    int vertex = 0;  ///< among those that remain
+    int vertex = 0;  ///< among the remaining vertices
     double projection[kVertexDofs][kVertexDofs] = {}, back[kVertexDofs][kVertexDofs] = {};
-    /// Whether rows that are free stay as they are.
+    /// Whether the projection leaves free rows unchanged.
     bool keeps(const unsigned char* free) const {
       for (int r = 0; r < kVertexDofs; ++r)
         for (int q = 0; q < kVertexDofs; ++q)
@@ -570,7 +570,8 @@ class IteratingSolver final : public NetworkSolver {
     }
   };
 
-  /// A slave of a joint counts as held by the joint alone: iteration finds what that leaves out, some numbers a joint.
+  /// Finds vertices with rotated rows. Slaves of joints count as held by the joint alone: the coupling to the master is
+  /// left to the iteration, a few dimensions for each joint.
   void find_turned_rows() {
     turned_.clear();
     turned_of_.assign(node_.size(), -1);
@@ -602,7 +603,7 @@ class IteratingSolver final : public NetworkSolver {
     for (size_t i = 0; i < turned_.size(); ++i) turned_of_[turned_[i].vertex] = static_cast<int>(i);
   }
 
-  /// The springs of a vertex from what links leave of its rows.
+  /// Replaces the rest of a vertex's rows, without the links, by springs.
   static void set_springs(TurnedRows& turned, const unsigned char* free, const double* stiffness, size_t width, int own,
                           double* left) {
     double springs[kVertexDofs][kVertexDofs] = {};
@@ -622,7 +623,7 @@ class IteratingSolver final : public NetworkSolver {
       std::copy_n(springs[r], kVertexDofs, left + width * r + static_cast<size_t>(kVertexDofs) * own);
   }
 
-  /// Rows of the nodes to spatial forces and moments.
+  /// Rotates rows of nodes back to spatial forces and moments.
   void turn_rows(const LevelVector& rows) const {
     for (const TurnedRows& turned : turned_) {
       double* here = rows.data() + static_cast<size_t>(kVertexDofs) * node_[turned.vertex];
@@ -636,40 +637,39 @@ class IteratingSolver final : public NetworkSolver {
   const CondensedSystem& system_;
   double tolerance_, reduction_, most_fallback_entries_;
   PhaseTimes& times_;
-  std::vector<unsigned char> free_;    ///< (row, then column of other ranks): 1 where it is coupled with others
+  std::vector<unsigned char> free_;    ///< (row, then column of other ranks): see free_rows()
   std::vector<int> node_;              ///< (vertex of those): its place in the hierarchy, -1: has no free row
-  std::vector<int> vertex_;            ///< (place)
+  std::vector<int> vertex_;            ///< (place): its vertex
   std::vector<int> link_;              ///< (link of the network): its number among those of the system
-  std::vector<unsigned char> masked_;  ///< (link of the network): 1 where an end has a row that is not free
+  std::vector<unsigned char> masked_;  ///< (link of the network): 1 if an end has a row that is not free
   std::vector<std::array<int, 2>> link_vertices_;
   LinkMatrices<kVertexDofs> matrices_;
   KernelView<double*> self_;
-  LinkEnds ends_;  ///< of the network that hierarchy_ was made for
+  LinkEnds ends_;  ///< links for which hierarchy_ was made
   std::unique_ptr<Hierarchy> hierarchy_;
   LevelVector r_, x_, z_, p_, q_;
   std::vector<TurnedRows> turned_;
-  std::vector<int> turned_of_;  ///< (vertex that remains): -1 where none
+  std::vector<int> turned_of_;  ///< (remaining vertex): its index in turned_, -1: none
   std::unique_ptr<LinearSolver> direct_;
   std::string objection_;
   enum class Method { none, conjugate_gradients, gmres, factors };
-  Method method_ = Method::none;  ///< that solves with the last matrix
+  Method method_ = Method::none;  ///< for the last matrix
   bool is_unstable_ = false, has_solved_ = false;
   bool has_factors_at_hand_, may_iterate_ = true;
-  bool gmres_fails_ = false;  ///< with some earlier matrix
+  bool gmres_fails_ = false;  ///< GMRES failed for an earlier matrix
   int iterations_ = 0;
-  bool has_spaces_ = false;  ///< that serve the next tangent
-  bool are_fresh_ = false;   ///< made for the present one
-  double usual_rate_ = 0.0;  ///< iterations for a digit, of the first solve with them
+  bool has_spaces_ = false;  ///< there are spaces for the next tangent
+  bool are_fresh_ = false;   ///< they were made for the present tangent
+  double usual_rate_ = 0.0;  ///< iterations per decimal digit in the first solve with them
   int spaces_made_ = 0;
 };
 
-/// Factors of a network that a separator of s vertices cuts in two hold about 10 (6 s)^2 entries by nested dissection.
+/// Entries of factors over (6 s)^2, by nested dissection of a network that a separator of s vertices cuts in two.
 constexpr double kEntriesPerSquare = 10.0;
-/// Entries of factors for each junction from which on iteration is quicker: cubes from 13 junctions a side on, no
-/// sheets.
+/// Entries of factors per junction above which iteration is faster: cubes from 13 junctions a side on, but no sheets.
 constexpr double kLeastEntriesOfJunction = 2800.0;
 
-/// Vertices that lie as far from one end of a network as the middle one, in steps: a separator.
+/// Size of a separator: the vertices as many steps from one end of the network as its median vertex.
 int separator(const std::vector<int>& start, const std::vector<int>& next) {
   const int n = static_cast<int>(start.size()) - 1;
   std::vector<int> queue, distance;
@@ -721,7 +721,7 @@ double factor_entries(const CondensedSystem& system) {
   for (size_t c = 0; c < columns->getNodeNumElements(); c += kVertexDofs)
     share.column_number.push_back(static_cast<int>(columns->getGlobalElement(static_cast<int>(c)) / kVertexDofs));
   const SparseMatrix all = gathered_structure(graph, share);
-  double entries = factor_entries(all.row_start, all.column);  // the first rank has them
+  double entries = factor_entries(all.row_start, all.column);  // on rank 0
   MPI_Bcast(&entries, 1, MPI_DOUBLE, 0, share.communicator);
   return entries;
 }

@@ -17,17 +17,17 @@ namespace mixbeam {
 
 namespace {
 
-constexpr int kGuardVectors = 2;  ///< beyond those asked for: the last one wanted converges as fast as the first
+constexpr int kGuardVectors = 2;  ///< additional vectors, so that the last wanted pair converges as fast as the first
 
 using Vector = std::vector<double>;
 
-/// Share of a vector that is left after what an orthogonalisation took away, from which on it took no digits with it.
+/// Share of a vector's norm above which an orthogonalisation has not lost digits.
 constexpr double kKept = 0.5;
 
-/// Rotations of Jacobi's method: sweeps, of which five are enough.
+/// Limit of sweeps of Jacobi's method; five are usually enough.
 constexpr int kSweeps = 20;
 
-/// C = alpha op(A) B + beta C of column-major matrices without gaps; op is the transpose where asked.
+/// Computes C = alpha op(A) B + beta C for contiguous column-major matrices; op(A) is A^T if `transposed`.
 void multiply(bool transposed, int m, int n, int k, double alpha, const double* a, const double* b, double beta,
               double* c) {
   if (m == 0 || n == 0 || k == 0) return;
@@ -35,8 +35,8 @@ void multiply(bool transposed, int m, int n, int k, double alpha, const double* 
                                     a, transposed ? k : m, b, k, beta, c, m);
 }
 
-/// V of orthonormal columns and T with A V = V T + Q R, where Q is the next block and R acts on the newest one: theory
-/// of Arnoldi, whose residuals are known without vectors.
+/// Orthonormal V and T with A V = V T + Q R, where Q is the next block and R acts on the newest one: Arnoldi's
+/// relation, which provides residuals without vectors.
 class KrylovSpace {
  public:
   KrylovSpace(const KrylovProblem& problem, int wanted, Vector start)
@@ -45,7 +45,7 @@ class KrylovSpace {
     split_next();
   }
 
-  /// Takes the next block; false where there is none.
+  /// Adds the next block to V; false if there is none.
   bool grow() {
     if (columns_next_ == 0) return false;
     const int added = columns_next_;
@@ -65,13 +65,13 @@ class KrylovSpace {
   }
   bool is_complete() const { return columns_next_ == 0 || size_ == problem_.unknowns; }
 
-  /// Pairs of largest magnitude, without their vectors.
+  /// Pairs of largest magnitude, without vectors.
   struct Pairs {
     std::vector<RitzPair> values;
-    Vector weights;  ///< a column for each
+    Vector weights;  ///< coefficients in V, a column for each pair
   };
   Pairs ritz_pairs() const { return problem_.symmetric ? symmetric_pairs() : general_pairs(); }
-  /// Column-major.
+  /// Vectors of the pairs, column-major.
   Vector vectors(const Pairs& pairs) const {
     const int n = problem_.unknowns, count = static_cast<int>(pairs.values.size());
     Vector all(static_cast<size_t>(n) * count, 0.0), part;
@@ -88,11 +88,11 @@ class KrylovSpace {
 
  private:
   struct Block {
-    Vector v, dual;  ///< orthonormal columns, and B times them unless B = 1
+    Vector v, dual;  ///< orthonormal columns, and B times them (empty if B = 1)
     int columns;
     const double* left() const { return (dual.empty() ? v : dual).data(); }
   };
-  /// x = V h + Q r; `left`: norm of what Q leaves out of a column.
+  /// Split x = V h + Q r; `left`: norm of the part of each column that Q omits.
   struct Split {
     Vector h, r, left;
   };
@@ -109,8 +109,8 @@ class KrylovSpace {
     return std::sqrt(Teuchos::BLAS<int, double>().DOT(n, x, 1, dual.empty() ? x : dual.data(), 1));
   }
 
-  /// Splits the candidates of the next block, twice: the second time removes the rounding of the first. A symmetric
-  /// operator leaves rounding alone in all blocks but the last two: the first time those do.
+  /// Splits the candidates of the next block twice: the second pass removes the rounding of the first. With a symmetric
+  /// operator all blocks but the last two have components of rounding only: the first pass skips them.
   void split_next() {
     const int columns = columns_next_;
     Vector before(columns);
@@ -143,8 +143,8 @@ class KrylovSpace {
     }
     return h;
   }
-  /// Gram-Schmidt within the next block, of which columns that are nothing new, compared with what they were before,
-  /// are dropped. Returns the factor of the columns kept.
+  /// Gram-Schmidt within the next block; drops columns that have become negligible beside their norms `before`. Returns
+  /// the factor of the columns kept.
   Vector orthonormalize(const Vector& before, Vector& left) {
     const int n = problem_.unknowns, columns = columns_next_;
     Vector factor(static_cast<size_t>(columns) * columns, 0.0), dual;
@@ -249,7 +249,7 @@ class KrylovSpace {
   Split split_;
 };
 
-/// The same numbers on every machine: bits of the generator, not a distribution of the library.
+/// Random start vectors, the same on every machine: from the bits of the generator, not a library's distribution.
 Vector start_block(int unknowns, int columns) {
   std::mt19937_64 generator(20240229);
   Vector block(static_cast<size_t>(unknowns) * columns);
@@ -263,7 +263,7 @@ double largest_residual(const std::vector<RitzPair>& pairs, int count) {
   return largest;
 }
 
-/// Residuals of the blocks so far, and whether there is no use in going on.
+/// Residuals after each block, to decide when to stop.
 class Progress {
  public:
   explicit Progress(double tolerance) : tolerance_(tolerance) {}
@@ -281,13 +281,13 @@ class Progress {
   std::vector<double> history_;
 };
 
-/// Errors of the first `count` pairs; all pairs found tell how far others are away.
+/// Estimates the errors of the first `count` pairs; uses the distances of all pairs found.
 std::vector<RitzPair> finished(std::vector<RitzPair> pairs, int count, bool symmetric) {
   for (RitzPair& pair : pairs) {
     pair.error = pair.residual;
     pair.converged = pair.residual <= stability_limit.largest_standstill;
     if (!symmetric) continue;
-    double gap = HUGE_VAL;  // pairs that lie within the residual belong to one eigenspace, whose values are as good
+    double gap = HUGE_VAL;  // pairs closer than the residuals form one eigenspace, whose values are as accurate
     for (const RitzPair& other : pairs) {
       const double distance = std::abs(other.value - pair.value) / std::abs(pair.value);
       if (&other != &pair && distance > 10.0 * (pair.residual + other.residual)) gap = std::min(gap, distance);

@@ -48,7 +48,7 @@ void IndependentUnknowns::set_up(const Model& model) {
   if (is_root()) build_structure();
 }
 
-/// Rows of the vertices that are numbered here, on rank 0.
+/// Gathers the rows of the vertices that are numbered here on rank 0.
 std::vector<double> IndependentUnknowns::gather_rows(const DofVector& all) const {
   DofVector chosen(rows_);
   const KernelView<double*> to = MixedVector::view_of(chosen);
@@ -60,7 +60,7 @@ std::vector<double> IndependentUnknowns::gather_rows(const DofVector& all) const
   return result;
 }
 
-/// Free rows are the unknowns, in the order of the vertices.
+/// Numbers the free rows as unknowns, in the order of vertices.
 void IndependentUnknowns::number(const Model& model) {
   const Structure& structure = model.structure();
   DofVector numbers(map_), fixed(map_);
@@ -95,14 +95,14 @@ void IndependentUnknowns::measure(const Model& model) {
   DofVector rows(map_);
   const KernelView<double*> lengths = MixedVector::view_of(rows);
   for (size_t i = 0; i < lengths.extent(0); ++i) lengths(i) = of_own[i / kVertexDofs];
-  const std::vector<double> length = gather_rows(rows);  // of the vertices of the root, as all of measure_
+  const std::vector<double> length = gather_rows(rows);  // on rank 0, like measure_
   const double L = structure.length, bending = structure.bending_reference / L;
   measure_.resize(unknown_.size());
   for (size_t i = 0; i < measure_.size(); ++i)
     measure_[i] = (i % kVertexDofs < 3 ? L : 1.0) / std::sqrt(bending * length[i] / L);
 }
 
-/// Columns of slaves become those of their own free motion and of their master.
+/// Builds the structure of the reduced matrix; columns of slaves become those of their free motion and their master.
 void IndependentUnknowns::build_structure() {
   const auto graph = root_.matrix()->getLocalMatrixHost().graph;
   neighbours_.resize(vertices_);
@@ -127,8 +127,8 @@ void IndependentUnknowns::build_structure() {
   reduced_.value.resize(reduced_.column.size());
 }
 
-/// Unit forces on all vertices of one colour at once: a row takes from its own vertex and from slaves of it, which all
-/// have other colours.
+/// Projects unit forces on all vertices of one colour at once: a row has contributions from its own vertex and from the
+/// slaves of it, which all have different colours.
 void IndependentUnknowns::probe(const Tangent& tangent) {
   const Structure& structure = tangent.model().structure();
   unit_force_.resize(static_cast<size_t>(kVertexDofs) * colours_);
@@ -149,7 +149,7 @@ double IndependentUnknowns::motion_of(int vertex, int component, int by_vertex, 
                     [kVertexDofs * by_vertex + by_component];
 }
 
-/// Row of A times Z, both sides measured.
+/// Computes a row of A times Z, in the units of the unknowns.
 void IndependentUnknowns::reduce_row(const DofMatrix::local_matrix_host_type& full, size_t row,
                                      const std::vector<int>& slot, double* out) const {
   for (size_t k = full.graph.row_map(row); k < full.graph.row_map(row + 1); ++k) {
@@ -160,7 +160,7 @@ void IndependentUnknowns::reduce_row(const DofMatrix::local_matrix_host_type& fu
   }
 }
 
-/// Rows of Z: nearly all of them have one entry.
+/// Lists the entries of Z by rows, nearly all of which have one entry.
 void IndependentUnknowns::list_shares() {
   share_.clear();
   share_start_ = {0};
@@ -187,7 +187,7 @@ const SparseMatrix& IndependentUnknowns::reduce(const Tangent& tangent,
   list_shares();
   const auto local = root_.matrix()->getLocalMatrixHost();
   std::fill(reduced_.value.begin(), reduced_.value.end(), 0.0);
-  std::vector<int> slot(unknown_.size(), -1);  // where an unknown stands in the rows of the present vertex
+  std::vector<int> slot(unknown_.size(), -1);  // (unknown): its position in the rows of the present vertex
   for (int v = 0; v < vertices_; ++v) {
     int width = 0;
     for (int w : neighbours_[v])
@@ -210,7 +210,7 @@ std::vector<double> IndependentUnknowns::reduced_remaining_rows(const DofVector&
   return measured(gathered);
 }
 
-/// Of free rows, in the order of the unknowns.
+/// Selects the free rows, in the order and units of the unknowns.
 std::vector<double> IndependentUnknowns::measured(const std::vector<double>& rows) const {
   std::vector<double> reduced(is_root() ? count_ : 0);
   for (size_t i = 0; is_root() && i < unknown_.size(); ++i)
@@ -250,7 +250,7 @@ double normalize_mode(const Model& model, MixedVector& mode) {
   for (size_t i = 0; i < rows.extent(0); ++i) largest = std::max(largest, std::abs(size(i)));
   const Teuchos::Comm<int>& comm = *model.map()->getComm();
   largest = maximum_over_ranks(comm, largest);
-  // rank and sign of the first of the largest components as one number, of which the lowest rank has the largest
+  // Encodes rank and sign of the first of the largest components in one number, which is largest on the lowest rank.
   double first = -2.0 * comm.getSize();
   for (size_t i = 0; i < rows.extent(0); ++i)
     if (std::abs(size(i)) >= stability_limit.almost_largest * largest) {
@@ -270,7 +270,7 @@ void on_root(const RootCopy& root, const std::function<void()>& action) {
     try {
       action();
     } catch (const std::exception& error) {
-      if (is_out_of_memory(error)) throw;  // no fault of the step, which would be repeated smaller
+      if (is_out_of_memory(error)) throw;  // a smaller step would need as much
       problem = error.what();
     }
   }

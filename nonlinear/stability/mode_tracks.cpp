@@ -9,15 +9,15 @@ namespace mixbeam {
 
 namespace {
 
-/// Difference of omega^2, over it, within which modes are any vectors of one space: those of a residual of 1e-8 are
-/// mixed by a hundredth there; and over the largest omega^2, of rigid motions.
+/// Relative difference of omega^2 below which modes are arbitrary vectors of one space (a residual of 1e-8 mixes them
+/// by one per cent there); and the same over the largest omega^2, for rigid motions.
 constexpr double kSharedFrequency = 1e-6, kSharedZero = 1e-12;
 /// Twice the MAC below which modes are different motions: a cosine of one half.
 constexpr double kUnlike = 2.0 * 0.25;
-/// Likenesses that differ by less are equal, and the nearest frequency decides.
+/// Difference below which likenesses are equal, so that the nearest frequency decides.
 constexpr double kEquallyLike = 1e-6;
 
-/// (i, j): whether modes share a frequency, or are conjugate.
+/// Returns (i, j): whether modes share a frequency, or are conjugate.
 template <class Motions>
 std::vector<std::vector<char>> shared_frequencies(const Motions& motions) {
   double largest = 0.0;
@@ -34,7 +34,7 @@ std::vector<std::vector<char>> shared_frequencies(const Motions& motions) {
 
 }  // namespace
 
-/// `reversed`: with the motion b that goes round the other way.
+/// MAC of two modes. `reversed`: with the motion b in the opposite sense of rotation.
 double ModeTracks::likeness(const Motion& a, const Motion& b, bool reversed) {
   const auto product = [&](int i, int j) {
     return a.momenta[i].size() == b.momenta[j].size() ? dot_product(a.momenta[i], b.momenta[j]) : 0.0;
@@ -43,7 +43,7 @@ double ModeTracks::likeness(const Motion& a, const Motion& b, bool reversed) {
   return std::norm(std::complex<double>(product(0, 0) + sign * product(1, 1), sign * product(0, 1) - product(1, 0)));
 }
 
-/// (mode, motion before): MAC, and added to it that of the whole space, which is the same where no frequency is shared.
+/// Returns (mode, motion before): MAC plus that of the whole space, which is equal if no frequency is shared.
 ModeTracks::Table ModeTracks::likenesses(const std::vector<Motion>& now, const std::vector<Motion>& before,
                                          bool reversed) {
   const std::size_t n = now.size(), m = before.size();
@@ -61,8 +61,8 @@ ModeTracks::Table ModeTracks::likenesses(const std::vector<Motion>& now, const s
   return table;
 }
 
-/// Places, counted from `first` on, among `before` of those that modes without a number continue, the most like first.
-/// In a frame that turns a frequency may pass zero, and its motion goes on the other way round.
+/// Assigns motions of `before` to modes without a track, the most alike first. `place`: (mode) index in `before` plus
+/// `first`. In a rotating frame a frequency may pass zero, and its motion continues in the opposite sense.
 void ModeTracks::find(const std::vector<Motion>& before, int first, std::vector<Motion>& now, std::vector<int>& place) {
   for (const bool reversed : {false, true}) {
     const Table table = likenesses(now, before, reversed);
@@ -122,7 +122,7 @@ std::vector<int> ModeTracks::follow(std::vector<VibrationMode>& modes, const std
     if (motion.track < 1) motion.track = ++tracks_;
     tracks.push_back(motion.track);
   }
-  // Where frequencies cross in this very state its modes are mixed: those of the state before remain.
+  // If frequencies cross exactly at this state its modes are mixed: keep those of the state before for comparison.
   const auto with = shared_frequencies(now), with_before = shared_frequencies(before_);
   const auto was_present = [&](std::size_t i) { return place[i] >= 0 && place[i] < present; };
   for (std::size_t i = 0; i < now.size(); ++i)

@@ -1,21 +1,21 @@
-/// Motions of natural modes, followed over a path by their shape.
+/// Natural modes tracked along a path by their shapes.
 #pragma once
 
 #include "nonlinear/stability/vibration.hpp"
 
 namespace mixbeam {
 
-/// A mode continues the motion of the state before to which it is most like by the product of their momenta, MAC =
-/// |p . q|^2 / (|p|^2 |q|^2), that is the inner product M along the axes of the sections: the shape counts, not the
-/// place in the order of frequencies. Modes that share a frequency are any vectors of their common space, which is
-/// compared as a whole. A mode that is like none of them takes up a motion that was not among those asked for since.
+/// A mode continues the track of the previous state's mode with the largest MAC of their momenta, |p . q|^2 / (|p|^2
+/// |q|^2), that is in the inner product M along the axes of the sections: the shape counts, not the order of
+/// frequencies. Modes that share a frequency are arbitrary vectors of their common space, which is compared as a whole.
+/// A mode that resembles none of them may resume a track that was absent from the modes computed since.
 class ModeTracks {
  public:
-  /// `tracks`: numbers that an earlier part of the path has given.
+  /// `tracks`: number of tracks in an earlier part of the path.
   explicit ModeTracks(int tracks = 0) : tracks_(tracks) {}
 
-  /// Numbers, from 1 on, of the motions of the modes about the next state, whose momenta are taken. `known`: those that
-  /// these modes have got already (below 1: not known); empty: none.
+  /// Returns the tracks, numbered from 1, of the modes about the next state, whose momenta are moved from. `known`:
+  /// tracks that these modes have already (below 1: unknown); empty: none.
   std::vector<int> follow(std::vector<VibrationMode>& modes, const std::vector<int>& known = {});
 
  private:
@@ -31,8 +31,8 @@ class ModeTracks {
   void keep(std::vector<Motion> now);
 
   std::vector<Motion> before_{};
-  std::vector<Motion> absent_{};  ///< as they were last, the latest first; no more than there are modes
-  int tracks_;                    ///< numbers given so far
+  std::vector<Motion> absent_{};  ///< absent tracks as they were last, the latest first; at most as many as modes
+  int tracks_;                    ///< number of tracks so far
 };
 
 }  // namespace mixbeam

@@ -15,9 +15,9 @@ namespace mixbeam {
 
 namespace {
 
-/// Parts of it: the second is taken where a pivot inside an element is zero with the first; whether it is depends on
-/// it.
+/// Factors on the cap: the second is used if a pivot inside an element is zero with the first.
 constexpr std::array<double, 2> kCapParts = {1.0, 0.3};
+/// Steps, as parts of StabilityThresholds::difference_motion, and weights of the central differences.
 constexpr std::array<std::array<double, 2>, 3> kDifferences = {
     {{1.0, 1.0 / 45.0}, {0.5, -20.0 / 45.0}, {0.25, 64.0 / 45.0}}};
 
@@ -35,10 +35,10 @@ bool is_real(const RitzPair& pair) {
   return std::abs(pair.imaginary) <= stability_limit.real_value * std::abs(pair.value);
 }
 
-/// Of the determinant of a symmetric tangent.
+/// Sign of the determinant of a symmetric tangent.
 int sign_of(int negative, int null) { return null > 0 ? 0 : (negative % 2 == 0 ? 1 : -1); }
 
-/// Of a symmetric tangent without an eigenvalue that is zero.
+/// Result for a symmetric tangent without zero eigenvalues.
 StabilityResult counted(long negative) {
   StabilityResult result;
   result.negative = static_cast<int>(negative);
@@ -46,24 +46,24 @@ StabilityResult counted(long negative) {
   return result;
 }
 
-/// Of all members, over the length of the structure, and at least one: eigenvalues of the remaining system are that
-/// much smaller in the units of IndependentUnknowns than in those of nearest_eigenvalue().
+/// Total length of members over the length of the structure, at least one: the ratio of eigenvalues of the remaining
+/// system in the units of nearest_eigenvalue() to those in the units of IndependentUnknowns.
 double relative_length(const Model& model) {
   return std::max(1.0, model.mesh().total_length() / model.structure().length);
 }
 
-/// Of those that StabilityResult::negative counts before eigenvalues are corrected.
+/// Number of pairs that StabilityResult::negative includes before eigenvalues are corrected.
 template <class Pairs>
 int number_counted(const Pairs& pairs, const StabilityResult& stability) {
   return static_cast<int>(
       std::count_if(pairs.begin(), pairs.end(), [&](const auto& pair) { return pair.value < -stability.shift; }));
 }
 
-/// Eigenvalues as corrected in place of those of the capped tangent, `before` of them negative, and those that are zero
-/// apart.
+/// Replaces the `before` negative eigenvalues of the capped tangent in the count by the corrected ones, and counts zero
+/// ones separately.
 void recount(int before, double zero, Spectrum& spectrum) {
   StabilityResult& stability = spectrum.stability;
-  stability.negative = std::max(0, stability.negative - before);  // rounding may turn the sign of an inverse
+  stability.negative = std::max(0, stability.negative - before);  // rounding may change the sign of an inverse
   stability.null = 0;
   for (const EigenMode& mode : spectrum.modes) {
     if (std::abs(mode.eigenvalue) <= std::max(zero, mode.error))
@@ -74,7 +74,7 @@ void recount(int before, double zero, Spectrum& spectrum) {
   stability.sign = sign_of(stability.negative, stability.null);
 }
 
-/// The real eigenvalues known to be negative; the sign of the determinant tells whether one is missing.
+/// Counts the real eigenvalues that are certainly negative; the sign of the determinant shows whether one is missing.
 void recount_unsymmetric(Spectrum& spectrum) {
   StabilityResult& stability = spectrum.stability;
   stability.negative = 0;
@@ -84,11 +84,10 @@ void recount_unsymmetric(Spectrum& spectrum) {
   if (stability.sign != 0 && is_odd != (stability.sign < 0)) ++stability.negative;
 }
 
-/// Inverse iterations from an arbitrary vector: next to zero each gains many digits.
+/// Number of inverse iterations from an arbitrary vector: near zero each gains many digits.
 constexpr int kInverseIterations = 3;
 
-/// Entries of a vector that is parallel to no mode: multiples of the golden ratio without their whole parts, from 0.5
-/// to 1.5.
+/// Entry of a vector with a component in every mode: fractional part of a multiple of the golden ratio, plus 0.5.
 KOKKOS_INLINE_FUNCTION double arbitrary(double number) {
   constexpr double golden = 0.6180339887498949;
   const double multiple = golden * number;
@@ -97,20 +96,20 @@ KOKKOS_INLINE_FUNCTION double arbitrary(double number) {
 
 using Rows = Kokkos::RangePolicy<ExecutionSpace>;
 
-/// Measures motions of vertices, (6 * vertex + component).
+/// Weights of the rows of vertex motions, (6 * vertex + component).
 struct VertexWeights {
   double moved, turned;
   KOKKOS_INLINE_FUNCTION double operator()(size_t row) const { return row % kVertexDofs < 3 ? moved : turned; }
 };
 
-/// How near to zero an eigenvalue of a tangent may be, by inverse iteration: signs of pivots next to one are those of
+/// Bound of the distance of an eigenvalue from zero, by inverse iteration: next to zero the signs of pivots are
 /// rounding.
 struct NearestEigenvalue {
-  double size = HUGE_VAL;  ///< not below that of the eigenvalue nearest to zero
-  double rounding = 0.0;   ///< in it, of the entries of the matrix; where it is known
+  double size = HUGE_VAL;  ///< upper bound of the magnitude of the eigenvalue nearest to zero
+  double rounding = 0.0;   ///< its error by rounding of the entries of the matrix, if known
 };
 
-/// What the rounding of the entries of A may change in y . A y, for y of unit length.
+/// Error of y . A y by rounding of the entries of A, for y of unit length.
 double rounding_level(const SparseMatrix& a, const std::vector<double>& y) {
   double sum = 0.0;
   for (int i = 0; i < a.rows(); ++i)
@@ -119,7 +118,7 @@ double rounding_level(const SparseMatrix& a, const std::vector<double>& y) {
   return std::numeric_limits<double>::epsilon() * sum;
 }
 
-/// Of a matrix that is factorised.
+/// Bounds the nearest eigenvalue of a factorised matrix.
 NearestEigenvalue nearest_eigenvalue(const SparseMatrix& a, InertiaSolver& solver) {
   std::vector<double> y(a.rows());
   for (int i = 0; i < a.rows(); ++i) y[i] = arbitrary(i);
@@ -134,9 +133,9 @@ NearestEigenvalue nearest_eigenvalue(const SparseMatrix& a, InertiaSolver& solve
   return {size, rounding_level(a, y)};
 }
 
-/// Of a whole tangent, chains and what they leave: a mode may live in the chains alone. An eigenvalue of what chains
-/// leave is no nearer to zero. `solve`: K dx = b of all vertices; `rounding_of_form`: see TangentSolver. In units of
-/// EI/L; collective.
+/// Bounds that of a whole tangent with its chains, to which a mode may be confined; eigenvalues of the remaining system
+/// are no nearer to zero. `solve`: K dx = b of all vertices; `rounding_of_form`: see TangentSolver. In units of EI/L;
+/// collective.
 NearestEigenvalue nearest_eigenvalue(const Tangent& tangent,
                                      const std::function<void(const DofVector& b, DofVector& x)>& solve,
                                      const std::function<double(const DofVector&)>& rounding_of_form = {}) {
@@ -176,7 +175,7 @@ NearestEigenvalue nearest_eigenvalue(const Tangent& tangent,
   return nearest;
 }
 
-/// As asymmetry(), of the rows of this rank that chains eliminate, in the units of IndependentUnknowns.
+/// Computes asymmetry() of the rows of this rank that chains eliminate, in the units of IndependentUnknowns.
 double asymmetry_of_chains(const CondensedSystem& chains, const Tangent& tangent) {
   constexpr int n = kVertexDofs;
   const Structure& structure = tangent.model().structure();
@@ -216,8 +215,8 @@ double asymmetry_of_chains(const CondensedSystem& chains, const Tangent& tangent
   return largest;
 }
 
-/// Derivative of the equations of equilibrium, unscaled, by differences of the residual, which holds compliances and no
-/// stiffness: no large entries in whose rounding small ones are lost. Rows of N and M are zero.
+/// Differentiates the unscaled equations of equilibrium along a motion by differences of the residual, which contains
+/// compliances and no stiffness: no rounding of large entries hides small ones. Rows of N and M are zero.
 MixedVector derivative_along(const Model& model, const State& state, double load_factor, const MixedVector& motion) {
   const Structure& structure = model.structure();
   const LargestParts size = largest_parts(*model.map()->getComm(), motion.vertex());
@@ -233,7 +232,7 @@ MixedVector derivative_along(const Model& model, const State& state, double load
   return sum;
 }
 
-/// Places of the eigenvalues number first .. first + count - 1 among those found.
+/// Indices of the eigenvalues number first .. first + count - 1 among those found.
 template <class Pairs>
 std::vector<int> places_of(const Pairs& found, const StabilityResult& stability, int first, int count) {
   std::vector<int> order(found.size()), places;
@@ -245,7 +244,7 @@ std::vector<int> places_of(const Pairs& found, const StabilityResult& stability,
   return places;
 }
 
-/// Gram-Schmidt, twice for its rounding; `images` are those under a linear operator and stay so.
+/// Gram-Schmidt, twice because of rounding; applies the same operations to `images` under a linear operator.
 void orthonormalize(std::vector<std::vector<double>>& columns, std::vector<std::vector<double>>& images) {
   for (size_t j = 0; j < columns.size(); ++j)
     for (int pass = 0; pass <= 2; ++pass) {
@@ -287,7 +286,7 @@ Verdict StabilityResult::verdict() const {
   return null > 0 ? Verdict::neutral : Verdict::stable;
 }
 
-/// With a cap at which no pivot inside an element is zero, if there is one.
+/// Evaluates the tangent with a cap for which no pivot inside an element is zero, if possible.
 Stability::Look Stability::evaluate_tangent(const State& state, double load_factor, double raise) {
   const Model& model = problem_.model;
   const double stress = stress_of(model, magnitude_of(model, state, load_factor));
@@ -297,7 +296,7 @@ Stability::Look Stability::evaluate_tangent(const State& state, double load_fact
   Tangent::InteriorCount interior;
   for (double part : kCapParts) {
     const Cap cap = cap_for(model, point.scales, part * std::min(raise, stability_limit.cap_of_count * share));
-    tangent.reset();  // its arrays are used again
+    tangent.reset();  // so that its arrays are reused
     tangent.emplace(model, point, cap, TangentKind{true, true});
     interior = tangent->interior_count();
     if (!interior.uncertain) break;
@@ -305,14 +304,14 @@ Stability::Look Stability::evaluate_tangent(const State& state, double load_fact
   return {std::move(*tangent), interior, stability_limit.zero * stress};
 }
 
-/// Of the usual cap of counts.
+/// Share of the usual cap of counts.
 double Stability::share_of_cap(double stress, const Seen* unloaded) {
   if (stress >= stability_limit.small_stress) return std::min(1.0, stress);
   return std::max(stress, least_stiffness(unloaded));
 }
 
-/// The smallest eigenvalue of the unloaded structure in units of its largest EI/L, roughly, and at most one: from what
-/// chains leave. `unloaded`: its tangent with the usual cap, where that is known.
+/// Estimates the smallest eigenvalue of the unloaded structure, in units of its largest EI/L and at most one, from the
+/// remaining system of chains. `unloaded`: its tangent with the usual cap, if available.
 double Stability::least_stiffness(const Seen* unloaded) {
   if (unloaded_) return unloaded_->stiffness;
   const Model& model = problem_.model;
@@ -332,7 +331,7 @@ double Stability::least_stiffness(const Seen* unloaded) {
   return unloaded_->stiffness;
 }
 
-/// A result that tells that no eigenvalue is below zero: the compliance of a cap makes no tangent stiffer.
+/// Result without negative eigenvalues: the compliance of a cap makes no tangent stiffer.
 StabilityResult Stability::stable(const EvaluationPoint& point, double share_of_cap) const {
   StabilityResult result = counted(0);
   const double raise = stability_limit.cap_of_count * share_of_cap;
@@ -341,8 +340,8 @@ StabilityResult Stability::stable(const EvaluationPoint& point, double share_of_
   return result;
 }
 
-/// Without stresses, at rest, no eigenvalue is below zero, and those of the unloaded structure tell whether one is
-/// zero.
+/// Counts without a new factorisation: without stresses, and at rest, no eigenvalue is negative, and those of the
+/// unloaded structure show whether one is zero.
 std::optional<StabilityResult> Stability::count_without_stress(const State& state, double load_factor) {
   const Model& model = problem_.model;
   if (stress_of(model, magnitude_of(model, state, load_factor)) > 0.0) return std::nullopt;
@@ -352,7 +351,7 @@ std::optional<StabilityResult> Stability::count_without_stress(const State& stat
   return stable(take_point(problem_, state, load_factor), share);
 }
 
-/// The tangent of evaluate_tangent(), all of it.
+/// Evaluates the tangent and reduces all of it to the independent unknowns.
 Stability::Look Stability::assemble(const State& state, double load_factor) {
   Look look = evaluate_tangent(state, load_factor, stability_limit.cap_of_modes);
   if (unknowns_ == nullptr) unknowns_ = std::make_unique<IndependentUnknowns>(problem_.model);
@@ -360,7 +359,7 @@ Stability::Look Stability::assemble(const State& state, double load_factor) {
   return look;
 }
 
-/// Inertia, or the sign of the determinant. `asymmetry_beside`: of rows that were eliminated.
+/// Determines the inertia, or the sign of the determinant. `asymmetry_beside`: that of rows already eliminated.
 Stability::RootResult Stability::factorized(const SparseMatrix& matrix, Solvers& solvers,
                                             double asymmetry_beside) const {
   RootResult root;
@@ -379,7 +378,7 @@ Stability::RootResult Stability::factorized(const SparseMatrix& matrix, Solvers&
   return root;
 }
 
-/// No more real eigenvalues of a matrix are below zero, as a rule: their vectors have negative forms.
+/// Negative eigenvalues of the symmetric part: usually no fewer than negative real ones, whose vectors have x.Kx < 0.
 int Stability::negative_of_symmetric_part(const SparseMatrix& matrix, Solvers& solvers) {
   if (solvers.symmetric == nullptr)
     solvers.symmetric = std::make_unique<InertiaSolver>(InertiaSolver::Kind::symmetric, matrix);
@@ -394,7 +393,7 @@ void Stability::look_for_zero(const SparseMatrix& matrix, const Solvers& solvers
                                         stability_limit.near_rounding * rounding));
 }
 
-/// Adds what interiors and chains have. Collective.
+/// Adds the counts of interiors and chains. Collective.
 Stability::RootResult Stability::completed(RootResult root, const RootCopy& copy, const Seen& look, long of_chains) {
   StabilityResult& result = root.result;
   double numbers[6] = {static_cast<double>(result.negative), static_cast<double>(result.null),
@@ -418,7 +417,7 @@ Stability::RootResult Stability::completed(RootResult root, const RootCopy& copy
   return root;
 }
 
-/// Takes the room of a solver for chains, or one of its own. Solvers are the same ones again and again, as a rule.
+/// Takes the storage of a solver for chains, or its own. Solvers are usually the same each time.
 void Stability::take_chains(CondensedSystem* chains) {
   if (chains == nullptr && own_chains_ == nullptr) own_chains_ = std::make_unique<CondensedSystem>(problem_.model);
   if (chains == nullptr) chains = own_chains_.get();
@@ -426,8 +425,8 @@ void Stability::take_chains(CondensedSystem* chains) {
     unknowns_beside_chains_ = std::make_unique<IndependentUnknowns>(problem_.model, chains_->remaining());
 }
 
-/// The tangent with its chains condensed, and whether their pivots can be relied on. Without symmetry: what its
-/// symmetric part tells, but for the determinant, which is that of the whole.
+/// Factorises the tangent with its chains condensed, and determines whether their pivots are reliable. Unsymmetric: the
+/// result is that of the symmetric part, except for the determinant.
 Stability::RootResult Stability::factorized_beside_chains(const Seen& look) {
   take_chains(look.chains != nullptr ? look.chains : problem_.take_solver()->chains());
   const double beside = chains_->is_unsymmetric() ? asymmetry_of_chains(*chains_, look.tangent) : 0.0;
@@ -464,12 +463,12 @@ Stability::RootResult Stability::factorized_beside_chains(const Seen& look, bool
   return root;
 }
 
-/// None where the signs of pivots cannot be relied on, next to a critical point.
+/// Counts with chains condensed; none if the signs of pivots are unreliable, next to a critical point.
 std::optional<StabilityResult> Stability::inertia_with_chains(const Seen& look) {
   const RootResult root = factorized_beside_chains(look);
   if (!root.is_reliable || root.is_near_zero || root.result.null > 0 || look.interior.uncertain) return std::nullopt;
   if (!root.result.symmetric) {
-    // The determinant tells one negative eigenvalue from none, but not two.
+    // The determinant distinguishes one negative eigenvalue from none, but not two.
     if (root.result.asymmetry > stability_limit.nearly_conservative || root.of_symmetric_part < 2 ||
         root.of_symmetric_part > stability_limit.most_divergent)
       return root.result;
@@ -492,8 +491,9 @@ std::optional<StabilityResult> Stability::inertia_with_chains(const Seen& look) 
   return root.result;
 }
 
-/// An eigenvalue of the remaining system is no nearer to zero than the nearest one of the whole tangent. Where the cap
-/// cuts off some stiffness zero alone is a count; unless it is that of counts, and the signs found in solves tell.
+/// Counts by Newton's own tangent. Eigenvalues of the remaining system are no nearer to zero than the nearest one of
+/// the whole tangent. If the cap cuts off some stiffness, only a count of zero is valid, except for counts by solves,
+/// whose cap is that of counts.
 std::optional<StabilityResult> Stability::count_by(Linearization& at) {
   const Tangent& tangent = at.tangent();
   const bool by_solves = at.solver().counts_by_solves();
@@ -537,13 +537,13 @@ std::optional<StabilityResult> Stability::count_by_iteration(const State& state,
                    true);
   if (at.failure().empty()) try {
       return count_by(at);
-    } catch (const LinearSolverError&) {  // why is told below
+    } catch (const LinearSolverError&) {  // negative curvature that was met is counted below
     }
   const long negative = at.solver().negative_eigenvalues().value_or(0);
   return negative == 0 ? std::nullopt : std::optional(counted(negative));
 }
 
-/// Leaves the factors of the tangent, or of what lies beside it where a pivot is zero or `shift` asks for it.
+/// Determines the inertia and keeps the factors: those of the tangent, or shifted if a pivot is zero or `shift` is not.
 StabilityResult Stability::inertia(const Look& look, double shift) {
   RootResult root;
   on_root(unknowns_->root(), [&] {
@@ -570,7 +570,7 @@ StabilityResult Stability::count(const State& state, double load_factor) {
   std::optional<Look> look = evaluate_tangent(state, load_factor, stability_limit.cap_of_count);
   const double end_angle = largest_end_angle(problem_.model, look->tangent.point()).angle;
   std::optional<StabilityResult> result = inertia_with_chains(look->seen());
-  look.reset();  // its arrays are used again
+  look.reset();  // so that its arrays are reused
   for (int modes = stability_limit.first_null; !result; modes *= 2) {
     const StabilityResult seen = spectrum(state, load_factor, modes).stability;
     if (seen.null < modes || modes >= stability_limit.most_null) result = seen;
@@ -579,7 +579,7 @@ StabilityResult Stability::count(const State& state, double load_factor) {
   return *result;
 }
 
-/// Theory (48) with K of the tangent and the row e of the motion.
+/// Counts by theory (48), with K of the tangent and the row e of the motion.
 StabilityResult Stability::count_held(const State& state, double load_factor, const MixedVector& motion) {
   const Look look = assemble(state, load_factor);
   StabilityResult result = inertia(look);
@@ -593,7 +593,7 @@ StabilityResult Stability::count_held(const State& state, double load_factor, co
   });
   if (compliance == 0.0) return result;
   const int sign = compliance < 0.0 ? -1 : 1;
-  if (result.null > 0) {  // beside a zero pivot, on its positive side
+  if (result.null > 0) {  // the shift makes a zero pivot positive
     --result.null;
     if (result.null == 0) result.sign = sign_of(result.negative, 0);
     return result;
@@ -613,7 +613,7 @@ std::optional<StabilityResult> Stability::ask(const Asked& at, How how) {
   return count(at.state, at.load_factor);
 }
 
-/// Numbers of rank 0 on every rank; vectors stay there.
+/// Broadcasts the numbers of rank 0; vectors stay there.
 void Stability::share(Pairs& pairs) const {
   const RootCopy& root = unknowns_->root();
   int found = static_cast<int>(pairs.size());
@@ -628,7 +628,7 @@ void Stability::share(Pairs& pairs) const {
   }
 }
 
-/// Uses the factors that inertia() left.
+/// Finds the eigenvalues nearest to zero with the factors kept by inertia().
 Stability::Pairs Stability::nearest(const StabilityResult& stability, int count, double tolerance) {
   Pairs pairs;
   on_root(unknowns_->root(), [&] {
@@ -668,7 +668,7 @@ Spectrum Stability::spectrum(const State& state, double load_factor, int count) 
   const auto is_zero = [&](const Pair& pair) { return std::abs(pair.value) <= std::max(look.zero, pair.error); };
   if (result.stability.symmetric && !pairs.empty() && is_zero(pairs.front()) && result.stability.shift == 0.0) {
     result.stability =
-        inertia(look, stability_limit.shift_beside_zero);  // all others are lost in the rounding of so large an inverse
+        inertia(look, stability_limit.shift_beside_zero);  // the rounding of so large an inverse hides all others
     pairs = nearest(result.stability, count, stability_limit.exact_modes);
   }
   result.modes = corrected_modes(look, result.stability, pairs);
@@ -679,8 +679,9 @@ Spectrum Stability::spectrum(const State& state, double load_factor, int count) 
   return result;
 }
 
-/// Of the mixed potential in motions that complete_motion() made of the vectors of `pairs`, as a matrix; symmetric
-/// tangents only. Their rows of N and M are solved with the compliance of the tangent, which leaves that of the cap.
+/// Computes the second variation of the mixed potential in the motions that complete_motion() made of the vectors of
+/// `pairs`, as a matrix; symmetric tangents only. Their rows of N and M are solved with the compliance of the tangent,
+/// from which that of the cap remains.
 std::vector<double> Stability::second_variations(const Tangent& tangent, const std::vector<MixedVector>& motions,
                                                  const Pairs& pairs) const {
   const int m = static_cast<int>(motions.size());
@@ -704,7 +705,7 @@ std::vector<double> Stability::second_variations(const Tangent& tangent, const s
   return form;
 }
 
-/// Rayleigh-Ritz in the modes found, with the true compliance: degenerate modes separate as they should.
+/// Corrects modes by Rayleigh-Ritz with the true compliance, which also separates degenerate modes correctly.
 std::vector<EigenMode> Stability::corrected_modes(const Look& look, const StabilityResult& stability,
                                                   const Pairs& pairs) {
   const Model& model = problem_.model;
@@ -760,7 +761,7 @@ int SpaceValues::negative() const {
 }
 
 CriticalSpace Stability::space_of(const State& state, double load_factor, int first, int count) {
-  constexpr int kMore = 2;  // negative ones may be nearer to zero than those that come next
+  constexpr int kMore = 2;  // negative ones may be nearer to zero than the wanted ones
   const StabilityResult result = inertia(assemble(state, load_factor));
   if (!result.symmetric) return {};
   Pairs pairs = nearest(result, count + kMore, stability_limit.rough_modes);
@@ -770,7 +771,7 @@ CriticalSpace Stability::space_of(const State& state, double load_factor, int fi
   return space.size == count ? space : CriticalSpace{};
 }
 
-/// Rayleigh-Ritz in K^-p B, theory (60), with the factors that inertia() left.
+/// Rayleigh-Ritz in K^-p B, theory (60), with the factors kept by inertia().
 Stability::Pairs Stability::ritz_values(const StabilityResult& stability, const CriticalSpace& space) {
   const size_t m = space.size;
   Pairs pairs;
