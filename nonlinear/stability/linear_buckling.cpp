@@ -13,18 +13,18 @@ namespace mixbeam {
 
 namespace {
 
-/// Each repetition gains as much as the cap is above the forces at work, five digits: three reach rounding.
+/// Number of refinements for the cap. Each gains the ratio of the cap to the forces, five digits: three reach rounding.
 constexpr int kRefinements = 3;
 
-/// Of the load factor, in which the slope of line loads is seen: a ramp's to all digits.
+/// Step of the load factor for the slope of line loads: accurate to all digits for ramps.
 constexpr double kSlopeStep = 1.0 / 1024.0;
 
 /// A structure in equilibrium, undeformed or under the loads of its first stages, with the stresses of its linear
-/// response to the loads that follow. Load factors count from that of the state on. Throws LinearSolverError when the
+/// response to the subsequent loads. Load factors are relative to that of the state. Throws LinearSolverError if the
 /// structure is not stable there.
 class StressedStructure {
  public:
-  /// `state`: in equilibrium at `load_factor`, where the loads that follow begin to act.
+  /// `state`: in equilibrium at `load_factor`, where the subsequent loads begin to act.
   StressedStructure(BeamProblem& problem, const State& state, double load_factor)
       : problem_(problem),
         model_(problem.model),
@@ -44,8 +44,8 @@ class StressedStructure {
   StressedStructure& operator=(const StressedStructure&) = delete;
 
  protected:
-  /// All tangents have the cap of the reference state: else their differences would be those of their caps.
-  /// `line_loads`, `other_loads`: their load factors. Those of lines grow as at first.
+  /// Tangent with the cap of the reference state, so that differences of tangents are not those of caps.
+  /// `line_loads`, `other_loads`: their load factors. Line loads grow with their initial slope.
   Tangent tangent_at(const State& state, double line_loads = 0.0, double other_loads = 0.0) {
     EvaluationPoint point = point_at(state, other_loads);
     if (line_loads != other_loads) {
@@ -63,10 +63,10 @@ class StressedStructure {
     point.scales = scales_;
     return point;
   }
-  /// At the stresses and line loads of a load factor, other loads apart: those that follow act on the interiors that
-  /// are condensed, too. About a state that carries stress the stresses to come balance in the motion that they cause,
-  /// not in the state where they are put: what this leaves of moments is the skew part of a stiffness that is symmetric
-  /// along the path.
+  /// Stiffness at the stresses and line loads of a load factor, without other loads: follower line loads also act on
+  /// condensed interiors. About a stressed state the additional stresses are in balance with the motion that they
+  /// cause, which is not applied: the moments left unbalanced are the skew part of a stiffness that is symmetric along
+  /// the path, and are removed.
   Tangent stiffness_at(double load_factor, std::vector<double>& values) {
     const State state = state_at(load_factor);
     std::vector<double> skew;
@@ -80,7 +80,7 @@ class StressedStructure {
     for (size_t i = 0; i < skew.size(); ++i) values[i] -= skew[i];
     return tangent;
   }
-  /// The state with the stresses of a load factor.
+  /// Reference state with the stresses of a load factor.
   State state_at(double load_factor) { return model_.apply(reference_, response_, load_factor); }
 
   /// Largest of N L^2/EI and M L/EI per load factor.
@@ -96,8 +96,8 @@ class StressedStructure {
     return maximum_over_ranks(*model_.map()->getComm(), largest);
   }
 
-  /// K_g = (4 D(t) - D(2t))/3 with central differences D of stiffness_at(); other loads are evaluated at factor zero
-  /// there because a ramp has no negative side, and their part, linear in the factor, comes from the reference state.
+  /// Computes K_g = (4 D(t) - D(2t))/3 with central differences D of stiffness_at(), at factor zero of other loads,
+  /// since a ramp has no negative side; their part, linear in the factor, is added from the reference state.
   std::vector<double> geometric_stiffness(double t) {
     std::vector<double> result(matrix_.value.size(), 0.0), k;
     const auto add = [&](double factor, double load_factor) {
@@ -117,7 +117,7 @@ class StressedStructure {
     return result;
   }
 
-  /// K at the stresses and loads of a load factor, interiors condensed exactly.
+  /// Evaluates K at the stresses and loads of a load factor, interiors condensed exactly.
   Tangent tangent_under_stress(double load_factor) {
     under_stress_.row_start = matrix_.row_start;
     under_stress_.column = matrix_.column;
@@ -140,15 +140,15 @@ class StressedStructure {
   ResidualScales scales_;
   Cap cap_;
   MixedVector response_, work_;
-  bool symmetric_ = true;         ///< without the loads to come
-  bool pencil_symmetric_ = true;  ///< with the stresses and loads to come as well
+  bool symmetric_ = true;         ///< without the subsequent loads
+  bool pencil_symmetric_ = true;  ///< including subsequent stresses and loads
   std::vector<double> by_loads_;
   SparseMatrix matrix_, under_stress_;
   std::unique_ptr<InertiaSolver> solver_, moving_solver_;
 
  private:
-  /// dx / d(load factor) at the reference state, of what begins to act there. Solved with the capped tangent and
-  /// refined to the true one: where forces are shared according to stiffness the cap would shift them.
+  /// Solves for dx / d(load factor) at the reference state, due to loads that begin to act there, with the capped
+  /// tangent, and refines to the true one: the cap would change how forces are distributed by stiffness.
   void find_response() {
     Linearization linearization(problem_, point_at(reference_, 0.0), cap_for(model_, scales_), {true, false});
     MixedVector rhs = model_.create_vector();
@@ -162,10 +162,10 @@ class StressedStructure {
     }
   }
 
-  /// Of the response its N and M alone: the linear theory of buckling lets stresses act on the undeformed structure.
-  /// With displacements as well the pencil would be that of a stiffness C turned by a linearised rotation, C + lambda
-  /// (theta C - C theta), which is singular at lambda theta ~ sqrt(ratio of stiffnesses): factors without meaning, of
-  /// both signs, that change with the mesh.
+  /// Keeps only N and M of the response: in the linear theory of buckling stresses act on the undeformed structure.
+  /// With displacements the pencil would be that of a stiffness C rotated by a linearised rotation, C + lambda
+  /// (theta C - C theta), which is singular at lambda theta ~ sqrt(ratio of stiffnesses): meaningless factors of both
+  /// signs that depend on the mesh.
   void keep_stresses() {
     Kokkos::deep_copy(response_.vertex(), 0.0);
     clear_rows(model_.structure(), response_.writable_interior(true), RowsOf::motions);
@@ -188,7 +188,7 @@ class StressedStructure {
   }
 };
 
-/// Factors are listed by their size; of a pair of both signs the positive one comes first: rounding must not choose.
+/// Key for sorting factors by magnitude; of a pair of both signs the positive one comes first, whatever the rounding.
 double rank(double factor) { return std::abs(factor) * (factor < 0.0 ? 1.0 + stability_limit.same_size : 1.0); }
 
 class LinearBuckling : private StressedStructure {
@@ -210,7 +210,7 @@ class LinearBuckling : private StressedStructure {
     bool confirmed = false;
   };
 
-  /// Of K_0 + lambda K_g by differences over t: condensed tangents, and low by what the cap does, about 1e-5 of them.
+  /// Finds the factors of K_0 + lambda K_g, by differences over t: condensed tangents, too low by 1e-5 due to the cap.
   std::vector<Factor> factors_of_pencil(int count, double t) {
     const std::vector<double> geometric = geometric_stiffness(t);
     std::vector<double> inverse_factor;
@@ -244,7 +244,7 @@ class LinearBuckling : private StressedStructure {
     return factors;
   }
 
-  /// left . K y at the stresses of a load factor with the true compliance: zero where these are modes.
+  /// Computes left . K y at the stresses of a load factor with the true compliance: zero for modes.
   double energy_at(double load_factor, const Factor& factor) {
     const Tangent tangent = tangent_under_stress(load_factor);
     const double energy = number_of_root(unknowns_.root(), [&] {
@@ -256,8 +256,8 @@ class LinearBuckling : private StressedStructure {
     return energy + cap_compliance_form(model_, cap_, complete_motion(tangent, unknowns_, factor.left), motion);
   }
 
-  /// Where energy_at() vanishes, by the secant method; left . K_0 y = 1. It ends where the energy is rounding and falls
-  /// no more: the next secant would lead anywhere.
+  /// Finds the zero of energy_at() by the secant method; left . K_0 y = 1. Stops when the energy is rounding and no
+  /// longer decreases, since the next secant would be arbitrary.
   double rayleigh_factor(const Factor& factor) {
     double a = 0.0, b = factor.value, at_a = 1.0;
     for (int i = 0; i < stability_limit.most_secants; ++i) {
@@ -273,7 +273,7 @@ class LinearBuckling : private StressedStructure {
     return b;
   }
 
-  /// |K(lambda) y| in units of K_0^-1: the share of the factor by which it may be wrong.
+  /// Computes |K(lambda) y| in units of K_0^-1, a bound of the relative error of the factor.
   double residual_of(const Factor& factor) {
     tangent_under_stress(factor.value);
     return number_of_root(unknowns_.root(), [&] {
@@ -285,8 +285,8 @@ class LinearBuckling : private StressedStructure {
     });
   }
 
-  /// One step of inverse iteration, y = K^-1 K_0 y, also of the transpose, and left . K_0 y = 1; so far beside the
-  /// factor that modes of a multiple one grow alike.
+  /// Performs one step of inverse iteration, y = K^-1 K_0 y, also of the transpose, and scales to left . K_0 y = 1. K
+  /// is taken far enough from the factor that all modes of a multiple one grow alike.
   void improve(Factor& factor) {
     tangent_under_stress((1.0 - stability_limit.aside_of_factor) * factor.value);
     on_root(unknowns_.root(), [&] {
@@ -312,7 +312,7 @@ class LinearBuckling : private StressedStructure {
     });
   }
 
-  /// Eigenvalues of K below zero at the stresses of a load factor, interiors included.
+  /// Counts negative eigenvalues of K at the stresses of a load factor, interiors included; -1: uncertain.
   long negative_at(double load_factor) {
     const Tangent::InteriorCount interior = tangent_under_stress(load_factor).interior_count();
     const double negative = number_of_root(unknowns_.root(), [&] { return factorize_under_stress().negative; });
@@ -321,7 +321,7 @@ class LinearBuckling : private StressedStructure {
 
   std::vector<EigenMode> improved(std::vector<Factor> factors) {
     for (Factor& factor : factors) {
-      if (!pencil_symmetric_) improve(factor);  // its left mode is not known yet
+      if (!pencil_symmetric_) improve(factor);  // finds its left mode
       for (int round = 0;; ++round) {
         factor.value = rayleigh_factor(factor);
         factor.residual = residual_of(factor);
@@ -336,8 +336,8 @@ class LinearBuckling : private StressedStructure {
     return modes_of(factors);
   }
 
-  /// Sylvester: beside each cluster of one sign the tangent has as many negative eigenvalues as there are factors
-  /// between it and zero.
+  /// Confirms factors by Sylvester's law: beside each cluster of one sign the tangent has as many negative eigenvalues
+  /// as there are factors between it and zero.
   void confirm(std::vector<Factor>& factors, double sign) {
     std::vector<Factor*> side;
     for (Factor& factor : factors)
@@ -355,7 +355,7 @@ class LinearBuckling : private StressedStructure {
     }
   }
 
-  /// -K^-1 K_g
+  /// Applies -K^-1 K_g.
   void apply(const SparseMatrix& prestress, double* block, int columns) {
     const size_t n = unknowns_.count();
     std::vector<double> image(n * columns);
@@ -364,14 +364,14 @@ class LinearBuckling : private StressedStructure {
     solver_->solve(block, columns);
   }
 
-  /// That of K + t K_g: K_g alone has no scale.
+  /// Asymmetry of K + t K_g, since K_g alone has no scale.
   double asymmetry_of(const SparseMatrix& prestress, double t) {
     SparseMatrix together = matrix_;
     for (size_t i = 0; i < together.value.size(); ++i) together.value[i] += t * prestress.value[i];
     return asymmetry(together);
   }
 
-  /// At the reference state.
+  /// Completes the modes at the reference state.
   std::vector<EigenMode> modes_of(const std::vector<Factor>& factors) {
     const Tangent tangent = tangent_at(reference_);
     unknowns_.reduce(tangent);

@@ -491,9 +491,8 @@ std::optional<StabilityResult> Stability::inertia_with_chains(const Seen& look) 
   return root.result;
 }
 
-/// Counts by Newton's own tangent. Eigenvalues of the remaining system are no nearer to zero than the nearest one of
-/// the whole tangent. If the cap cuts off some stiffness, only a count of zero is valid, except for counts by solves,
-/// whose cap is that of counts.
+/// Counts by Newton's own tangent, whose nearest eigenvalue is no farther from zero than those of the remaining system.
+/// If the cap cuts off some stiffness, only zero is a valid count, except by solves, whose cap is that of counts.
 std::optional<StabilityResult> Stability::count_by(Linearization& at) {
   const Tangent& tangent = at.tangent();
   const bool by_solves = at.solver().counts_by_solves();

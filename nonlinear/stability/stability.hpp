@@ -66,10 +66,9 @@ struct CriticalSpace {
   std::vector<std::vector<double>> vectors{};  ///< rank 0
 };
 
-/// Ritz values of a tangent K in the space K^-p B, with a small p. They vanish where those of K do and with the same
-/// multiplicity, and need no eigenvalue solver. By Haynsworth K has more negative eigenvalues than the space by a
-/// number that changes only where K^(2p-1), bordered by B, is singular: as long as it is constant, no eigenvalue passes
-/// zero outside the space.
+/// Ritz values of a tangent K in the space K^-p B, with a small p. They vanish where those of K do, as many at a time,
+/// and need no eigenvalue solver. By Haynsworth the number of negative eigenvalues of K that the space does not have
+/// changes only where K^(2p-1), bordered by B, is singular: while it is constant, the space sees all that pass zero.
 struct SpaceValues {
   std::vector<EigenMode> modes;  ///< in the order of their eigenvalues; none: K is unsymmetric
   int unseen = 0;                ///< negative eigenvalues of K minus those of the space

@@ -13,44 +13,43 @@ namespace mixbeam {
 
 namespace {
 
-/// Modes beyond those asked for: the count needs a gap behind them.
+/// Modes beyond those requested: the count needs a gap above them.
 constexpr int kModesBehind = 2;
-/// Columns of a block at least: six rigid motions share one eigenvalue.
+/// Least number of columns of a block, since six rigid motions share one eigenvalue; wanted modes over columns.
 constexpr int kLeastBlock = 6, kBlocksOfModes = 4;
-/// Narrow blocks take two thirds of the solutions; where the count finds that modes are missing, wide ones follow.
+/// Narrow blocks, which take two thirds of the solutions; if the count shows that modes are missing, wide ones follow.
 constexpr int kNarrowBlock = 2, kNarrowBlocksOfModes = 10, kNarrowBlocks = 45;
-/// The shift over the lowest omega^2 that is not zero: within these rigid motions and elastic modes keep their digits
-/// (rigid omega^2 at 1e-18 of the first elastic one).
+/// Bounds of the shift over the lowest nonzero omega^2, between which rigid motions and elastic modes keep their digits
+/// (rigid omega^2 at 1e-18 of the first elastic one), and its best value.
 constexpr double kLeastShift = 1e-3, kMostShift = 1.0, kShift = 0.03;
 constexpr int kMostShifts = 4;
-/// A search ends early where its shift is this many times outside of those bounds; what a pair with such a residual
-/// tells of omega^2, more than that share of the shift, has one digit then.
+/// Factor beyond those bounds at which a search is stopped early, and largest residual of pairs used for that: omega^2
+/// above kRoughlyRigid times the shift then has one digit.
 constexpr double kFarOutside = 10.0, kRough = 1e-2, kRoughlyRigid = 1e-2;
-/// omega^2 over the shift below which a motion is rigid: rounding leaves 1e-20.
+/// Ratio of omega^2 to the shift below which a motion is rigid: rounding leaves 1e-20.
 constexpr double kRigid = 1e-12;
-/// Eigenvalues 1 / (omega^2 + shift) below this share of the largest one are those of motions without mass.
+/// Share of the largest eigenvalue 1 / (omega^2 + shift) below which motions have no mass.
 constexpr double kMassless = 1e-13;
-/// Residuals of pairs whose operator is not symmetric: eigenvalues have no square of them, and where two meet the root.
+/// Tolerance for unsymmetric operators: errors of eigenvalues are not squares of residuals, and roots where two meet.
 constexpr double kOfUnsymmetric = 1e-13;
-/// Residuals up to which such a pair counts as found: near a double value rounding leaves its root.
+/// Residual up to which such a pair counts as found: near a double value rounding leaves its root.
 constexpr double kFound = 1e-7;
-/// Eigenvalues 1 / s below this share of the largest one are the root of its rounding: motions without mass are
-/// chained.
+/// Share of the largest eigenvalue 1 / s below which values are the root of its rounding: massless motions form chains.
 constexpr double kChained = 1e-8;
-/// Frequency over the size of the rate beyond which the imaginary part of a mode has digits left.
+/// Ratio of the frequency to |s| above which the imaginary part of a mode has correct digits.
 constexpr double kOscillates = 1e-6;
-/// The cap is taken out of each solution, by one correction as a rule; a hundred times the usual one leaves sections of
-/// most structures as they are, without any. omega^2 of chains of 100,000 elements is that of the usual cap to 4e-14.
-/// Counts keep the usual one: it lowers omega^2 by 3e-5 there.
+/// Factor on the usual cap. Each solution is corrected for the cap, usually once; with this factor the cap does not
+/// affect most structures, and no correction is needed. omega^2 of chains of 100,000 elements agrees with that of the
+/// usual cap to 4e-14. Counts keep the usual cap, which lowers omega^2 by 3e-5 there: hence the gap.
 constexpr double kCapOfVibration = 100.0, kGap = 2e-4;
-/// A low cap leaves less of rounding, of which eigenvalues without symmetry carry the first power.
+/// Factor for unsymmetric operators: a low cap reduces rounding, which affects their eigenvalues to first order.
 constexpr double kCapWithoutSymmetry = 1e-2;
 
-/// Velocities are divided by a frequency among those sought, in units of sqrt(EI/(m L^4)): with 1 the search takes half
-/// as long again.
+/// Divisor of velocities, a frequency among those sought, in units of sqrt(EI/(m L^4)): with 1 the search takes 50 %
+/// longer.
 constexpr double kVelocityScale = 30.0;
 
-/// Residual of pairs: its square is the error of omega^2, and one more solution follows.
+/// Tolerance of residuals of pairs: the error of omega^2 is its square, and one more solution follows.
 constexpr double kResidual = 1e-8;
 
 class Vibration {
@@ -67,7 +66,7 @@ class Vibration {
     const int wanted = count + kModesBehind;
     double shift = first_shift();
     std::vector<VibrationMode> found = search(wanted, shift, true);
-    if (operator_.symmetric() && !confirm(found, count, wanted)) {  // several modes may share a frequency
+    if (operator_.symmetric() && !confirm(found, count, wanted)) {  // narrow blocks may miss multiple frequencies
       found = search(wanted, shift, false);
       confirm(found, count, wanted);
     }
@@ -76,7 +75,7 @@ class Vibration {
   }
 
  private:
-  /// `shift` comes as an estimate, and leaves as it is for the frequencies found.
+  /// Searches for modes. `shift`: an estimate on entry; on return one that suits the frequencies found.
   std::vector<VibrationMode> search(int wanted, double& shift, bool narrow) {
     std::vector<VibrationMode> found;
     double cap = kCapOfVibration;
@@ -102,7 +101,7 @@ class Vibration {
       shift = kShift * lowest;
     }
     std::stable_sort(found.begin(), found.end(), [](const VibrationMode& a, const VibrationMode& b) {
-      return a.pair.eigenvalue < b.pair.eigenvalue;  // the positive imaginary part first, as they come
+      return a.pair.eigenvalue < b.pair.eigenvalue;  // stable: the positive imaginary part stays first
     });
     return found;
   }
@@ -114,7 +113,8 @@ class Vibration {
     observer_({std::min(static_cast<int>(found), wanted), wanted, load_factor_});
   }
 
-  /// EI/(m L^3) of the largest stiffness and all mass, or inertia over L^2 of a body that has more.
+  /// Estimates the shift by EI/(m L^3) from the largest stiffness and m = all mass, or inertia over L^2 of a body if
+  /// more.
   double first_shift() {
     operator_.linearize(0.0, kCapOfVibration, VibrationUse::matrices);
     double mass = 0.0;
@@ -131,8 +131,8 @@ class Vibration {
     return structure.bending_reference / (mass * length * length * length);
   }
 
-  /// The lowest omega^2 that is not rigid, which are `rigid` times the shift, where the shift is outside of its bounds
-  /// by more than a factor; 0: it is not. A small one does no harm where nothing moves more slowly.
+  /// Returns the lowest omega^2 above `rigid` times the shift if the shift is outside its bounds by more than `factor`;
+  /// 0 if it is not. A small shift does no harm if no motion is slower.
   static double far_from(double shift, const std::vector<double>& squared, double rigid, double factor) {
     double lowest = 0.0;
     bool is_slow = false;
@@ -144,7 +144,7 @@ class Vibration {
     return is_small || shift > factor * kMostShift * lowest ? lowest : 0.0;
   }
 
-  /// `rough`: far_from() as far as it is known; 0: `shift` is, that is, it is not asked for.
+  /// Finds pairs. `rough`: result of far_from() that ended the search early, or 0. `shift`: 0 disables that.
   std::vector<RitzPair> ritz_pairs(int wanted, bool narrow, double shift, double& rough) {
     KrylovProblem eigen;
     eigen.unknowns = operator_.masses().momenta();
@@ -176,8 +176,8 @@ class Vibration {
     return pairs;
   }
 
-  /// One more solution makes the mode, and its Rayleigh quotient the eigenvalue: with compliances in place of
-  /// stiffnesses, in whose rounding small eigenvalues would be lost.
+  /// Computes the mode by one more solution, and the eigenvalue as its Rayleigh quotient, with compliances instead of
+  /// stiffnesses, whose rounding would hide small eigenvalues.
   VibrationMode completed(const RitzPair& pair, double shift) {
     VibrationOperator::Response found = operator_.respond(pair.vector.data());
     std::vector<double> momenta = operator_.momenta_of(found.motion);
@@ -198,7 +198,7 @@ class Vibration {
     return mode;
   }
 
-  /// s with -s^2 = omega^2: that of the motion that grows if one does, of a conjugate the one that decays.
+  /// Returns s with -s^2 = omega^2: that of the growing motion, if any, and of the decaying one for the conjugate.
   static std::complex<double> rate_of(const std::complex<double>& squared) {
     const std::complex<double> omega = std::sqrt(squared);
     return {omega.imag(), std::abs(omega.real())};
@@ -211,8 +211,8 @@ class Vibration {
     if (with_momenta_) mode.momenta[0] = std::move(momenta);
   }
 
-  /// Momenta of a complex mode, from the real parts of those of phi and s phi: motions that go round one way and the
-  /// other have the same real parts.
+  /// Computes the momenta of a complex mode from the real parts of those of phi and s phi: motions in opposite senses
+  /// of rotation differ only in the latter.
   std::array<std::vector<double>, 2> complex_momenta(const std::vector<double>& own, double reference,
                                                      const std::complex<double>& rate) const {
     const size_t n = operator_.masses().momenta();
@@ -222,7 +222,7 @@ class Vibration {
     return parts;
   }
 
-  /// On (G phi, s G phi / omega_0, beta D phi), which is all that damping, Coriolis forces and inertia touch.
+  /// Iterates on (G phi, s G phi / omega_0, beta D phi), all that damping, Coriolis forces and inertia depend on.
   std::vector<VibrationMode> damped_modes(int count) {
     const double reference = kVelocityScale * std::sqrt(first_shift());
     operator_.factorize(0.0, kCapWithoutSymmetry, VibrationUse::condensed);
@@ -252,7 +252,7 @@ class Vibration {
     for (const RitzPair& pair : pairs) {
       if (std::hypot(pair.value, pair.imaginary) < kChained * std::hypot(pairs[0].value, pairs[0].imaginary)) break;
       const std::complex<double> rate = 1.0 / std::complex<double>(pair.value, pair.imaginary);
-      if (rate.imag() < 0.0 || !(pair.residual <= kFound)) continue;  // of motions without mass rounding is found
+      if (rate.imag() < 0.0 || !(pair.residual <= kFound)) continue;  // massless motions leave pairs of rounding
       VibrationMode mode{{-(rate * rate).real(), damped_response(pair.vector.data(), reference)}, rate, 0.0, {}};
       mode.pair.error = pair.residual;
       normalize_mode(operator_.model(), mode.pair.mode);
@@ -267,7 +267,7 @@ class Vibration {
     return found;
   }
 
-  /// -K^-1 (C phi + s M phi)
+  /// Computes -K^-1 (C phi + s M phi).
   MixedVector damped_response(const double* own, double reference) {
     const size_t n = operator_.masses().momenta();
     std::vector<double> forces = operator_.masses().damped_momenta(own);
@@ -276,7 +276,7 @@ class Vibration {
     return std::move(operator_.respond(forces.data(), by_strain ? own + 2 * n : nullptr).motion);
   }
 
-  /// Without symmetry: from the pair itself.
+  /// Takes the eigenvalue from the pair itself, if unsymmetric.
   static void take_value(const RitzPair& pair, double shift, VibrationMode& mode) {
     const double size = pair.value * pair.value + pair.imaginary * pair.imaginary;
     mode.pair.eigenvalue = pair.value / size - shift;
@@ -285,7 +285,7 @@ class Vibration {
     mode.pair.converged = pair.residual <= kFound;
   }
 
-  /// Counts what lies below a gap behind the modes asked for.
+  /// Counts the eigenvalues below a gap above the requested modes; returns whether none is missing.
   bool confirm(std::vector<VibrationMode>& found, int count, int wanted) {
     const auto value = [&](int i) { return found[i].pair.eigenvalue; };
     const int have = static_cast<int>(found.size());
@@ -309,8 +309,8 @@ class Vibration {
   double load_factor_;
   const ModeSearchObserver& observer_;
   bool with_momenta_;
-  std::array<std::vector<double>, 3> translation_{};  ///< momenta of velocity one along each axis
-  SparseMatrix outside_{};                            ///< what springs, loads and constraints add to K; rank 0
+  std::array<std::vector<double>, 3> translation_{};  ///< momenta of unit velocity along each axis
+  SparseMatrix outside_{};                            ///< contribution of springs, loads, constraints to K; rank 0
 };
 
 }  // namespace

@@ -15,14 +15,14 @@ namespace mixbeam {
 
 namespace {
 
-/// Share of the cap that may be left in a solution, and solves that may take: one or two as a rule.
-/// What is left enters omega^2 by its square, times the ratio of the largest one to the lowest; without symmetry by
-/// itself.
+/// Share of the cap's effect that may be left in a solution, and limit of solves for that, usually one or two.
+/// It affects omega^2 by its square, times the ratio of the largest omega^2 to the lowest; if unsymmetric, to first
+/// order.
 constexpr double kCapLeft = 1e-6, kCapLeftWithoutSymmetry = 1e-12;
 constexpr int kMostCapSolves = 12;
-/// Part of the cap that a correction leaves, 1e-6 as a rule, beyond which GMRES is quicker.
+/// Reduction by a correction, usually 1e-6, above which GMRES is faster.
 constexpr double kFastCorrection = 1e-3;
-/// Rounding of a solve beyond which it is refined: share of the sum of the terms of a row.
+/// Residual of a solve above which it is refined, over the sum of |terms| of a row.
 constexpr double kRefined = 1e-14;
 
 }  // namespace
@@ -110,7 +110,7 @@ std::vector<double> VibrationOperator::forms(const VibrationOperator& of, const 
   return found;
 }
 
-/// Under rows that condense_momenta() or condense_interior() gathered, of the capped stiffness.
+/// Solves with the capped stiffness for rows gathered by condense_momenta() or condense_interior().
 VibrationOperator::Response VibrationOperator::solve(MixedVector& rows) {
   Response response{model_.create_vector()};
   response.y = condense(rows, response.motion.vertex_dofs());
@@ -120,7 +120,7 @@ VibrationOperator::Response VibrationOperator::solve(MixedVector& rows) {
   return response;
 }
 
-/// Rows of the unknowns (rank 0) from those of the vertices; `motion` is half done.
+/// Condenses rows of the vertices to those of the unknowns (rank 0); `motion` holds intermediate values for expand().
 std::vector<double> VibrationOperator::condense(MixedVector& rows, DofVector& motion) {
   tangent_->project_on_free_motions(rows.vertex());
   system_.condense_rows(rows.vertex_dofs(), remaining_, motion);
@@ -132,7 +132,7 @@ void VibrationOperator::expand(const double* y, DofVector& motion) {
   system_.expand(remaining_, motion);
 }
 
-/// Replaces columns of momenta by those of the motions that belong to them.
+/// Replaces columns of momenta by those of the motions that they cause.
 void VibrationOperator::solve(MomentumColumns& of) {
   std::vector<MixedVector> rows, motions;
   for (int j = 0; j < of.columns; ++j) {
@@ -166,12 +166,12 @@ void VibrationOperator::apply(double* momenta, int columns) {
   }
 }
 
-/// Takes what the cap leaves out of columns that are solved; false where that is slow.
+/// Corrects solved columns for the cap; false if corrections converge slowly.
 bool VibrationOperator::correct(MomentumColumns& of) {
   std::vector<double> left = masses_.excess_norms(of), allowed = left;
   for (double& norm : allowed) norm *= cap_left();
   std::vector<double>& more = correction_;
-  more.assign(of.momenta_of_column * of.columns, 0.0);  // not all of it is written to where orders differ
+  more.assign(of.momenta_of_column * of.columns, 0.0);  // not all of it is written if orders differ
   double* const sum = std::exchange(of.momenta, more.data());
   of.forces = nullptr;
   const auto is_left = [&](int j) { return left[j] > allowed[j]; };
@@ -197,7 +197,7 @@ void VibrationOperator::solve_reduced(std::vector<double>& y, int columns) {
                 "equations of vibration");
 }
 
-/// Share of the cap that may be left in a solution.
+/// Share of the cap's effect that may be left in a solution.
 double VibrationOperator::cap_left() const {
   return symmetric_ && !has_forces_of_velocity() ? kCapLeft : kCapLeftWithoutSymmetry;
 }
@@ -234,7 +234,7 @@ VibrationOperator::Response VibrationOperator::solve_interior(const MixedVector&
   return solve(given);
 }
 
-/// Where forces are shared by stiffness.
+/// Corrects a response by GMRES, if forces are distributed by stiffness.
 void VibrationOperator::correct_by_gmres(MixedVector excess, double norm, double reduction, Response& found) {
   std::vector<MixedVector> basis;
   std::vector<Response> responses;
