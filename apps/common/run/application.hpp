@@ -1,5 +1,5 @@
-/// The frame of every application: runs with their records, checks, summary. A benchmark adds its study (what the paper
-/// tabulates and plots) and nothing else.
+/// The frame of every application: runs, result files, checks, summary. A benchmark adds only its study (the tables and
+/// plots of the paper).
 #pragma once
 
 #include "apps/common/run/scene_gradients.hpp"
@@ -26,146 +26,144 @@ using RunObserver = std::function<void(const Simulation& simulation, const StepR
 
 /// Where and how a run is recorded.
 struct Recording {
-  std::filesystem::path file{};     ///< result file; XDMF of the same name beside it; empty: observers see it only
-  std::filesystem::path monitor{};  ///< CSV file of what is followed over the steps; empty: none
+  std::filesystem::path file{};     ///< result file; XDMF of the same name beside it; empty: only observers see the run
+  std::filesystem::path monitor{};  ///< CSV file of the time series over the steps; empty: none
   int points_per_element = kPointsByOrder;
-  std::map<std::string, std::string> properties{};  ///< in the file, besides those of program and machine
+  std::map<std::string, std::string> properties{};  ///< attributes of the file besides program and machine
   RunObserver observer{};
   std::function<void(const StepRecord& record)> record_observer{};
   std::function<bool()> stop{};             ///< see PathControl
-  std::function<void()> restart{};          ///< what was observed so far does not count: another mesh follows
-  const QuantitySet* quantities = nullptr;  ///< followed besides the motion of points
-  /// Of the state at the end of the path, and of critical points since it began or was resumed; none: they are not
-  /// asked for.
+  std::function<void()> restart{};          ///< called before a path on another mesh: discard earlier steps
+  const QuantitySet* quantities = nullptr;  ///< recorded besides the motion of points
+  /// Gradients at the end of the path, and of the critical points since its start or resumption; empty: not requested.
   std::function<RecordedGradients(const Simulation&, const std::vector<CriticalPoint>&)> gradients{};
-  std::vector<RecordedBucklingMode> motions{};  ///< of the undeformed structure, beside its buckling modes
-  const StoredRun* resume = nullptr;            ///< continues after its last step, in its file
+  std::vector<RecordedBucklingMode> motions{};  ///< free motions of the undeformed structure, beside its modes
+  const StoredRun* resume = nullptr;            ///< continued after its last step, in the same file
   WritingOptions writing{};
 };
 
-/// A step of a run that is over.
+/// A stored step of a completed run.
 struct KeptStep {
   StepReport report{};
   State state{};
   RecordedStability stability{};
 };
 
-/// Critical points of a step of a run, with their states and without modes.
+/// Critical points of step `position` of a stored run, with their states, without modes.
 std::vector<CriticalPoint> stored_critical_points(Simulation& simulation, const StoredRun& run, std::size_t position);
 
-/// Instruction set that this library was built for, of which a package has several: "x86-64-v4, 8 lanes". Runs have the
-/// same bits where this agrees.
+/// Instruction set that this library was built for (a package has several): "x86-64-v4, 8 lanes". Runs are
+/// bit-identical if it agrees.
 std::string instructions();
 
 /// `results/scene_failure.txt` of `results/scene.h5`.
 std::filesystem::path failure_file_of(const std::filesystem::path& results);
 
-/// What a study works with. Output streams and files belong to rank 0: `out()` discards everything on other ranks, and
-/// files are written only where `writes_files()`.
+/// State and services of a program or study. Only rank 0 writes: `out()` discards everything on other ranks, and files
+/// are written only if `writes_files()`.
 class Application {
  public:
   std::string name;
   XmlParameters xml;
   Scene scene;  ///< as the XML file gives it; a study changes copies of it
-  /// The scene names no mesh and has a start mesh (start_mesh()) so far; a run chooses another one.
+  /// True if the scene names no mesh: it has a start mesh (start_mesh()) until a run chooses one.
   bool mesh_is_free = false;
-  std::string mesh_note{};  ///< how that mesh was chosen; empty where the scene names one
+  std::string mesh_note{};  ///< how that mesh was chosen; empty if the scene names one
   SolverParameters solver;
   std::vector<ExpectedValue> expected;
-  QuantitySet quantities{};                      ///< of the scene; empty: none are asked for
-  std::optional<GradientParameters> gradient{};  ///< of these, where they are asked for
-  std::optional<SearchParameters> search{};      ///< of numbers of the scene, before it is solved
-  std::string load_case{};       ///< of the scene that is being solved; expected values of other cases wait
-  std::filesystem::path output;  ///< existing folder
-  bool quiet = false;            ///< no progress lines
-  bool force = false;            ///< runs what seems not to fit into memory or onto the disk
-  std::string* loose = nullptr;  ///< of a scene that is only drawn: see read_scene()
+  QuantitySet quantities{};                      ///< list "Quantities" of the scene; may be empty
+  std::optional<GradientParameters> gradient{};  ///< list "Gradient", if the scene has one
+  std::optional<SearchParameters> search{};      ///< list "Identification" or "Design", if the scene has one
+  std::string load_case{};                       ///< case being solved; expected values of other cases are not compared
+  std::filesystem::path output;                  ///< existing folder
+  bool quiet = false;                            ///< no progress lines
+  bool force = false;                            ///< runs even if memory or disk seem too small
+  std::string* loose = nullptr;                  ///< for scenes that are only drawn: see read_scene()
   Summary summary;
-  SharedResultLock summary_lock{};  ///< of the file of the summary, where one is asked for
+  SharedResultLock summary_lock{};  ///< lock of the summary file, if there is one
   Communicator communicator;
   std::ostream* terminal = nullptr;       ///< where rank 0 prints; null: standard output
-  std::ostream* reports = nullptr;        ///< of several runs, each in a few lines; null: each by itself, in full
-  std::function<bool()> asked_to_stop{};  ///< a run asks it as it asks for interrupts; none: never
-  RunObserver watch{};                    ///< of the steps of a run, after they were recorded
+  std::ostream* reports = nullptr;        ///< short reports of several runs; null: a full report of each run
+  std::function<bool()> asked_to_stop{};  ///< polled together with interrupts; empty: never stops
+  RunObserver watch{};                    ///< called for each step after it was recorded
 
   std::ostream& out() const;
   /// Adds a warning to the summary, and prints it.
   void warn(const std::string& text);
-  /// Where progress lines of a run go: nowhere if the user or an empty label says so.
+  /// Stream for progress lines; discards them in quiet mode or if the label is empty.
   std::ostream& progress_out(const std::string& label) const;
-  /// By a signal or by asked_to_stop. Collective.
+  /// True after a signal, or if asked_to_stop() returns true. Collective.
   bool is_asked_to_stop() const;
   bool writes_files() const { return communicator->getRank() == 0; }
   /// Parameters of the list "Study", validated against the application's own declaration.
   Teuchos::ParameterList& study() { return xml.list->sublist("Study"); }
 
-  /// Solves a scene; counts its steps, iterations and times in the summary. `label` starts each progress line (none:
-  /// silent). Scenes too small to profit from threads run on one, unless the user chose a number; results are the same
-  /// bits. `observer` is called with the simulation after each converged step. When no equilibrium is found, the last
-  /// converged state is written to <output>/<label>_last_converged.h5, the report of the failure beside it to
-  /// <label>_last_converged_failure.txt, and ConvergenceError is thrown.
+  /// Solves a scene; adds its steps, iterations and times to the summary. `label` begins each progress line (empty:
+  /// silent). Scenes too small to profit from threads use one, unless the user chose a number; results are
+  /// bit-identical. `observer` is called after each converged step. If no equilibrium is found, writes the last
+  /// converged state to <output>/<label>_last_converged.h5 and the failure report to <label>_last_converged_failure.txt
+  /// beside it, and throws ConvergenceError.
   Simulation solve(const Scene& solved, const SolverParameters& parameters, const std::string& label,
                    const RunObserver& observer = {});
   Simulation solve(const Scene& solved) { return solve(solved, solver, ""); }
 
-  /// Threads that a scene profits from, unless the user chose a number.
+  /// Number of threads: the user's choice, otherwise as many as the scene profits from.
   int threads_for(const Scene& solved, const SolverParameters& parameters) const;
 
-  /// As solve(), for runs that may fail: result() of what is returned states how it ended, nothing is written or thrown
-  /// but InputError. Without an observer, who would see its steps twice, a path that returns to an earlier state is
-  /// followed again.
+  /// Solves like solve(), for runs that may fail: result() states how the run ended, nothing is written, and only
+  /// InputError is thrown. A path that returns to an earlier state is followed again, unless an observer would see its
+  /// steps twice.
   Simulation try_to_solve(const Scene& solved, const SolverParameters& parameters, const RunObserver& observer = {},
                           const PathControl& control = {});
 
-  /// As solve(), and writes every step to a result file; then the last converged state is in that file, and the report
-  /// of a failure beside it in <name of the file>_failure.txt. A run that was
-  /// stopped ends like any other, and result().interrupted is true.
-  /// What is returned keeps the scene, which must not change.
+  /// Solves like solve() and writes every step to a result file. After a failure that file ends with the last converged
+  /// state, and the report is in <name of the file>_failure.txt beside it. A stopped run ends like any other, with
+  /// result().interrupted true. The simulation keeps the scene, which must not change.
   Simulation record(const std::shared_ptr<const Scene>& solved, const SolverParameters& parameters,
                     const Recording& recording);
   Simulation record(const Scene& solved, const SolverParameters& parameters, const Recording& recording) {
     return record(std::make_shared<const Scene>(solved), parameters, recording);
   }
 
-  /// As record(), for a scene with an accuracy (accurate_run.hpp): the file holds the last mesh, its whole path or,
-  /// where the state was carried over from another mesh, its end. `keeps_path`: the whole path is wanted.
+  /// Records a scene with an accuracy (accurate_run.hpp): the file holds the last mesh with its whole path, or only the
+  /// end if the state was transferred from another mesh. `keeps_path`: always follow the whole path.
   AccurateRun record_accurately(const Scene& solved, const SolverParameters& parameters, const Recording& recording,
                                 bool keeps_path);
 
-  /// Writes the result file that record() would have written on the way. `simulation`: of these steps.
+  /// Writes the result file that record() would have written during the run. `simulation`: solved these steps.
   void write(const Simulation& simulation, const std::vector<KeptStep>& steps, const Recording& recording) const;
 
-  /// As record(), to <output>/<file>.h5.
+  /// Calls record() for <output>/<file>.h5.
   Simulation solve_and_record(const Scene& solved, const SolverParameters& parameters, const std::string& file,
                               int points_per_element = kPointsByOrder, const RunObserver& observer = {});
 
-  /// Checks those values of the list "Expected" that belong to this load factor; a value without one belongs to the end
-  /// of the path. `own_quantity` evaluates the application's own quantities, which are left out without it.
+  /// Checks the values of the list "Expected" at this load factor; values without a load factor are checked at the end
+  /// of the path. `own_quantity` evaluates the application's own quantities; without it they are skipped.
   using OwnQuantity = std::function<double(const ExpectedValue&)>;
   void check_expected(const Simulation& simulation, double load_factor, const OwnQuantity& own_quantity = {});
-  /// Likewise, and those that belong to the critical points since the step before.
+  /// Also checks the values at critical points since the previous step.
   void check_expected(const Simulation& simulation, const StepReport& report, const OwnQuantity& own_quantity = {});
-  /// At the end of a run.
+  /// Checks the values at the end of a run.
   void check_expected(const Simulation& simulation, const OwnQuantity& own_quantity = {}) {
     check_expected(simulation, simulation.result().load_factor, own_quantity);
   }
-  /// Expected values that no check_expected() has compared so far.
+  /// Expected values that check_expected() has not compared yet.
   std::vector<ExpectedValue> not_compared() const;
-  /// Critical points on the paths that were followed, by load case, as far as check_expected() has seen them.
+  /// Number of critical points of a load case that check_expected() has seen so far.
   int critical_points(const std::string& of_case) const;
 
  private:
   class Recorder;
 
   ResultHeader header(const Scene& solved, const std::map<std::string, std::string>& properties = {}) const;
-  /// Walks along the path, after `prepare`, and counts its costs; does not judge how it ended.
+  /// Calls `prepare`, follows the path and adds its costs to the summary; does not check how it ended.
   Simulation walk(const std::shared_ptr<const Scene>& solved, const SolverParameters& parameters,
                   const std::string& label, const PathControl& control, const std::function<void(Simulation&)>& prepare,
                   const RunObserver& observer);
   /// Writes the report to <stem of `results`>_failure.txt beside `results` and throws it as ConvergenceError.
   [[noreturn]] void give_up(const Simulation& simulation, const std::string& label, const std::string& where_state,
                             const std::filesystem::path& results) const;
-  /// Of a run that is resumed, made anew where they are damaged.
+  /// Stored run to resume, with its time series recomputed if they are damaged.
   std::optional<StoredRun> completed_series(const Scene& solved, const SolverParameters& parameters,
                                             const Recording& recording) const;
   void replay(Simulation& simulation, const StoredRun& run, const RunObserver& observer) const;
@@ -177,29 +175,28 @@ class Application {
 };
 
 struct ApplicationDefinition {
-  std::string name;                         ///< also of the default scene file, <name>.xml
-  std::filesystem::path folder{};           ///< of that file; empty: the one of the executable
-  std::string purpose;                      ///< one sentence
-  ListSpec study;                           ///< declaration of the list "Study"
-  std::optional<ListSpec> batch{};          ///< declaration of the list "Batch"; none: the program takes no such list
-  bool chooses_meshes = false;              ///< takes "Accuracy" of the list "Scene"
-  bool answers_quantities = false;          ///< takes the list "Quantities"
-  bool finds_rest_shapes = false;           ///< takes the lists "Inverse", "Identification", "Design"
-  std::vector<std::string> own_quantities;  ///< of the list "Expected", besides those of points
-  std::function<void(Application&)>
-      single;  ///< empty: run the scene, record it to single.h5, check the expected values
+  std::string name;                          ///< also the stem of the default scene file, <name>.xml
+  std::filesystem::path folder{};            ///< folder of that file; empty: folder of the executable
+  std::string purpose;                       ///< one sentence
+  ListSpec study;                            ///< declaration of the list "Study"
+  std::optional<ListSpec> batch{};           ///< declaration of the list "Batch"; none: not accepted
+  bool chooses_meshes = false;               ///< accepts "Accuracy" in the list "Scene"
+  bool answers_quantities = false;           ///< accepts the list "Quantities"
+  bool finds_rest_shapes = false;            ///< accepts the lists "Inverse", "Identification", "Design"
+  std::vector<std::string> own_quantities;   ///< allowed in the list "Expected" besides those of points
+  std::function<void(Application&)> single;  ///< empty: solve the scene, record single.h5, check the expected values
   std::function<void(Application&)> run_study;
 };
 
-/// Starts MPI, runs `action`, which returns an exit code, for an application of all ranks, and reports errors as
+/// Starts MPI and runs `action`, which returns an exit code, for one application on all ranks; reports errors like
 /// guarded_run().
 int with_application(const std::string& program, const std::function<int(Application&)>& action);
 
-/// The whole program. Returns the exit code: 0 all checks passed, 1 a check failed (or something unforeseen happened),
-/// 2 bad input, 3 no convergence.
+/// Runs the whole program. Returns the exit code: 0 all checks passed, 1 a check failed (or unforeseen error), 2 bad
+/// input, 3 no convergence.
 int run_application(int argc, char** argv, const ApplicationDefinition& definition);
 
-/// The verdict of the frequencies, where eigenvalues of the tangent do not tell whether a state is stable.
+/// Returns `stable`, or the verdict of the frequencies if the eigenvalues of the tangent leave stability undetermined.
 std::string judged_by_modes(const std::string& stable, const std::vector<RecordedVibrationMode>& modes);
 
 }  // namespace mixbeam

@@ -1,4 +1,4 @@
-/// Points whose motion and reactions a run follows as time series.
+/// Points whose motion and reactions a run records as time series.
 #pragma once
 
 #include "discretization/quantities/quantity_set.hpp"
@@ -10,15 +10,15 @@
 
 namespace mixbeam {
 
-/// Those that are held or loaded, the first hundred, in alphabetical order.
+/// Returns the supported and loaded points, at most the first hundred in alphabetical order.
 std::vector<std::string> followed_points(const Scene& scene);
 
-/// Adds forces and moments of the supports among the followed points to what is monitored in a step and at its critical
+/// Adds forces and moments of the supports among the followed points to the time series of a step and its critical
 /// points.
 void follow_reactions(const std::vector<std::string>& points, StepRecord& record);
 
-/// A stored run whose time series are damaged, with those computed from its states, bit for bit. `quantities`: of its
-/// scene, null where none were asked for; `simulation`: of its scene; left at the last step. Collective.
+/// Returns a stored run with damaged time series recomputed from its states, bit for bit. `quantities`: of the scene,
+/// null if it has none; `simulation`: of the scene, ends in the state of the last step. Collective.
 StoredRun with_all_series(const StoredRun& run, const Scene& scene, const QuantitySet* quantities,
                           Simulation& simulation);
 

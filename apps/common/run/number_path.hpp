@@ -1,4 +1,4 @@
-/// The path of a number of a scene, as tables of a batch and lists of gradients name it.
+/// Path of a number in a scene, as used by batch tables and the list "Gradient".
 #pragma once
 
 #include "discretization/text/number_text.hpp"
@@ -9,7 +9,7 @@
 
 namespace mixbeam {
 
-/// "Points/tip[1]": names of lists and of the parameter, and the component, -1 where the path has none.
+/// "Points/tip[1]": names of the lists and of the parameter; component of an array, -1 if the path has none.
 struct NumberPath {
   std::vector<std::string> names{};
   int component = -1;
@@ -21,7 +21,7 @@ struct NumberPath {
   }
 };
 
-/// Reads a path, in which "Scene" may come first.
+/// Reads a path; a leading "Scene" is dropped.
 inline NumberPath number_path(std::string text) {
   NumberPath path;
   const std::size_t bracket = text.rfind('[');

@@ -1,4 +1,4 @@
-/// Refuses what does not fit before anything large is allocated or written.
+/// Refuses runs that do not fit into memory or disk, before anything large is allocated or written.
 #pragma once
 
 #include "apps/common/run/application.hpp"
@@ -6,19 +6,19 @@
 
 namespace mixbeam {
 
-/// What a run of the scene takes with the quantities that are asked of it.
+/// Memory and disk that a run of the scene needs, with its quantities.
 Needs needs_of_run(const Application& app, const Scene& scene, const SolverParameters& parameters);
 
-/// Throws InputError with what a run of the scene needs and what is there, unless Application::force: memory, and where
-/// `file` is given the disk of a result file, of which there are two copies while it is written. Costs nothing for
-/// small scenes. Collective.
+/// Throws InputError with the needed and the available memory if a run does not fit, unless Application::force. If
+/// `file` is given, checks the disk too, for two copies of the result file, which exist while it is written. Costs
+/// nothing for small scenes. Collective.
 void require_room(const Application& app, const Scene& scene, const SolverParameters& parameters,
                   const std::filesystem::path& file = {});
 
-/// Likewise for memory alone, where the needs are known.
+/// Likewise for memory only, with known needs.
 void require_memory(const Application& app, const Scene& scene, const Needs& needs);
 
-/// Likewise for `bytes` that something else needs; `what`: "the scenes of 5000000 cases".
+/// Likewise for `bytes` of anything else; `what`: "the scenes of 5000000 cases".
 void require_memory(const Application& app, double bytes, const std::string& what);
 
 }  // namespace mixbeam

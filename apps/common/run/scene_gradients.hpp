@@ -1,4 +1,4 @@
-/// The list "Gradient" of a scene: which quantities are differentiated with respect to which of its numbers.
+/// The list "Gradient" of a scene: which quantities to differentiate with respect to which of its numbers.
 #pragma once
 
 #include "apps/common/run/number_path.hpp"
@@ -16,49 +16,49 @@ namespace mixbeam {
 
 struct XmlParameters;
 
-/// As it was written.
+/// The list as written.
 struct GradientParameters {
-  std::vector<std::string> of{};  ///< names or patterns of numbers that quantities have
-  std::vector<std::string> by{};  ///< paths of numbers of the scene, or patterns of these
+  std::vector<std::string> of{};  ///< names of quantities' values, or patterns
+  std::vector<std::string> by{};  ///< paths of numbers of the scene, or patterns
   bool by_element = false;
 };
 
-/// Numbers of a parameter; none where it holds no real numbers.
+/// Numbers of a parameter; empty if it holds no real numbers.
 std::vector<double> numbers_in(const Teuchos::ParameterEntry& entry);
-/// Of the list "Scene".
+/// Parameter at a path of the list "Scene".
 const Teuchos::ParameterEntry& entry_of(const Teuchos::ParameterList& scene, const NumberPath& path);
-/// Finite real numbers below the list "Scene" that a path or pattern stands for.
+/// Finite real numbers below the list "Scene" that match a path or pattern.
 std::vector<NumberPath> numbers_meant(const Teuchos::ParameterList& scene, const std::string& text);
-/// Says that a path or pattern stands for none, what is allowed, and the nearest one.
+/// Message that nothing matches a path or pattern, with the allowed ones and the nearest.
 std::string unknown_number(const Teuchos::ParameterList& scene, const std::string& text);
-/// Columns that are numbers, as opposed to places of extremes.
+/// Names of the columns that are numbers, not places of extremes.
 std::vector<std::string> names_of_values(const QuantitySet& quantities);
-/// The list "Quantities" with variables as the list "Scene" has them. Throws InputError.
+/// Quantities of the file, evaluated with the variables of `scene_list`. Throws InputError.
 QuantitySet quantities_of(const Teuchos::ParameterList& scene_list, const XmlParameters& xml, const Scene& scene);
 
 /// Declaration of the list "Gradient".
 ListSpec gradient_spec();
 
-/// Reads the list and looks for all that it names. Throws InputError.
+/// Reads the list and checks that all names in it exist. Throws InputError.
 GradientParameters read_gradient(XmlParameters& xml, const QuantitySet& quantities, const Scene& scene);
-/// Throws InputError at the list "Gradient" for what a scene does not have.
+/// Throws InputError at the list "Gradient" for names that the scene does not have.
 void require_known(const GradientParameters& asked, const XmlParameters& xml, const QuantitySet& quantities,
                    const Scene& scene);
 
-/// What has gradients: quantities of a state, load factors of the critical points of its path.
+/// Differentiable results: quantities of a state, load factors of the critical points of its path.
 struct Differentiable {
   const QuantitySet& quantities;
   const std::vector<CriticalPoint>& points;
 };
 
-/// At the present state of a simulation of a scene that `xml` tells, `load_case` of it. Throws InputError,
+/// Gradients in the current state of a simulation of `load_case` of the scene in `xml`. Throws InputError,
 /// LinearSolverError.
 RecordedGradients gradients_at(const Simulation& simulation, const GradientParameters& asked, const Differentiable& of,
                                const XmlParameters& xml, const std::string& load_case);
-/// The same where a run must go on: RecordedGradients::not_found in place of an error.
+/// Likewise, but sets RecordedGradients::not_found instead of throwing, so that the run continues.
 RecordedGradients gradients_or_reason(const Simulation& simulation, const GradientParameters& asked,
                                       const Differentiable& of, const XmlParameters& xml, const std::string& load_case);
-/// Whether load factors of critical points are among what is asked for.
+/// Whether gradients of load factors of critical points are requested.
 bool asks_for_critical_points(const GradientParameters& asked);
 
 }  // namespace mixbeam

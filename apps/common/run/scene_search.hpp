@@ -1,4 +1,4 @@
-/// The lists "Identification" and "Design": numbers of a scene that are found from what its quantities shall be.
+/// The lists "Identification" and "Design": find numbers of a scene from required values of its quantities.
 #pragma once
 
 #include "apps/common/run/number_path.hpp"
@@ -14,23 +14,23 @@ namespace mixbeam {
 
 class Application;
 
-/// A number of the scene that is searched for, from the value that the scene has.
+/// An unknown number of the scene; its value in the scene is the initial guess.
 struct SearchedNumber {
   std::string name{};
-  std::string path{};                                    ///< as written; in SearchParameters::numbers one number
-  std::optional<double> at_least{}, at_most{}, scale{};  ///< as written; there all known, perhaps infinite
+  std::string path{};                                    ///< as written; in SearchParameters of one number
+  std::optional<double> at_least{}, at_most{}, scale{};  ///< as written; there all set, possibly infinite
   NumberPath place{};
   double start = 0.0, value = 0.0;
-  double deviation = 0.0;  ///< NaN: a bound holds it, or there are no measurements; infinite: not told by these
-  bool is_held = false;    ///< by a bound
+  double deviation = 0.0;  ///< NaN: at a bound, or no measurements; infinite: not determined by these
+  bool is_held = false;    ///< at a bound
 };
 
-/// What a quantity shall be at the end of the path: a measured value, or one between bounds.
+/// Required value of a quantity at the end of the path: a measurement, or bounds.
 struct WantedQuantity {
   std::string name{}, quantity{}, load_case{};
   double value = 0.0, deviation = 0.0;
   std::optional<double> at_least{}, at_most{};
-  bool is_largest = false;  ///< of an objective: the largest value is looked for
+  bool is_largest = false;  ///< objective is maximized
 };
 
 struct SearchParameters {
@@ -44,23 +44,23 @@ struct SearchParameters {
 ListSpec identification_spec();
 ListSpec design_spec();
 
-/// Reads the list of either name, if the scene has one, and looks for all that it names. Throws InputError.
+/// Reads either list, if the scene has one, and checks that all names in it exist. Throws InputError.
 std::optional<SearchParameters> read_search(const Application& app);
 
 struct FoundScene {
   std::vector<SearchedNumber> numbers{};
   std::vector<double> covariance{};  ///< (number, number); empty without measurements
   std::vector<double> values{};      ///< of the wanted quantities
-  std::vector<double> sizes{};       ///< of these, at the start
-  std::vector<SearchStep> steps{};   ///< with the numbers of the scene as unknowns
+  std::vector<double> sizes{};       ///< their scales at the initial guess
+  std::vector<SearchStep> steps{};   ///< steps of the search, in numbers of the scene
   SearchEnd end = SearchEnd::found;
-  std::string failure{};               ///< why the search has not come to its end
-  std::vector<std::string> remarks{};  ///< what should be known of the numbers
-  std::string xml{};                   ///< the scene with them, without the list
+  std::string failure{};               ///< why the search failed
+  std::vector<std::string> remarks{};  ///< remarks on the numbers
+  std::string xml{};                   ///< the scene with the found numbers, without the list
 };
 
-/// `root`: declaration of the file; `report` is called for each step. Throws InputError, ConvergenceError where the
-/// scene as it stands has no equilibrium.
+/// Runs the search. `root`: declaration of the file; `report` is called for each step. Throws InputError, and
+/// ConvergenceError if the initial scene has no equilibrium.
 FoundScene search_scene(Application& app, const ListSpec& root, const std::function<void(const SearchStep&)>& report);
 
 }  // namespace mixbeam
