@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kMostThreads = 1024, kMostJobs = 1024, kMostSteps = 999999999, kMostRows = 999999999;
 
-/// "-1" is a value, if a bad one.
+/// Whether this is an option; "-1" is a value, though an invalid one.
 bool is_option(const std::string& argument) {
   return argument.size() > 1 && argument[0] == '-' && (argument[1] < '0' || argument[1] > '9');
 }
@@ -37,7 +37,7 @@ std::array<int, 2> rows_from(const std::string& option, const std::string& text)
                    "\"; allowed: first and last row, counted from 1, as in 1:100");
 }
 
-/// Returns the word that follows an option; another option there means that the value was forgotten.
+/// Returns the word after an option; another option there means that the value is missing.
 std::string value_after(int& i, int argc, const char* const* argv) {
   const std::string option = argv[i];
   std::string value = i + 1 < argc ? argv[i + 1] : "";

@@ -21,8 +21,8 @@ struct CommandLine {
 /// Options of the benchmark applications.
 const std::vector<std::string>& benchmark_options();
 
-/// `options`: those that are allowed; `kind`: of the one file that may be named. Throws InputError that names the
-/// option, what was seen and what is allowed.
+/// Reads a command line with at most one file. `options`: the allowed ones; `kind`: of that file. Throws InputError
+/// with the option, its value and the allowed values.
 CommandLine read_command_line(int argc, const char* const* argv,
                               const std::vector<std::string>& options = benchmark_options(),
                               const std::string& kind = "scene file");

@@ -23,7 +23,7 @@ namespace {
 
 constexpr const char* kNoMemory = "not enough memory";
 
-/// Kokkos tells the view and its size, in several lines.
+/// Describes the failed allocation; Kokkos names the view and its size in several lines.
 std::string what_was_wanted(const std::exception& error) {
   std::string text = error.what();
   if (text == std::bad_alloc().what()) return "a part of the program's own data does not fit";
@@ -31,8 +31,8 @@ std::string what_was_wanted(const std::exception& error) {
   return text;
 }
 
-/// Whether every rank has come here within this time. They fail alike, as a rule; but a file may be missing or
-/// unreadable on one machine only, and the others would wait for its rank for ever.
+/// Whether all ranks arrive here within kPatience. Usually all fail alike, but a file may be unreadable on one machine
+/// only, and the other ranks would wait for ever.
 bool all_ranks_fail() {
   constexpr double kPatience = 5.0;  // seconds
   MPI_Request request = MPI_REQUEST_NULL;
@@ -45,7 +45,7 @@ bool all_ranks_fail() {
 
 std::terminate_handler other_handler = nullptr;
 
-/// Ends where the exception cannot be caught: before main, in a destructor, on a thread. Nothing here allocates.
+/// Ends the program if bad_alloc cannot be caught: before main, in a destructor, on a thread. Does not allocate.
 [[noreturn]] void end_without_memory() {
   try {
     if (const std::exception_ptr error = std::current_exception()) std::rethrow_exception(error);
@@ -59,8 +59,8 @@ std::terminate_handler other_handler = nullptr;
   std::abort();
 }
 
-/// Before the objects at namespace scope, some of which allocate (constructors of lower numbers run first).
-/// In a program; a host of the library ends in its own way.
+/// Installs the handler before objects at namespace scope, some of which allocate (lower numbers run first). Only in
+/// programs; a host of the library keeps its own handler.
 [[gnu::constructor(101)]] void watch_for_lack_of_memory() {
   Dl_info here{}, program{};
   dladdr(reinterpret_cast<void*>(&watch_for_lack_of_memory), &here);
@@ -75,7 +75,7 @@ int guarded_run(const Communicator& communicator, const std::string& program, co
     if (communicator->getRank() == 0) std::cerr << program << ": " << kind << ": " << what << "\n" << std::flush;
     return code;
   };
-  // Complains of errors that may have happened on one rank only: the others would wait for it for ever.
+  // Reports errors that may occur on one rank only; aborts the others, which would wait for ever.
   const auto complain_alone = [&](const char* kind, const char* what, int code) {
     if (communicator->getSize() == 1) return complain(kind, what, code);
     std::cerr << program << ", rank " << communicator->getRank() << ": " << kind << ": " << what << "\n" << std::flush;
@@ -101,7 +101,7 @@ int guarded_run(const Communicator& communicator, const std::string& program, co
       return complain_alone(kNoMemory, (what_was_wanted(error) + "; every completed step is on disk").c_str(),
                             kInputErrorExitCode);
     return complain_alone("unforeseen error", error.what(), kFailedExitCode);
-  } catch (const char* error) {  // NOX and LOCA throw texts
+  } catch (const char* error) {  // NOX and LOCA throw string literals
     return complain_alone("unforeseen error", error, kFailedExitCode);
   }
 }

@@ -18,12 +18,12 @@ namespace {
 
 volatile std::sig_atomic_t requested = 0;
 
-/// Time after which a program that cannot be asked to stop, or takes longer, leaves. The last step is on disk.
+/// Time for an orderly end; after it the program exits, with the last step on disk.
 constexpr unsigned kPatience = 2;  // seconds
 
 void leave(int) { _exit(kInterruptedExitCode); }
 
-/// Only what is allowed in a signal handler: a flag, the default for the next signal, an alarm and a plain write.
+/// Handles both signals by async-signal-safe calls only: a flag, the default for the next signal, an alarm, a write.
 void on_signal(int signal) {
   requested = 1;
   std::signal(signal, SIG_DFL);
@@ -45,8 +45,8 @@ void handle_both(void (*handler)(int)) {
 }
 
 using Milliseconds = std::chrono::milliseconds;
-constexpr Milliseconds kLook{50};      // how often it is asked for an interrupt
-constexpr Milliseconds kOrderly{900};  // that an orderly end may take; two seconds are promised in all
+constexpr Milliseconds kLook{50};      // polling interval for interrupts
+constexpr Milliseconds kOrderly{900};  // for an orderly end, out of the promised two seconds
 
 }  // namespace
 

@@ -1,7 +1,6 @@
 /// Ctrl-C (SIGINT) and SIGTERM end the program within two seconds, with one exit code: at once before anything is
-/// computed; then in order at the last completed step, within the iteration, as long as that takes no longer (a
-/// factorisation inside a library, samples of a large structure), else at once with that step on disk. A second one
-/// ends it at once.
+/// computed; later in order after the last completed step. If that takes longer (a factorisation inside a library,
+/// samples of a large structure), the program leaves with that step on disk. A second signal ends it at once.
 #pragma once
 
 #include <condition_variable>
@@ -13,27 +12,27 @@
 
 namespace mixbeam {
 
-/// Code that shells expect of a program that Ctrl-C ended.
+/// Exit code that shells expect after Ctrl-C.
 inline constexpr int kInterruptedExitCode = 130;
 
-/// Makes both signals end the program at once from now on: nothing is lost yet.
+/// Makes both signals end the program at once, while there is nothing to lose.
 void leave_on_interrupts();
 
-/// Makes both signals ask for an orderly end from now to the end of the program.
+/// Makes both signals request an orderly end, until the program exits.
 void watch_for_interrupts();
 
-/// Takes the limit of two seconds away from an orderly end that would lose its results, which are written as a whole.
+/// Removes the limit of two seconds while results are written as a whole, which would be lost.
 void finish_in_order();
 
-/// True as soon as this process was asked to stop.
+/// True after this process has received a signal.
 bool interrupt_requested_here();
 
-/// True on every rank as soon as one of them was asked to stop. Collective.
+/// True on every rank after one of them has received a signal. Collective.
 bool interrupt_requested(const Communicator& communicator);
 
-/// While alive: where the program was asked to stop and has not come to an orderly end within a second, saves what
-/// there is, in a thread of its own, and leaves with kInterruptedExitCode; with kInputErrorExitCode and the reason
-/// where that fails. For programs of one rank that watch for interrupts.
+/// Watches for an interrupt in its own thread. If the program does not end in order within a second of it, calls `save`
+/// and exits with kInterruptedExitCode, or with kInputErrorExitCode and the reason if that fails. For programs of one
+/// rank that watch for interrupts.
 class LastResort {
  public:
   explicit LastResort(std::function<void()> save);

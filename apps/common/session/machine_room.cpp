@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 
 constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
-/// The number after a word at the beginning of a line of a file; none: neither file nor word.
+/// The number after a word that begins a line of a file; none if file or word is missing.
 std::optional<double> number_behind(const fs::path& file, const std::string& word) {
   std::ifstream stream(file);
   std::string first;
@@ -36,7 +36,7 @@ std::optional<double> number_behind(const fs::path& file, const std::string& wor
   return std::nullopt;
 }
 
-/// The only number of a file; none where it says "max".
+/// The only number of a file; none if it says "max".
 std::optional<double> number_in(const fs::path& file) {
   std::ifstream stream(file);
   double number = 0.0;
@@ -48,7 +48,7 @@ void lower(Room& room, double bytes, const std::string& limit) {
   if (bytes < room.bytes) room = {bytes, limit};
 }
 
-/// How the two versions of cgroups name their files.
+/// File names of the two versions of cgroups.
 struct CgroupFiles {
   const char *root, *most, *used, *inactive;
 };
@@ -56,7 +56,7 @@ constexpr CgroupFiles kVersion1{"/sys/fs/cgroup/memory", "memory.limit_in_bytes"
                                 "total_inactive_file"};
 constexpr CgroupFiles kVersion2{"/sys/fs/cgroup", "memory.max", "memory.current", "inactive_file"};
 
-/// A cgroup and all above it. Pages of files that are not in use count as free: the system takes them back.
+/// Applies the limits of a cgroup and its ancestors. Inactive file pages count as free: the system reclaims them.
 void lower_by_cgroups(Room& room, const CgroupFiles& files, fs::path group) {
   for (;; group = group.parent_path()) {
     const fs::path folder = files.root + (group == "/" ? "" : group.string());
@@ -80,7 +80,7 @@ void lower_by_cgroups(Room& room) {
   }
 }
 
-/// Place among the numbers of /proc/self/statm, which counts pages.
+/// Index of a number in /proc/self/statm, in pages.
 enum Statm { kAddressSpace = 0, kData = 5 };
 
 void lower_by_limit(Room& room, decltype(RLIMIT_AS) resource, Statm place, const std::string& name) {
@@ -89,7 +89,7 @@ void lower_by_limit(Room& room, decltype(RLIMIT_AS) resource, Statm place, const
   std::ifstream statm("/proc/self/statm");
   double pages = 0.0;
   for (int i = 0; i <= place; ++i) statm >> pages;
-  const double buffer = blas_room_to_come();  // all of it counts here; elsewhere the part that is touched
+  const double buffer = blas_room_to_come();  // address space counts in full, memory when touched
   lower(room, static_cast<double>(limit.rlim_cur) - pages * static_cast<double>(sysconf(_SC_PAGESIZE)) - buffer,
         name + (buffer > 0.0 ? ", less " + bytes_text(buffer) + " for the buffer of OpenBLAS" : ""));
 }

@@ -8,30 +8,30 @@ namespace mixbeam {
 
 struct Room {
   double bytes = 0.0;
-  std::string limit{};  ///< whose it is: "memory of the machine", "address space (ulimit -v)", ...
+  std::string limit{};  ///< the binding limit: "memory of the machine", "limit of the data, ulimit -d", ...
 };
 
-/// The least of MemAvailable, of what is left to every cgroup that this process is in, and of the limits on its address
-/// space and data.
+/// Free memory: the minimum of MemAvailable and of what the cgroups of this process and its limits on address space and
+/// data leave.
 Room memory_left();
 
-/// Bytes of this process behind a word of /proc/self/status, as "VmRSS:"; not a number where the system does not tell.
+/// Bytes after a word of /proc/self/status, such as "VmRSS:"; NaN if unavailable.
 double memory_of_process(const std::string& word);
 
-/// Bytes that may be written to a file in this folder.
+/// Free bytes of the file system of this folder.
 double disk_left(const std::filesystem::path& folder);
 
-/// Keeps freed blocks in the heap. Vectors and states of large models come and go in every iteration; by default glibc
-/// returns such blocks to the system, and the page faults of getting them back cost as much as the arithmetic.
+/// Keeps freed blocks in the heap. Large vectors and states are allocated in every iteration; by default glibc returns
+/// them to the system, and the page faults cost as much as the arithmetic.
 void keep_freed_memory();
 
-/// Extends the heap by `bytes` of untouched address space with large pages, for what a run is about to allocate, and
-/// keeps freed blocks: with small pages a long rod spends a third of its time in page faults on virtual machines.
-/// Nothing happens for small runs and where there is less room.
+/// Requests large pages for the coming allocations of a run: with small pages, a long rod spends a third of its time in
+/// page faults on virtual machines. Extends the heap by `bytes` of untouched address space, and keeps freed blocks from
+/// then on. Does nothing for small runs or if less memory is free.
 void take_large_pages(double bytes);
 
-/// Work of a library in another program: its end returns to the system what take_large_pages() has kept, and restores
-/// the thresholds that glibc arrives at by itself.
+/// Scope of a run of a library in another program. Its end returns the memory that take_large_pages() has kept, and
+/// restores the thresholds that glibc reaches by itself.
 struct GuestHeap {
   GuestHeap() = default;
   ~GuestHeap();

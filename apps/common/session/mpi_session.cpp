@@ -20,7 +20,7 @@ namespace mixbeam {
 
 namespace {
 
-/// Several ranks on one node share its cores; OpenMP would give all of them to each rank, and waiting threads spin.
+/// Divides the cores of a node among its ranks; OpenMP would give all of them to each rank, and waiting threads spin.
 void share_cores_between_ranks() {
   if (std::getenv("OMP_NUM_THREADS") != nullptr) return;  // the user's choice
   MPI_Comm node = MPI_COMM_NULL;
@@ -31,14 +31,14 @@ void share_cores_between_ranks() {
   if (ranks > 1) set_number_of_threads(std::max(1, number_of_threads() / ranks));
 }
 
-// Kernels run on threads, MPI is called by one thread at a time.
+// Kernels run on threads; only the main thread calls MPI.
 void start_mpi() {
   find_packaged_mpi();
   int provided = MPI_THREAD_SINGLE;
   MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
 }
 
-/// A command line. Kokkos would take "--threads 2" for one of its own options and abort: it sees a program's name only.
+/// A command line with a program name only; Kokkos would take "--threads 2" for one of its own options and abort.
 struct NameOnly {
   char name[8] = "mixbeam";
   char* words[2] = {name, nullptr};

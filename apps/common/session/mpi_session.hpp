@@ -7,8 +7,8 @@ namespace mixbeam {
 
 class MpiSession {
  public:
-  /// Starts Kokkos; under mpirun MPI before, for use by the main thread beside OpenMP threads. A process
-  /// alone starts MPI where something needs it (discretization/mesh/mpi_at_need.hpp).
+  /// Starts Kokkos; under mpirun first MPI, for calls by the main thread beside OpenMP threads. A single process starts
+  /// MPI only when needed (discretization/mesh/mpi_at_need.hpp).
   MpiSession();
   ~MpiSession();
   MpiSession(const MpiSession&) = delete;
@@ -20,9 +20,9 @@ class MpiSession {
   Communicator communicator_;
 };
 
-/// For a library in the process of another program: Kokkos for a process alone, once, and to the end of the
-/// process. Environment and signals of the host stay as they were. Where the host has started MPI, this
-/// process is alone all the same. Throws InputError under mpirun with several ranks.
+/// Starts Kokkos once for a library in the process of another program, until the process ends. Does not change
+/// environment and signals of the host. Uses a serial communicator even if the host has started MPI. Throws InputError
+/// under mpirun with several ranks.
 Communicator start_as_guest();
 
 }  // namespace mixbeam

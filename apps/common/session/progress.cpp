@@ -12,7 +12,7 @@ namespace {
 constexpr double kSecondsOfADay = 86400.0;
 constexpr std::chrono::seconds kBetweenLines{1};
 
-/// Load factors that "%8.5f" shows with three digits at least and without widening the line.
+/// Range of load factors that "%8.5f" shows with at least three digits and without widening the line.
 constexpr double kSmallestWritten = 1e-3, kLargestWritten = 1e5;
 
 }  // namespace

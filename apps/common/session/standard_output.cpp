@@ -14,8 +14,8 @@ namespace mixbeam {
 
 namespace {
 
-/// A program may be started without them; the files that it opens would then take their numbers, and what it prints
-/// would go into its results.
+/// Opens missing standard streams. Otherwise result files would get their numbers, and output would go into the
+/// results.
 void occupy_standard_streams() {
   for (int number : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
     if (::fcntl(number, F_GETFD) < 0) [[maybe_unused]]
@@ -46,7 +46,7 @@ int StandardOutput::overflow(int character) {
   return character;
 }
 
-// After a failure what follows is discarded: half a report is worse than its beginning.
+// After an error all further output is discarded: a report with gaps is worse than its beginning.
 int StandardOutput::sync() {
   const char* from = pbase();
   while (from < pptr() && error_ == 0) {

@@ -1,4 +1,4 @@
-/// Standard output whose losses are noticed: a full disk behind it, or a reader that has gone.
+/// Standard output that detects lost output: a full disk, or a reader that has gone.
 #pragma once
 
 #include <array>
@@ -7,8 +7,8 @@
 
 namespace mixbeam {
 
-/// Takes the place of the buffer behind std::cout while it lives. A broken pipe and a file that grows beyond its limit
-/// become errors of the calls that write, in place of signals that end the program.
+/// Replaces the buffer of std::cout during its lifetime. A broken pipe and a file beyond its size limit become write
+/// errors instead of signals that end the program.
 class StandardOutput : private std::streambuf {
  public:
   StandardOutput();
@@ -16,9 +16,8 @@ class StandardOutput : private std::streambuf {
   StandardOutput(const StandardOutput&) = delete;
   StandardOutput& operator=(const StandardOutput&) = delete;
 
-  /// Exit code of a program that would end with `code`: 2 in place of 0 if its output could not be written, with a
-  /// message on stderr. A reader that has gone (a pager, head) knows that it misses the rest: then only a warning is
-  /// printed.
+  /// Exit code of a program that would end with `code`: 2 instead of 0 if its output could not be written, with a
+  /// message on stderr. Only a warning if the reader has gone (a pager, head): it knows that it misses the rest.
   int exit_code(int code, const std::string& program);
 
  private:

@@ -1,5 +1,4 @@
-/// Costs of the phases of an iteration for each element of a chain, in floating-point operations and in bytes that have
-/// to move.
+/// Costs of the phases of an iteration per element of a chain: floating-point operations and bytes moved.
 #pragma once
 
 #include <array>
@@ -18,15 +17,15 @@ inline constexpr std::array<const char*, 8> kCountedPhases = {
     "residual", "element tangent", "recover", "update", "condense chains", "solve", "check of the solve", "assemble"};
 
 struct PhaseCost {
-  double flops = 0.0;  ///< counted by running the kernel on numbers that count
-  /// Between memory and processor when every array that the phase reads or writes passes once, in the layouts of
-  /// StateViews, ElementBlock, ElementEquations and ChainLevel; what caches keep between phases is not subtracted, the
-  /// read before a write not added. Vertex data once for each element: a chain has as many vertices as elements.
+  double flops = 0.0;  ///< counted by running the kernel with a counting number type
+  /// Between memory and processor if every array of the phase passes once, in the layouts of StateViews, ElementBlock,
+  /// ElementEquations and ChainLevel. Caching between phases is not subtracted, the read before a write not added.
+  /// Vertex data count once per element: a chain has as many vertices as elements.
   double bytes = 0.0;
 };
 
-/// By the name of the phase, for "spatial" or "planar" chains: those of Model::times() when chains are condensed,
-/// and their sums. From a table that tests/benchmarks/operation_counts writes; a test counts again.
+/// Costs by phase for "spatial" or "planar" chains: the phases of Model::times() if chains are condensed, and their
+/// sums. From a table written by tests/benchmarks/operation_counts; a test counts again.
 std::map<std::string, PhaseCost> phase_costs(const std::string& kind, int order);
 
 }  // namespace mixbeam

@@ -15,9 +15,9 @@ namespace mixbeam {
 
 namespace {
 
-constexpr std::size_t kLeastWidth = 10, kNameWidth = 20;  ///< of a column; of the first one
+constexpr std::size_t kLeastWidth = 10, kNameWidth = 20;  ///< of a column, of the first column
 
-/// A number with four digits, right-aligned; a text as it is, without quotes.
+/// A number with four digits, right-aligned; other text left-aligned, without quotes.
 std::string shown_text(std::string text, std::size_t width) {
   text.erase(std::remove(text.begin(), text.end(), '"'), text.end());
   char* end = nullptr;

@@ -1,4 +1,4 @@
-/// Common parts of the programs with a study: their beginning and parameters, clocks, medians, tables of results.
+/// Common parts of study programs: start, parameters, clocks, medians, tables of results.
 #pragma once
 
 #include "apps/common/run/application.hpp"
@@ -12,7 +12,7 @@
 
 namespace mixbeam {
 
-/// Measures the time since it was made.
+/// Measures the time since its construction.
 class RunWatch {
  public:
   /// Wall time.
@@ -26,7 +26,7 @@ class RunWatch {
   std::clock_t processor_start_ = std::clock();
 };
 
-/// Not a number where there are no values.
+/// Median; NaN without values.
 double median(std::vector<double> values);
 
 /// Parameters of the list "Study": a whole number from `least` to `most`, an array of them, one of positive numbers.
@@ -44,13 +44,13 @@ std::vector<Value> study_list(Application& app, const std::string& name) {
   return app.study().get<Teuchos::Array<Value>>(name).toVector();
 }
 
-/// "one,two" in two words: columns of a table.
+/// Splits "one,two" into words: columns of a table.
 std::vector<std::string> words(const std::string& text);
 
 /// A table that grows row by row: on the terminal, and complete in a CSV file.
 class StudyTable {
  public:
-  /// `file`: in the output folder; empty: none. `shown`: so many of the first columns are printed; zero: none.
+  /// `file`: in the output folder; empty: none. `shown`: number of leading columns to print.
   StudyTable(const Application& app, const std::string& file, const std::vector<std::string>& columns,
              std::size_t shown = 0);
   void add_row(const std::vector<CsvCell>& cells);
@@ -61,11 +61,11 @@ class StudyTable {
   std::vector<std::size_t> widths_;  ///< of the columns that are printed
 };
 
-/// The program of this name: `run` computes what the list `study` asks for. See ApplicationDefinition.
+/// Runs the program of this name: `run` computes the study declared by `study`. See ApplicationDefinition.
 int run_study(int argc, char** argv, const std::string& name, const std::string& purpose, const ListSpec& study,
               const std::function<void(Application&)>& run);
 
-/// Checks a value against the digits that a source prints, for a table of both; an empty text: there is none.
+/// Checks a value against the printed digits of a source, for a table of both; an empty text: not compared.
 ComparedValue compared(Application& app, const std::string& name, double own, const std::string& printed,
                        const std::string& source);
 
@@ -77,13 +77,13 @@ struct PaperTable {
   };
   std::string source;
   std::vector<Row> rows;
-  int figures = 0;  ///< that the paper shows of the numbers in `rows`; 0: all
+  int figures = 0;  ///< significant digits shown in the paper; 0: all of `rows`
 
-  /// Texts of a row, empty where there is none.
+  /// Texts of a row; empty if the paper has none.
   std::array<std::string, 3> row(int order, int elements) const;
 };
 
-/// compared() of three components, called before + "1" + after, ...
+/// Calls compared() for three components, named before + "1" + after, ...
 std::vector<ComparedValue> compared(Application& app, const std::string& before, const std::string& after,
                                     const Vector3& own, const std::array<std::string, 3>& printed,
                                     const std::string& source);
@@ -91,10 +91,10 @@ std::vector<ComparedValue> compared(Application& app, const std::string& before,
 /// Throws InputError with the place unless the scene has a point of this name, which the study reports.
 void require_point(const Application& app, const std::string& name);
 
-/// Equal load steps, this many for each stage, quietly; `observer` after each.
+/// Solves in `steps` equal load steps per stage, quietly; calls `observer` after each.
 Simulation solve_in_steps(Application& app, const Scene& scene, int steps, const RunObserver& observer = {});
 
-/// Writes the machine and the conditions of measurements: machine.csv.
+/// Writes machine.csv: machine and conditions of the measurements.
 void write_machine(const Application& app, const std::vector<std::pair<std::string, std::string>>& more = {});
 
 }  // namespace mixbeam

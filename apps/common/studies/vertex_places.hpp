@@ -1,4 +1,4 @@
-/// Places of the vertices of a deformed structure, for comparison with exact solutions.
+/// Positions and rotations of the vertices of a deformed structure, for comparison with exact solutions.
 #pragma once
 
 #include "kernels/math/rotation.hpp"
@@ -16,14 +16,14 @@ struct VertexPlace {
 
 inline Vec3<double> to_vec(const Vector3& v) { return {{v[0], v[1], v[2]}}; }
 
-/// Place of a vertex of this rank's mesh.
+/// Position and rotation of a vertex of this rank's mesh.
 inline VertexPlace place_of(const Simulation& simulation, int vertex) {
   const auto motion = vertex_motion(simulation.model(), simulation.state(), vertex);
   return {to_vec(reference_position(simulation.model(), vertex)) + Vec3<double>{{motion[0], motion[1], motion[2]}},
           exp_quaternion(Vec3<double>{{motion[3], motion[4], motion[5]}})};
 }
 
-/// Places of all vertices of this rank's mesh.
+/// Positions and rotations of all vertices of this rank's mesh.
 inline std::vector<VertexPlace> vertex_places(const Simulation& simulation) {
   std::vector<VertexPlace> places;
   for (int vertex = 0; vertex < simulation.model().mesh().vertices(); ++vertex)
@@ -31,9 +31,9 @@ inline std::vector<VertexPlace> vertex_places(const Simulation& simulation) {
   return places;
 }
 
-/// Length without overflow or underflow of the squares.
+/// Norm without overflow or underflow of the squares.
 inline double length_of(const Vec3<double>& v) { return std::hypot(v[0], v[1], v[2]); }
-/// In radians.
+/// Angle of a rotation, in radians.
 inline double angle_of(const Quaternion<double>& rotation) { return length_of(log_quaternion(rotation)); }
 
 }  // namespace mixbeam

@@ -19,7 +19,7 @@ std::string quoted(const std::string& value) {
   return result + "\"";
 }
 
-/// Makes the folder of a file.
+/// Creates the folder of a file.
 const std::filesystem::path& in_its_folder(const std::filesystem::path& path) {
   std::error_code error;
   if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), error);
@@ -29,8 +29,7 @@ const std::filesystem::path& in_its_folder(const std::filesystem::path& path) {
 
 }  // namespace
 
-CsvCell::CsvCell(double value)
-    : text(std::isnan(value) ? "nan" : shortest(value)) {}  // no sign, which carries no meaning
+CsvCell::CsvCell(double value) : text(std::isnan(value) ? "nan" : shortest(value)) {}  // without the meaningless sign
 
 CsvCell::CsvCell(const std::string& value) : text(quoted(value)) {}
 

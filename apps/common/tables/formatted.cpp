@@ -11,10 +11,10 @@ namespace mixbeam {
 
 namespace {
 
-/// Rounding of decimal numbers in binary: what ends in a five counts as half a digit.
+/// Relative tolerance for binary rounding, so that a decimal number that ends in 5 counts as half a unit.
 constexpr double kRoundingOfHalves = 1e-12;
 
-/// A printed number: what stands before its power of ten, with so many digits behind the point.
+/// A printed number: mantissa, digits after its decimal point, power of ten.
 struct Printed {
   double value = 0.0, mantissa = 0.0;
   int decimals = 0;

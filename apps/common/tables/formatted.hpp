@@ -1,5 +1,5 @@
-/// Numbers with a given number of digits or a given width, for the terminal; numbers as a paper prints them: how many
-/// digits a text claims, and whether an own value agrees with them.
+/// Numbers with a given number of digits or width, for the terminal; comparison with printed numbers of papers, to the
+/// digits that they claim.
 #pragma once
 
 #include <string>
@@ -7,10 +7,10 @@
 
 namespace mixbeam {
 
-/// Prints as printf writes it, whatever the length.
+/// Formats like printf, in any length.
 std::string printed(const char* format, ...);
 
-/// Prints likewise, but zero has no sign.
+/// Formats likewise, but without the sign of zero.
 template <class... Values>
 std::string formatted(const char* format, Values... values) {
   const auto without_sign_of_zero = [](auto value) {
@@ -20,22 +20,21 @@ std::string formatted(const char* format, Values... values) {
   return printed(format, without_sign_of_zero(values)...);
 }
 
-/// The number a printed text stands for, such as "-23.6450" or "5.6e-07". Throws std::invalid_argument with the text
-/// when it is not a decimal number.
+/// Value of a printed number such as "-23.6450" or "5.6e-07". Throws std::invalid_argument with the text if it is not a
+/// decimal number.
 double printed_value(const std::string& printed);
 
 /// `value` rounded to the decimal place of the last digit of `printed` and written in the same style (fixed or with the
 /// same power of ten), so that the two texts can be compared digit by digit: 0.71828 beside "2.72" gives "0.72".
-/// "nan", "inf" or "-inf" when `value` is not finite.
+/// "nan", "inf" or "-inf" if `value` is not finite.
 std::string in_style_of(double value, const std::string& printed);
 
-/// `value` with as many significant digits, up to ten, as an estimated error leaves; where these are fewer the error
-/// follows: 0.8333333331, or "0.83333 +- 3e-06". An error of zero or less is not known.
+/// `value` with as many significant digits as its estimated error leaves, at most ten; with fewer than ten the error
+/// follows: "0.8333333331", or "0.83333 +- 3e-06". An error of zero or less means unknown.
 std::string in_known_digits(double value, double error);
 
-/// True when `value` is as near to `printed` as numbers are that round to it, or to one that differs by at most
-/// `units_in_last_place` of its last digit: within (units + 1/2) of these, so halves agree on either side. False when
-/// `value` is not finite.
+/// True if `value` rounds to `printed`, or to a number that differs from it by at most `units_in_last_place` of its
+/// last digit: within (units + 1/2) of these, so that halves agree on either side. False if `value` is not finite.
 bool agrees_in_printed_digits(double value, const std::string& printed, int units_in_last_place = 1);
 
 /// The decimal text `number` rounded to `figures` significant digits, halves away from zero and zeros kept, as LaTeX's

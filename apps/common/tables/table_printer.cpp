@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t kColumnsPerQuantity = 3;  // paper, mixbeam, difference
 constexpr std::size_t kGapInQuantity = 2;
 constexpr std::size_t kGapBeforeQuantity = 4;
-constexpr int kOwnDigits = 10;  // of a value for which the paper has none
+constexpr int kOwnDigits = 10;  // of a value without a reference
 
 std::string own_text(const ComparedValue& value) {
   if (value.paper.empty()) return std::isnan(value.own) ? "nan" : formatted("%.*g", kOwnDigits, value.own);

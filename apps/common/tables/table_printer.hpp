@@ -1,5 +1,5 @@
-/// Tables for the terminal: a paper's values beside our own, with the difference; errors over a sequence of meshes,
-/// with the rate at which they fall, which is returned for checks.
+/// Tables for the terminal: values of a paper beside our own, with differences; errors on a sequence of meshes, with
+/// the observed rate, which is returned for checks.
 #pragma once
 
 #include <iosfwd>
@@ -9,15 +9,14 @@
 
 namespace mixbeam {
 
-/// How a value stands to the paper's.
+/// Agreement of a value with the paper's.
 enum class Agreement {
-  agrees,      ///< within the tolerance that the caller applied
-  differs,     ///< outside of it: marked in the print
-  informative  ///< shown beside the paper's value, no agreement asked for
+  agrees,      ///< within the caller's tolerance
+  differs,     ///< outside of it: marked in the table
+  informative  ///< shown beside the paper's value, not compared
 };
 
-/// The paper's value as printed there (or that of another reference), and ours. An empty `paper` means that there is
-/// none.
+/// Value of the paper (or another reference) as printed, and ours. An empty `paper`: no value.
 struct ComparedValue {
   std::string paper;
   double own = 0.0;
@@ -33,14 +32,14 @@ struct ComparedValue {
 ///       1         4    -23.7513  -23.7512     5.0e-05      54.0950  54.0950     3.0e-05
 class TablePrinter {
  public:
-  /// `reference`: what stands over the column of the values to compare with.
+  /// `reference`: heading of the columns with reference values.
   TablePrinter(std::string title, std::vector<std::string> labels, std::vector<std::string> quantities,
                std::string reference = "paper");
 
   /// Starts a block of rows under a line of its own.
   void add_group(const std::string& heading);
 
-  /// One cell for each label and each quantity, else std::invalid_argument.
+  /// Adds a row; throws std::invalid_argument unless it has one cell per label and quantity.
   void add_row(const std::vector<std::string>& labels, const std::vector<ComparedValue>& values);
 
   /// Prints the table; rows out of tolerance have `*` after the differing values and `<- differs` at the end.
@@ -81,7 +80,7 @@ class ConvergenceTable {
   /// Starts a block of rows under a line of its own.
   void add_group(const std::string& heading);
 
-  /// One error for each mesh, else std::invalid_argument. Returns the observed rate.
+  /// Adds one error per mesh, else throws std::invalid_argument. Returns the observed rate.
   std::optional<double> add_row(int order, const std::vector<double>& errors);
 
   void print(std::ostream& stream) const;
