@@ -25,11 +25,11 @@ namespace mixbeam {
 
 namespace {
 
-/// See work_of(). An iteration with this much work takes 10 ms on one thread, three times as long as a busy machine may
-/// keep a thread waiting; a run below takes a fraction of a second anyway.
+/// See work_of(). An iteration with this much work takes 10 ms on one thread, three times as long as a thread may wait
+/// on a busy machine; smaller runs take a fraction of a second anyway.
 constexpr long long kWorkForThreads = 10000;
 
-/// Between a load factor written in a scene and that of a step.
+/// Tolerance between a load factor in a scene and that of a step.
 constexpr double kWrittenLoadFactor = 1e-9;
 
 /// A stream that discards everything.
@@ -38,7 +38,7 @@ std::ostream& nowhere() {
   return stream;
 }
 
-/// Work of an iteration on a scene: the condensation of order k costs about as much as (k+1)^2 tells.
+/// Work of an iteration: the condensation of an element of order k costs about (k+1)^2.
 long long work_of(const Scene& scene) {
   long long work = 0;
   for (const Member& member : scene.members)
@@ -53,17 +53,17 @@ std::string machine() {
   return std::string(system.sysname) + " " + system.release + " " + system.machine + ", " + system.nodename;
 }
 
-/// libgomp reads how long to spin when it is loaded, long before main(), and starting again with another environment
-/// costs 35 ms. But it looks at each wait whether it has more threads than there are processors, and then spins 100
-/// times instead of 300,000 (do_spin in its config/linux/wait.h, gomp_managed_threads). So a thread that never works
-/// opens a team as large as the machine and sleeps in it, and the team of the program makes one too many. With another
-/// OpenMP library this changes nothing.
+/// Makes libgomp spin briefly. It reads its spin count when it is loaded, long before main(), and a restart with
+/// another environment costs 35 ms. But at each wait it checks whether it manages more threads than there are
+/// processors, and then spins 100 times instead of 300,000 (do_spin in its config/linux/wait.h, gomp_managed_threads).
+/// So an idle thread opens a team as large as the machine and sleeps in it; together with the program's team these are
+/// too many. No effect with other OpenMP libraries.
 void crowd(std::promise<void>& ready) {
   sigset_t all;
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, nullptr);  // signals are for the main thread
   [[maybe_unused]] int members = 0;
-  const int machine = std::max(omp_get_num_procs(), omp_get_max_threads());  // now, and when libgomp was loaded
+  const int machine = std::max(omp_get_num_procs(), omp_get_max_threads());  // now; when libgomp was loaded
 #pragma omp parallel num_threads(machine) reduction(+ : members)
   ++members;
   ready.set_value();
@@ -77,9 +77,9 @@ bool crowd_once() {
   return true;
 }
 
-/// Threads that wait at the end of a loop sleep after microseconds in place of spinning for milliseconds: on a machine
-/// that has other things to do, spinning threads hold the cores that the working ones wait for. A program's choice, not
-/// the library's; does nothing where the user has made one (OMP_WAIT_POLICY, GOMP_SPINCOUNT).
+/// Lets threads that wait at the end of a loop sleep after microseconds instead of spinning for milliseconds: on a busy
+/// machine, spinning threads occupy cores that working ones wait for. Only for programs, not for hosts of the library;
+/// does nothing if the user has chosen (OMP_WAIT_POLICY, GOMP_SPINCOUNT).
 void let_waiting_threads_sleep() {
   if (std::getenv("OMP_WAIT_POLICY") != nullptr || std::getenv("GOMP_SPINCOUNT") != nullptr) return;
   [[maybe_unused]] static const bool done = crowd_once();
@@ -89,13 +89,13 @@ void let_waiting_threads_sleep() {
 
 std::string instructions() { return std::string(kInstructions) + ", " + std::to_string(kLanes) + " lanes"; }
 
-// Threads that wait for each other after every loop cost a small scene more than they give, above all on a machine that
-// has other things to do: then a loop of microseconds waits for a thread that is not running.
+// Threads that synchronize after every loop cost a small scene more than they gain, above all on a busy machine, where
+// a loop of microseconds waits for a thread that is not scheduled.
 int Application::threads_for(const Scene& solved, const SolverParameters& parameters) const {
   int threads = work_of(solved) < kWorkForThreads ? 1 : summary.threads;
   if (std::getenv("OMP_NUM_THREADS") != nullptr) threads = summary.threads;
   if (parameters.threads > 0) threads = parameters.threads;
-  if (threads > 1 && terminal == nullptr) let_waiting_threads_sleep();  // those of a host wait as it has chosen
+  if (threads > 1 && terminal == nullptr) let_waiting_threads_sleep();  // threads of a host wait as it has chosen
   return threads;
 }
 
@@ -175,8 +175,7 @@ std::vector<CriticalPoint> stored_critical_points(Simulation& simulation, const 
   return points;
 }
 
-/// Brings the simulation to the last step of a stored run; on the way, shows the observer those of its steps to which
-/// expected values belong.
+/// Restores the last step of a stored run; before that, calls the observer for its steps with expected values.
 void Application::replay(Simulation& simulation, const StoredRun& run, const RunObserver& observer) const {
   for (std::size_t i = 0; i < run.steps().size(); ++i) {
     const PathPoint& point = run.steps()[i];
@@ -226,7 +225,7 @@ void Application::give_up(const Simulation& simulation, const std::string& label
   try {
     const bool durable = false;
     replace_file(file, page + "\n", durable);
-  } catch (const FileError& error) {  // what the report says matters more
+  } catch (const FileError& error) {  // the failure itself matters more
     throw ConvergenceError(page + " This report cannot be written: " + error.what());
   }
   throw ConvergenceError(page + " This report is in " + file.string() + ".");

@@ -11,8 +11,7 @@
 namespace mixbeam {
 
 std::vector<std::string> followed_points(const Scene& scene) {
-  // a scene may hold thousands (a wall of supports); a time series for each of them would take longer to write than
-  // the run
+  // a scene may have thousands (a wall of supports); writing a time series for each would take longer than the run
   constexpr std::size_t kMostFollowedPoints = 100;
   std::vector<std::string> points;
   for (const PointLoad& load : scene.point_loads) points.push_back(load.point);
@@ -27,7 +26,7 @@ std::vector<std::string> followed_points(const Scene& scene) {
 
 namespace {
 
-/// Forces and moments of the supports among the followed points, as time series.
+/// Adds forces and moments of the supports among the followed points to the time series.
 void follow_reactions(const std::vector<std::string>& points, const std::vector<RecordedReaction>& reactions,
                       std::vector<MonitoredQuantity>& monitored) {
   std::map<std::string, std::array<Vector3, 2>> at;

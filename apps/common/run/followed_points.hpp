@@ -10,7 +10,7 @@
 
 namespace mixbeam {
 
-/// Returns the supported and loaded points, at most the first hundred in alphabetical order.
+/// Returns the loaded and the supported points, at most a hundred, sorted by name.
 std::vector<std::string> followed_points(const Scene& scene);
 
 /// Adds forces and moments of the supports among the followed points to the time series of a step and its critical

@@ -14,7 +14,7 @@ namespace mixbeam {
 
 namespace {
 
-/// `reactions`: of the simulation; they must outlive it.
+/// `reactions`: of the simulation; they must outlive the result.
 QuantityState quantity_state_of(const Simulation& simulation, const std::vector<Reaction>& reactions) {
   return {simulation.model(), simulation.state(),         simulation.load_factor(),
           reactions,          simulation.strain_energy(), simulation.stability().negative,
@@ -88,10 +88,10 @@ std::optional<double> present_value(const Simulation& simulation, const Expected
 
 namespace {
 
-/// What is left of the error in the richer space, beside the difference of both: in 40 structures the true error of the
-/// largest stress was at most 1.11 of the estimate.
+/// Factor for the remaining error in the richer space: in 40 structures the true error of the largest stress was at
+/// most 1.11 times the estimated difference.
 constexpr double kSafety = 1.5;
-/// What Newton's method leaves of a value.
+/// Relative error of a value after Newton's method.
 constexpr double kRoundingOfValues = 1e-10;
 
 constexpr const char* kHidden = "an element is longer than the layer in which its end bends, and no formula tells more";
@@ -112,7 +112,7 @@ QuantitySet set_of(const std::vector<Quantity>& quantities, const Scene& scene) 
   return QuantitySet(quantities, scene, {source, {"Quantities"}});
 }
 
-/// `present`: of each quantity.
+/// `present`: value of each quantity.
 std::vector<EstimatedValue> errors_of(const QuantitySet& set, const std::vector<double>& present,
                                       const Simulation& simulation, const RicherStates& richer) {
   std::vector<double> values(set.columns().size(), std::nan(""));
@@ -163,10 +163,10 @@ std::string text_of(const std::vector<EndLayer>& layers, const Scene& scene) {
          "; more \"Elements\", or \"Accuracy\" with \"Accuracy Of\" = \"stress\"";
 }
 
-/// The worst of several numbers, over the largest of them.
+/// The largest error of several numbers, relative to the largest of them.
 struct WantedError {
   double value = 0.0, error = 0.0;
-  std::size_t column = 0;  ///< of the set: the worst one
+  std::size_t column = 0;  ///< column of the largest error
   double relative() const { return EstimatedValue{"", value, error, ""}.relative(); }
 };
 
@@ -187,7 +187,7 @@ WantedError wanted_error(const QuantitySet& set, const std::string& name, const 
   return worst;
 }
 
-/// (member): whether a derivative has rows inside of its elements.
+/// (member): whether a derivative has nonzero rows inside its elements.
 std::vector<unsigned char> asked_inside(const StateDerivative& quantity) {
   const Model& model = quantity.model();
   std::vector<unsigned char> is_asked(model.scene().members.size(), 0);
@@ -200,7 +200,7 @@ std::vector<unsigned char> asked_inside(const StateDerivative& quantity) {
   return is_asked;
 }
 
-/// Without layers, which no space sees, and by one process; none where the number has no derivative.
+/// Shares of members in the error; empty if there are end layers, several processes, or no derivative of the number.
 std::vector<ErrorOfMember> shares_of_wanted(const QuantitySet& set, const std::string& name,
                                             const Simulation& simulation, const ErrorEstimate& estimate) {
   const RicherStates richer(simulation, estimate);
@@ -223,7 +223,7 @@ std::vector<ErrorOfMember> shares_of_wanted(const QuantitySet& set, const std::s
       errors.push_back(is_inside[m] != 0 ? ErrorOfMember{error, 0.0} : ErrorOfMember{0.0, error});
     }
     return errors;
-  } catch (const std::invalid_argument&) {  // it has no derivative
+  } catch (const std::invalid_argument&) {  // no derivative
     return {};
   } catch (const LinearSolverError&) {
     return {};
@@ -251,7 +251,7 @@ std::vector<EstimatedValue> with_errors(const QuantitySet& set, const std::vecto
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (!set.columns()[i].is_value) continue;
     EstimatedValue& one = all.emplace_back(EstimatedValue{set.names()[i], values[i]});
-    double change = 0.0, before = values[i];  // by the richer space, then by layers: they may cancel each other here
+    double change = 0.0, before = values[i];  // by the richer space, then by layers, which might cancel it
     for (auto there = better.rbegin(); there != better.rend(); ++there) {
       const double next = (*there)[i];
       if (!(next == before) && !(std::isnan(next) && std::isnan(before))) change += std::abs(next - before);

@@ -1,4 +1,4 @@
-/// The runs of an application that leave a result file.
+/// Runs of an application that write a result file.
 #include "apps/common/run/application.hpp"
 #include "apps/common/run/followed_points.hpp"
 #include "apps/common/run/quantity_values.hpp"
@@ -19,23 +19,23 @@
 
 namespace mixbeam {
 
-/// What is followed over a run, as a CSV file with one row for each completed step: number of the step, load factor,
-/// iterations, residual, energies, then every monitored quantity by its name, vectors as <name>.x, .y, .z,
-/// and whether the state is stable: true, false, neutral, unknown.
+/// Time series of a run as a CSV file with one row per completed step: step, load factor, iterations, residual,
+/// energies, then all monitored quantities by name, vectors as <name>.x, .y, .z, and the stability of the state: true,
+/// false, neutral, unknown.
 class MonitorTable {
  public:
-  /// The columns of the series kQuantitySeries; where they are indices of members, the names are written.
+  /// Columns of the series kQuantitySeries; indices of members are written as names.
   struct Quantities {
     std::vector<std::string> names{};
     std::vector<bool> is_member{};
     std::vector<std::string> members{};
   };
 
-  /// Replaces a file of that name as soon as there is a row.
+  /// Replaces an existing file with the first row.
   MonitorTable(std::filesystem::path path, Quantities quantities)
       : path_(std::move(path)), quantities_(std::move(quantities)) {}
 
-  /// A row for every step that a result file holds.
+  /// Adds a row for every step of a result file.
   void add(const StoredRun& run) {
     for (std::size_t step = 0; step < run.steps().size(); ++step) {
       Row row;
@@ -55,7 +55,7 @@ class MonitorTable {
     write(row, record.stability.stable);
   }
 
-  /// Waits until the file is on the disk.
+  /// Waits until the file is on disk.
   void close() {
     if (table_) table_->close();
   }
@@ -101,7 +101,7 @@ class MonitorTable {
 
 namespace {
 
-/// A rate of growth below this share of the largest frequency is rounding: equal frequencies differ by its root.
+/// Growth rates below this share of the largest frequency count as rounding: equal frequencies differ by its root.
 constexpr double kRealFrequency = 1e-6;
 
 MonitorTable::Quantities quantity_columns(const QuantitySet* quantities, const Scene& scene) {
@@ -121,7 +121,7 @@ PathControl control_of(const Recording& recording) {
   return control;
 }
 
-/// In the file of a path that was followed again, more closely, for those who resume it.
+/// Property of a path that was followed again more closely, read on resuming.
 const char* const kCloseness = "closeness";
 
 int closeness_of(const Recording& recording) {
@@ -133,7 +133,7 @@ int closeness_of(const Recording& recording) {
   return std::min(closeness, kMostCloseness);
 }
 
-/// The names stand in the header of the file, the numbers elsewhere.
+/// Checks the number of quantities, whose names and values are stored in different places of the file.
 void require_series_of(const QuantitySet* quantities, const StoredRun& run) {
   const std::size_t columns = quantities == nullptr ? 0 : quantities->columns().size();
   std::size_t found = 0;
@@ -144,7 +144,7 @@ void require_series_of(const QuantitySet* quantities, const StoredRun& run) {
                      std::to_string(columns));
 }
 
-/// Where a run that failed has left its last state.
+/// Says where a failed run has left its last state.
 std::string remains_of(const Recording& recording) {
   return recording.file.empty() ? "" : "The last converged state is the last step in " + recording.file.string() + ".";
 }
@@ -164,7 +164,7 @@ std::string judged_by_modes(const std::string& stable, const std::vector<Recorde
   return stable;
 }
 
-/// The files of a run, and those who listen to it.
+/// Writes the files of a run and calls its observers.
 class Application::Recorder {
  public:
   Recorder(const Application& app, const Scene& scene, const SolverParameters& parameters, const Recording& recording)
@@ -194,12 +194,12 @@ class Application::Recorder {
     if (recording.resume != nullptr) for_monitor([&] { monitor_->add(*recording.resume); });
   }
 
-  /// Takes up the motions of a run that goes on: the modes of its last two searches are found again, and those of the
-  /// searches before in which motions were seen last, as many as ModeTracks may remember.
+  /// Restores the mode tracks of a resumed run. Recomputes the modes of its last two searches, and of the earlier
+  /// searches in which a track was last seen, as many as ModeTracks may remember.
   void follow_tracks(const Simulation& running, const StoredRun& run) {
     int tracks = 0;
     std::map<int, std::size_t> last_seen;
-    std::set<std::size_t> searched;  // and needed
+    std::set<std::size_t> searched;  // steps to search again
     std::size_t last = 0, last_but_one = 0;
     for (std::size_t i = 0; i < run.steps().size(); ++i) {
       if (!run.vibration()[i].empty()) last_but_one = std::exchange(last, i);
@@ -224,7 +224,7 @@ class Application::Recorder {
   }
 
   bool has_steps() const { return has_steps_; }
-  /// `estimate`: of the state, where it is known already.
+  /// Records a step and calls the observers. `estimate`: of the state, if it is known.
   void keep(const Simulation& running, const StepReport& report, const ErrorEstimate* estimate = nullptr) {
     has_steps_ = true;
     const StepRecord step = record(running, report, estimate);
@@ -238,7 +238,7 @@ class Application::Recorder {
 
   StepRecord record(const Simulation& running, const StepReport& report, const ErrorEstimate* estimate) {
     const bool is_end = running.is_end_of_path(running.load_factor());
-    std::optional<ErrorEstimate> own;  // first: samples take the room that its arrays leave
+    std::optional<ErrorEstimate> own;  // first: samples then reuse the memory of its arrays
     if (estimate == nullptr && is_end && estimates_error(parameters_.analysis, running.model().mesh().elements.size()))
       estimate = &own.emplace(running.estimate_error());
     StepRecord step = running.record(report, recording_.points_per_element, points_);
@@ -282,7 +282,7 @@ class Application::Recorder {
     }
   }
 
-  /// It belongs to rank 0, where it may fail: then no rank goes on.
+  /// Acts on the monitor of rank 0; throws on all ranks if that fails.
   void for_monitor(const std::function<void()>& action) const {
     const std::string problem = first_problem(*communicator_, [&] {
       if (monitor_) action();
@@ -297,7 +297,7 @@ class Application::Recorder {
   const Recording& recording_;
   std::vector<std::string> points_;
   ModeTracks tracks_{};
-  std::vector<CriticalPoint> passed_{};  ///< where gradients are asked for
+  std::vector<CriticalPoint> passed_{};  ///< only for gradients
   std::unique_ptr<ResultFile> results_;  ///< null: without a file
   std::optional<MonitorTable> monitor_;
   bool has_steps_ = false;
@@ -333,7 +333,7 @@ Simulation Application::record(const std::shared_ptr<const Scene>& solved, const
         walk(solved, chosen, recording.file.stem().string(), control_of(recording), prepare,
              [&](const Simulation& running, const StepReport& report) { recorder.keep(running, report); });
     if (simulation.result().returned && chosen.analysis.closeness < kMostCloseness) {
-      recording.resume = nullptr;  // the path has been lost somewhere
+      recording.resume = nullptr;  // the path was lost somewhere
       const std::string label = recording.file.stem().string();
       progress_out(label) << name << " " << label << ": followed again from its start, more closely ("
                           << chosen.analysis.closeness + 1 << " of " << kMostCloseness << ")\n";

@@ -14,13 +14,13 @@ namespace mixbeam {
 
 namespace {
 
-/// Runs of fewer elements and members fit into what the program itself takes.
+/// Runs of up to so many elements, members and quantities need less memory than the program itself.
 constexpr long long kSmall = 2000;
 
-/// Of a number that is asked for: its place, names, and its value in tables and buffers: 514 bytes with names of 8
-/// letters, measured with 60,006 of them.
+/// Bytes per number of a quantity: names, places, values in tables and buffers. Measured 514 bytes with 60,006 names of
+/// 8 letters.
 constexpr double kMemoryOfQuantity = 700.0;
-/// In the file its name, and room for its values in the first 64 steps: 523 bytes of each of the same.
+/// Bytes in the file: its name, and space for its values in 64 steps. Measured 523 bytes, likewise.
 constexpr double kFileOfQuantity = 550.0;
 
 bool is_small(const Application& app, const Scene& scene) {
@@ -28,7 +28,7 @@ bool is_small(const Application& app, const Scene& scene) {
          static_cast<long long>(app.quantities.columns().size()) <= kSmall;
 }
 
-/// Of all ranks, those that share this machine.
+/// Fraction of all ranks that run on this machine.
 double share_of_this_machine(const Communicator& communicator) {
   if (communicator->getSize() == 1) return 1.0;
   MPI_Comm here = MPI_COMM_NULL;
@@ -54,7 +54,7 @@ void require_disk(const Application& app, const Needs& needs, const std::filesys
   const double wanted = kCopies * (needs.file + needs.steps * needs.file_per_step);
   on_first_rank(app.communicator, [&] {
     std::error_code none;
-    const auto present = std::filesystem::file_size(file, none);  // replaced by the first copy
+    const auto present = std::filesystem::file_size(file, none);  // an existing file, which the first copy replaces
     const double room = disk_left(file.parent_path()) + (none ? 0.0 : static_cast<double>(present));
     if (wanted <= room) return;
     refuse(app,

@@ -40,7 +40,7 @@ void say_what_was_not_compared(const Application& app) {
   app.out() << "The study does not compare these expected values, --single does: " << quoted_list(names) << "\n";
 }
 
-/// Single computation or study; throws whatever goes wrong.
+/// Runs the single computation or the study.
 void compute(Application& app, const CommandLine& line, const ApplicationDefinition& definition) {
   if (!line.single && definition.run_study) {
     definition.run_study(app);

@@ -45,7 +45,7 @@ ListSpec report_spec() {
   return spec;
 }
 
-/// Values at critical points need a path on which these are looked for.
+/// Requires a path on which critical points are located, if values at them are expected.
 void check_critical_points_are_found(const Application& app) {
   std::vector<ParameterPath> places;
   for (const ExpectedValue& value : app.expected)
@@ -60,7 +60,7 @@ void check_critical_points_are_found(const Application& app) {
   }
 }
 
-/// Steps of the load factor alone lead to its end, along the primary path.
+/// Requires the automatic method for everything but load steps along the primary path.
 void check_method(const Application& app) {
   const AnalysisParameters& analysis = app.solver.analysis;
   if (analysis.snap == Snap::jump || app.solver.load_path.method == LoadPathMethod::automatic) return;
@@ -73,7 +73,7 @@ void check_method(const Application& app) {
           R"(given, but steps are those of the load factor; allowed: with "Method" = "automatic" in "Solver / Load Path", without "LOCA")");
 }
 
-/// Unknowns that carry mass, or more: displacements, and spins where sections or bodies resist them.
+/// Upper bound of the unknowns with mass: displacements, and rotations if sections or bodies have rotary inertia.
 long long most_modes(const Scene& scene) {
   long long count = 6LL * static_cast<long long>(scene.point_masses.size());
   for (const Member& member : scene.members) count += member.elements * (9LL * member.order - 3) + 3;
@@ -82,7 +82,7 @@ long long most_modes(const Scene& scene) {
   return count;
 }
 
-/// Every section has a mass, or bodies at points have all of it.
+/// Requires a mass in every section, unless there are bodies at points.
 void check_modes(const Application& app, const std::string& free_motions) {
   const ParameterSource& source = app.xml.source;
   if (app.solver.analysis.modes.number == 0) return;
@@ -104,7 +104,7 @@ void check_modes(const Application& app, const std::string& free_motions) {
                                    " unknowns carry mass; allowed: fewer modes, or more elements");
 }
 
-/// Before anything is checked: entries of lists may stand in tables.
+/// Imports entries of lists from tables, before anything is checked.
 void import_tables(XmlParameters& xml) {
   if (!xml.list->isSublist("Scene")) return;
   Teuchos::ParameterList& scene = xml.list->sublist("Scene");
@@ -112,8 +112,8 @@ void import_tables(XmlParameters& xml) {
   import_entries(scene, xml.source);
 }
 
-/// What keeps a load from having a potential, empty if it has one: moments turn with nothing, followers with the
-/// structure.
+/// Parameter that keeps a load from having a potential, empty if it has one. Moments with fixed axes and follower loads
+/// have none.
 std::string without_potential(const Teuchos::ParameterList& load) {
   if (load.isParameter("Frame") && load.get<std::string>("Frame") == "follower") return "Frame";
   for (const char* moment : {"Moment", "Couple"}) {
@@ -124,7 +124,7 @@ std::string without_potential(const Teuchos::ParameterList& load) {
   return load.isParameter("Couple Formula") ? "Couple Formula" : "";
 }
 
-/// Jumps go down the total potential, from one stable state to the next, by steps of the load factor.
+/// Requires what jumps need: they descend the total potential between stable states, with load steps.
 void check_jumps(const Application& app) {
   const AnalysisParameters& analysis = app.solver.analysis;
   if (analysis.snap != Snap::jump) return;
@@ -150,7 +150,7 @@ void check_jumps(const Application& app) {
   }
 }
 
-/// Of a quantity, or of stresses that are there.
+/// Requires "Accuracy Of" to name a quantity, or stresses that exist.
 void check_accuracy_of(const Application& app) {
   const std::string& name = app.scene.accuracy_of;
   const auto place = [&app](const std::string& why) { return app.xml.source.error({"Scene", "Accuracy Of"}, why); };
@@ -167,7 +167,7 @@ void check_accuracy_of(const Application& app) {
         "and \"Material\", or with \"Stress Points\"");
 }
 
-/// Gradients are those of a state at a load factor that stays.
+/// Requires a fixed load factor at the end of the path, and one process, for gradients.
 void check_gradient(const Application& app) {
   if (app.gradient && app.solver.analysis.control)
     throw app.xml.source.error({"Gradient"},
@@ -176,7 +176,7 @@ void check_gradient(const Application& app) {
     throw app.xml.source.error({"Gradient"}, "given, and the run has several processes; allowed: one");
 }
 
-/// In a formula the name of a variable stands for its value, so a quantity that it could mean must have another one.
+/// Refuses formulas with a name of both a variable and a quantity; in formulas the name of a variable means its value.
 void check_names_in_formulas(const Application& app, const std::vector<Quantity>& quantities) {
   if (!app.xml.list->sublist("Scene").isSublist("Variables")) return;
   std::vector<std::string> names;
@@ -220,7 +220,7 @@ void read_quantities_of(Application& app) {
                                      "allowed: names that differ");
 }
 
-/// Of a scene that names no mesh. Why there is none is told where the scene is solved.
+/// Takes the start mesh of a scene that names no mesh. A failure is reported when the scene is solved.
 void take_start_mesh(Application& app) {
   app.mesh_is_free = names_no_mesh(app.scene);
   if (!app.mesh_is_free) return;
@@ -230,12 +230,12 @@ void take_start_mesh(Application& app) {
   }
 }
 
-/// What does not follow from a mistake is looked at, too.
+/// Reads all lists; after a mistake still checks what does not depend on it.
 void read_lists(Application& app, const ApplicationDefinition& definition) {
   const ParameterSource& source = app.xml.source;
   Teuchos::ParameterList& root = *app.xml.list;
   std::vector<std::string> notes;
-  std::string free_motions;  // that supports leave: no fault where vibrations are asked for
+  std::string free_motions;  // left by the supports; allowed for vibrations
   const bool asks_for_modes = root.isSublist("Analysis") && root.sublist("Analysis").isSublist("Modes");
   std::string* const loose = app.loose == nullptr && asks_for_modes ? &free_motions : app.loose;
   app.scene = read_scene(root.sublist("Scene"), source, {"Scene"}, {&notes, loose});
@@ -253,7 +253,7 @@ void read_lists(Application& app, const ApplicationDefinition& definition) {
   });
   source.attempt([&] { app.solver.analysis = read_analysis_parameters(root.sublist("Analysis"), app.scene, source); });
   if (!source.has_mistakes()) source.attempt([&] { check_modes(app, free_motions); });
-  if (!free_motions.empty()) {  // nothing to count, and nothing that an error could be of
+  if (!free_motions.empty()) {  // a singular tangent: no stability, no error estimate
     app.solver.analysis.stability = false;
     app.solver.analysis.error_estimate = ErrorEstimation::off;
   }
@@ -272,7 +272,7 @@ void read_lists(Application& app, const ApplicationDefinition& definition) {
   app.search = read_search(app);
 }
 
-/// More threads than that on each processor take the time of starting them.
+/// With more threads per processor, starting them dominates.
 constexpr int kMostThreadsPerProcessor = 8;
 
 void limit_threads(Application& app) {
@@ -295,7 +295,7 @@ bool is_of(const ExpectedValue& value, const std::vector<std::string>& cases) {
   return std::find(cases.begin(), cases.end(), value.load_case) != cases.end();
 }
 
-/// Length of the load steps as long as none fails; 1: nothing is known but the ends of stages.
+/// Length of the load steps if none fails; 1: only the ends of stages are known.
 double regular_step(const SolverParameters& parameters) {
   const LoadPathParameters& path = parameters.load_path;
   if (path.method == LoadPathMethod::fixed) return 1.0 / path.steps;
@@ -303,7 +303,7 @@ double regular_step(const SolverParameters& parameters) {
   return grows || parameters.analysis.trace ? 1.0 : path.maximum_step;
 }
 
-/// Load factors to which a path with these parameters takes a step, unless one before it fails.
+/// Whether a path with these parameters has a step to this load factor, unless an earlier step fails.
 bool is_end_of_some_step(const SolverParameters& parameters, double load_factor) {
   constexpr double kRounding = 1e-9;  // steps are sums of rounded numbers
   if (parameters.analysis.control) return load_factor == 0.0;
@@ -395,7 +395,7 @@ void prepare_summary(Application& app, const std::filesystem::path& file) {
       throw InputError("the summary \"" + file.string() + "\" is a folder; allowed: the name of a file");
     if (file.has_parent_path()) prepare_output_folder(file.parent_path());
     app.summary_lock = locked_summary(file);
-    if (!holds_summary(file)) return;  // perhaps an input of this run
+    if (!holds_summary(file)) return;  // possibly an input of this run
     std::error_code error;
     std::filesystem::remove(file, error);
     if (error) throw InputError("the summary \"" + file.string() + "\" cannot be replaced: " + error.message());

@@ -20,14 +20,14 @@ namespace mixbeam {
 
 namespace {
 
-/// Step of differences over the size of a number, of points over the length of the shortest member: with fourth order
+/// Difference step relative to the size of a number, of points to the length of the shortest member: at fourth order,
 /// truncation and rounding are both 1e-12.
 constexpr double kStep = 0.0005;
-/// Each costs four evaluations of the equations.
+/// Limit on the numbers, each of which costs four evaluations of the equations.
 constexpr std::size_t kMostNumbers = 10'000;
 
 const std::string kQuantities = "Quantities", kAnyName = "*";
-/// Before the number of a critical point on the path, from 1, or a pattern of numbers.
+/// Prefix of the number of a critical point on the path, counted from 1, or of a pattern.
 const std::string kCriticalLoad = "load factor at critical point ";
 
 bool means_critical_points(const std::string& text) { return text.rfind(kCriticalLoad, 0) == 0; }
@@ -49,7 +49,7 @@ BoundList<GradientParameters> gradient_parameters() {
 
 const BoundList<GradientParameters> kGradientParameters = gradient_parameters();
 
-/// Adds the numbers of a parameter that a path means; defaults only where they are named.
+/// Adds the numbers of a parameter that a path matches; default values only if named exactly.
 void add_numbers(const Teuchos::ParameterEntry& entry, const NumberPath& wanted, const NumberPath& found,
                  std::vector<NumberPath>& paths) {
   if (entry.isDefault() && has_wildcard(wanted.names.back())) return;
@@ -62,7 +62,7 @@ void add_numbers(const Teuchos::ParameterEntry& entry, const NumberPath& wanted,
   }
 }
 
-/// Walks down the lists whose names fit.
+/// Descends into the lists with matching names.
 void find_numbers(const Teuchos::ParameterList& list, const NumberPath& wanted, const NumberPath& above,
                   std::vector<NumberPath>& paths) {
   const std::size_t depth = above.names.size();
@@ -78,7 +78,7 @@ void find_numbers(const Teuchos::ParameterList& list, const NumberPath& wanted, 
   }
 }
 
-/// Each once, in the order in which they are asked for.
+/// The requested numbers, each once, in the order of the list.
 std::vector<NumberPath> all_numbers(const Teuchos::ParameterList& scene, const GradientParameters& asked) {
   std::vector<NumberPath> all;
   std::vector<std::string> known;
@@ -91,7 +91,7 @@ std::vector<NumberPath> all_numbers(const Teuchos::ParameterList& scene, const G
   return all;
 }
 
-/// Names that are meant, each once: of critical points, and texts that mean none of them, or of all others.
+/// Matching names, each once; texts without a match are kept. `of_points`: only critical points, otherwise only others.
 std::vector<std::string> all_meant(const std::vector<std::string>& names, const std::vector<std::string>& texts,
                                    bool of_points) {
   std::vector<std::string> all;
@@ -105,7 +105,7 @@ std::vector<std::string> all_meant(const std::vector<std::string>& names, const 
   return all;
 }
 
-/// Of a number and its neighbours; where they are zero, of what it may be.
+/// Size of a number or of the other components; if all are zero, a typical size of its kind.
 double size_of(const NumberPath& path, const Teuchos::ParameterEntry& entry, const Simulation& at) {
   const std::vector<double>& lengths = at.model().mesh().member_length;
   const double shortest = *std::min_element(lengths.begin(), lengths.end());
@@ -125,7 +125,7 @@ double size_of(const NumberPath& path, const Teuchos::ParameterEntry& entry, con
   return name == "Curvature" ? 1.0 / length : 1.0;
 }
 
-/// The list "Scene" with another number.
+/// The list "Scene" with `more` added to a number.
 Teuchos::ParameterList list_with(const XmlParameters& xml, const NumberPath& path, double more) {
   Teuchos::ParameterList list(xml.list->sublist("Scene"));
   auto& entry = const_cast<Teuchos::ParameterEntry&>(entry_of(list, path));
@@ -134,7 +134,7 @@ Teuchos::ParameterList list_with(const XmlParameters& xml, const NumberPath& pat
   return list;
 }
 
-/// The scene with another number, on the mesh of the one that was solved.
+/// The scene with `more` added to a number, on the mesh of the solved scene.
 std::shared_ptr<const Scene> scene_with(const XmlParameters& xml, const NumberPath& path, double more,
                                         const Scene& solved, const std::string& load_case) {
   Teuchos::ParameterList list = list_with(xml, path, more);
@@ -152,7 +152,7 @@ std::shared_ptr<const Scene> scene_with(const XmlParameters& xml, const NumberPa
   }
 }
 
-/// Formulas of quantities may hold variables and coordinates of points.
+/// Quantities with another number; empty unless their formulas may depend on it (variables and points).
 std::function<QuantitySet(double)> quantities_with(const XmlParameters& xml, const NumberPath& path,
                                                    const Scene& solved) {
   const bool may_be_named = path.names.front() == "Variables" || path.names.front() == "Points";
@@ -276,7 +276,7 @@ RecordedGradients gradients_at(const Simulation& simulation, const GradientParam
   if (!request.columns.empty()) {
     request.numbers = scene_numbers(simulation, asked, xml, load_case);
     recorded.quantities = simulation.gradients(request);
-    for (std::size_t i = 0; i < request.columns.size(); ++i)  // left out, and not known to gradients
+    for (std::size_t i = 0; i < request.columns.size(); ++i)  // values that gradients() does not compute
       if (double& value = recorded.quantities[i].value; std::isnan(value))
         value = values_of(of.quantities, simulation)[request.columns[i]];
   }

@@ -27,7 +27,7 @@ using List = Teuchos::ParameterList;
 const std::string kIdentification = "Identification", kDesign = "Design", kParameters = "Parameters",
                   kMeasurements = "Measurements", kConstraints = "Constraints", kObjective = "Objective";
 
-/// Each takes four evaluations of the equations in each step of a search.
+/// Limit on the numbers, each of which costs four evaluations of the equations per step of a search.
 constexpr std::size_t kMostSearched = 200;
 
 BoundList<SearchedNumber> searched_numbers() {
@@ -42,7 +42,7 @@ BoundList<SearchedNumber> searched_numbers() {
   return number;
 }
 
-/// Names of their quantity and case.
+/// Binds quantity and case.
 void bind_quantity(BoundList<WantedQuantity>& wanted) {
   wanted.bind(&WantedQuantity::quantity, text("Quantity").required(),
               "Name of a number of the list Quantities (\"tip.y\"), at the end of the path.");
@@ -79,7 +79,7 @@ const BoundList<WantedQuantity> kConstraint = constraints(), kDesigned = objecti
 const BoundList<SearchedNumber> kSearchedNumbers = searched_numbers();
 const BoundList<WantedQuantity> kMeasured = measurements();
 
-/// Reads what the list names, and refuses what the scene does not have.
+/// Reads the list and refuses names that the scene does not have.
 class SearchReader {
  public:
   SearchReader(const Application& app, const std::string& name)
@@ -88,7 +88,7 @@ class SearchReader {
     search_.is_design = name == kDesign;
   }
 
-  /// Looks at all that the list names, whatever is wrong with some of it.
+  /// Reads all entries and collects their mistakes.
   SearchParameters read() {
     const ParameterSource& source = app_.xml.source;
     require_offered();
@@ -177,7 +177,7 @@ class SearchReader {
     search_.numbers.push_back(wanted);
   }
 
-  /// Where the scene with other numbers is written, they stand in the file itself.
+  /// Whether the number is in the scene file itself: only there can found numbers be written.
   bool stands_in_file(const NumberPath& path) const {
     ParameterPath list = {"Scene"};
     list.insert(list.end(), path.names.begin(), path.names.end() - 1);
@@ -208,14 +208,14 @@ class SearchReader {
   SearchParameters search_;
 };
 
-/// The line that says it, of all lines of a message.
+/// The line with the first mistake of a message.
 std::string first_mistake(const std::string& message) {
   std::size_t from = message.find(" mistakes:\n");
   from = from == std::string::npos ? 0 : message.find('\n', from) + 1;
   return message.substr(from, message.find('\n', from) - from);
 }
 
-/// Equilibria of the cases of a scene at the end of the path, carried along with numbers of the scene.
+/// Equilibria of the cases of a scene at the end of the path, continued as numbers of the scene change.
 class CarriedScene {
  public:
   CarriedScene(Application& app, const SearchParameters& search)
@@ -240,7 +240,7 @@ class CarriedScene {
     return true;
   }
 
-  /// Values of the wanted quantities with these numbers; none: no equilibrium that belongs to the accepted one is there
+  /// Values of the wanted quantities with these numbers; none: the accepted equilibrium does not continue there
   /// (obstacle()).
   std::optional<std::vector<double>> move(const std::vector<double>& numbers) {
     trial_.clear();
@@ -264,7 +264,7 @@ class CarriedScene {
     return values;
   }
 
-  /// Derivatives (wanted quantity, number) where move() went, which is accepted. Throws InputError.
+  /// Accepts the state of the last move() and returns its derivatives (wanted quantity, number). Throws InputError.
   std::vector<double> derivatives() {
     accepted_ = std::move(trial_);
     const std::size_t n = search_.numbers.size();
@@ -291,7 +291,7 @@ class CarriedScene {
   }
 
   void set(const std::vector<double>& numbers) {
-    xml_.list = Teuchos::rcp(new List(*app_.xml.list));  // anew: reading a list mends its mistakes
+    xml_.list = Teuchos::rcp(new List(*app_.xml.list));  // a new copy: reading a list modifies it
     List& list = xml_.list->sublist("Scene");
     for (std::size_t i = 0; i < numbers.size(); ++i) {
       const NumberPath& path = search_.numbers[i].place;
@@ -301,11 +301,11 @@ class CarriedScene {
     quantities_ = quantities_of(list, xml_, scene_);
   }
 
-  /// Newton's method from the accepted state; its increments end below all that differs.
+  /// Solves by Newton's method from the accepted state, down to rounding.
   bool carry(std::size_t i) {
     Simulation& there = trial_.emplace_back(scene_of_case(scene_, cases_[i]), parameters_, app_.communicator);
     State start = accepted_[i].state();
-    start.in_plane = false;  // which may turn with the numbers
+    start.in_plane = false;  // the plane may rotate with the numbers
     const bool settled = there.settle(start).finished;
     app_.summary.newton_iterations += there.result().newton_iterations;
     const int before = accepted_[i].stability().negative, after = there.stability().negative;
@@ -329,7 +329,7 @@ class CarriedScene {
   std::string obstacle_{};
 };
 
-/// The scene file with other numbers, without the list.
+/// The text of the scene file with other numbers, without the list of the search.
 std::string scene_with_numbers(const Application& app, const std::vector<SearchedNumber>& numbers,
                                const ListSpec& root) {
   const XmlParameters written = parse_parameters(app.xml.text, app.xml.source.file(), root);
@@ -358,13 +358,13 @@ std::string scene_with_numbers(const Application& app, const std::vector<Searche
   return xml_text(*written.list);
 }
 
-/// Which changes of the numbers change no measurement.
+/// Describes changes of the numbers that change no measurement.
 std::vector<std::string> untold_text(const Information& information, const SearchParameters& search) {
   std::vector<std::string> texts;
   for (const std::vector<double>& direction : information.untold) {
     std::string changes;
     for (std::size_t i = 0; i < direction.size(); ++i) {
-      constexpr double kSmallShare = 1e-3;  // of the largest one: no reader would see it
+      constexpr double kSmallShare = 1e-3;  // of the largest component; smaller ones are not shown
       if (std::abs(direction[i]) < kSmallShare) continue;
       changes += (changes.empty() ? "" : ", ") + search.numbers[i].name +
                  formatted(" by %+.4g", direction[i] * *search.numbers[i].scale);
@@ -381,7 +381,7 @@ ListSpec search_spec(const std::string& meaning) {
   return spec;
 }
 
-/// The unknowns of a search are numbers of the scene over their scales.
+/// A search whose unknowns are numbers of the scene, divided by their scales.
 class SceneSearch {
  public:
   SceneSearch(Application& app, const std::function<void(const SearchStep&)>& report)
@@ -405,7 +405,7 @@ class SceneSearch {
   }
 
  private:
-  /// Those at a bound are the bound.
+  /// Numbers of the scene; exactly the bound where an unknown is at it.
   std::vector<double> unscaled(std::vector<double> unknowns) const {
     for (std::size_t i = 0; i < unknowns.size(); ++i) {
       const SearchedNumber& number = search_.numbers[i];
@@ -414,7 +414,7 @@ class SceneSearch {
     }
     return unknowns;
   }
-  /// Wanted quantities, then rows of these.
+  /// Evaluates the wanted quantities; returns the rows of the problem.
   std::optional<std::vector<double>> values_at(const std::vector<double>& unknowns) {
     const std::optional<std::vector<double>> values = scene_.move(unscaled(unknowns));
     if (!values) return {};
@@ -423,7 +423,7 @@ class SceneSearch {
     for (const Row& row : rows_) rows.push_back(row.factor * (values_[row.wanted] - row.limit));
     return rows;
   }
-  /// Of these, by the unknowns.
+  /// Derivatives of the rows with respect to the unknowns.
   std::vector<double> derivatives() {
     found_.values = values_;
     if (found_.sizes.empty())
@@ -465,8 +465,8 @@ class SceneSearch {
     return result.end;
   }
 
-  /// Residuals; or the objective, equations, inequalities, with factors with which they change by about one where the
-  /// unknowns do. Returns the number of equations.
+  /// Sets up the rows: residuals, or objective, equations, inequalities, scaled to slopes of about one in the unknowns.
+  /// Returns the number of equations.
   std::size_t add_rows() {
     for (std::size_t k = 0; k < search_.wanted.size(); ++k) {
       const WantedQuantity& wanted = search_.wanted[k];
@@ -496,7 +496,7 @@ class SceneSearch {
     return equations.size();
   }
 
-  /// What stands in the way, and where.
+  /// Describes what blocks the search, and where.
   std::string end_text(const SearchResult& result) const {
     if (result.end == SearchEnd::too_long) return "not at the minimum after the most steps that are allowed";
     if (result.end == SearchEnd::no_descent && found_.steps.back().violation > kFeasible)

@@ -83,7 +83,7 @@ inline constexpr auto kFields<EndOfRun> = std::tuple_cat(
     std::tuple{field("has_potential", &EndOfRun::has_potential, Kept::inside),
                field("jumps", &EndOfRun::jumps, Kept::if_known),
                field("collapse", &EndOfRun::collapse, Kept::if_known)});
-/// As it is sent; a summary has more to say of it.
+/// Fields of a check for another process; JSON has more.
 template <>
 inline constexpr auto kFields<CheckedQuantity> =
     std::tuple{field("name", &CheckedQuantity::name),           field("value", &CheckedQuantity::value),
@@ -101,7 +101,7 @@ constexpr std::array<std::pair<Comparison, const char*>, 5> kComparisonNames = {
      {Comparison::printed_digits, "printed digits"},
      {Comparison::word, "word"}}};
 
-// A NaN without its sign.
+// Shortest exact text; NaN without its sign.
 std::string exact_text(double value) { return std::isnan(value) ? "nan" : shortest(value); }
 
 nlohmann::ordered_json json_number(double value) {
@@ -121,7 +121,7 @@ const char* name_in_summary(const Field& field) {
   return field.in_summary != nullptr ? field.in_summary : field.name;
 }
 
-/// Of a summary; or of what is sent to another process, all of it: then a number keeps its bits.
+/// JSON of a value. `is_sent`: complete, for another process; numbers keep their bits.
 template <class Json, class Value>
 Json json_of(const Value& value, bool is_sent) {
   if constexpr (kIsRecord<Value>) {
@@ -142,7 +142,7 @@ Json json_of(const Value& value, bool is_sent) {
   }
 }
 
-/// From what was sent; lists go on.
+/// Reads a value from sent JSON; appends to lists.
 template <class Value>
 void take(const nlohmann::json& json, Value& value) {
   if constexpr (kIsRecord<Value>)
@@ -169,7 +169,7 @@ nlohmann::ordered_json json_check(const CheckedQuantity& quantity) {
   return json;
 }
 
-/// Failed checks on the terminal: a batch has one for each case and limit.
+/// Limit on failed checks on the terminal; a batch has one per case and limit.
 constexpr std::size_t kMostFailures = 24;
 
 std::string check_line(const CheckedQuantity& quantity) {
@@ -361,7 +361,7 @@ void Summary::write_json(const std::filesystem::path& path) const {
   replace_file(path, json.dump(2, ' ', false, replace_broken_utf8) + "\n", durable);
 }
 
-// CBOR keeps every bit of a number, and those that are not finite.
+// CBOR keeps all bits of a number, also NaN and infinity.
 std::string Summary::packed() const {
   const auto sent = [](const auto& list) { return json_of<nlohmann::json>(list, true); };
   const nlohmann::json json = {{"load_steps", load_steps},
