@@ -1,4 +1,4 @@
-/// The cases of a batch: the list "Batch" that says them, what is written of each, and their scenes.
+/// The cases of a batch: the list "Batch", the output of each case, and their scenes.
 #pragma once
 
 #include "apps/common/run/application.hpp"
@@ -16,15 +16,15 @@
 namespace mixbeam {
 
 enum class BatchOutput {
-  followed,   ///< motion of the points that are held or loaded, reactions of supports
+  followed,   ///< motion of supported and loaded points, reactions of supports
   expected,   ///< the quantities of the list "Expected"
-  quantities  ///< those of the list "Quantities"
+  quantities  ///< the list "Quantities"
 };
 
 /// A parameter that differs from case to case.
 struct BatchColumn {
   std::string parameter;       ///< its path: "Point Loads/tip/Force[1]"
-  Variables::Refusal refusal;  ///< at the place where the user named it
+  Variables::Refusal refusal;  ///< at its place in the user's file
 };
 
 /// The cases, numbered from 1 for the user.
@@ -32,20 +32,20 @@ struct Batch {
   std::vector<BatchColumn> columns{};
   std::vector<double> values{};  ///< (case, column); NaN: an empty cell of the table, or a formula
   struct Formula {
-    std::size_t index, column;  ///< of its case
+    std::size_t index, column;  ///< case and column of the cell
     std::string text;           ///< "=2*L"
     Variables::Refusal refusal;
   };
-  std::vector<Formula> formulas{};  ///< cells that CaseScenes gives values to, in the order of the table
-  std::string table{};              ///< its path; of a grid: empty
-  std::vector<int> lines{};         ///< of the table, of each case
+  std::vector<Formula> formulas{};  ///< cells that CaseScenes evaluates, in the order of the table
+  std::string table{};              ///< its path; empty for a grid
+  std::vector<int> lines{};         ///< line of each case in the table
   BatchOutput output = BatchOutput::followed;
-  std::size_t before = 0;    ///< cases of the table or grid before these
-  std::size_t unvaried = 0;  ///< cases of the scene as it stands, where there are no columns
+  std::size_t before = 0;    ///< number of earlier cases of the table or grid
+  std::size_t unvaried = 0;  ///< number of cases without columns: the scene as it stands
 
   std::size_t size() const { return columns.empty() ? unvaried : values.size() / columns.size(); }
   double value(std::size_t index, std::size_t column) const { return values[index * columns.size() + column]; }
-  /// Leaves out all cases but `count` from `first` on, which keep their numbers.
+  /// Keeps only `count` cases from `first` on, with their numbers.
   void keep(std::size_t first, std::size_t count);
   /// "sweep.csv:3: case 2", "case 2".
   std::string name_of_case(std::size_t index) const;
@@ -54,10 +54,10 @@ struct Batch {
 /// Declaration of the list "Batch".
 ListSpec batch_spec();
 
-/// Reads the validated list, and the table that it names relative to the folder of the scene. Throws InputError.
+/// Reads the validated list and its table, whose path is relative to the folder of the scene. Throws InputError.
 Batch read_batch(const Teuchos::ParameterList& list, const ParameterSource& source);
 
-/// A simulation of cases side by side (merged_scene.hpp), or of one alone, where its solution stands.
+/// A solved simulation of several cases side by side (merged_scene.hpp), or of a single case.
 struct SolvedCases {
   const Simulation& simulation;
   bool merged = false;                            ///< names are those of MergedScene::name_in_part
@@ -68,16 +68,16 @@ struct SolvedCases {
   const std::vector<EndLayer>* layers = nullptr;  ///< see QuantityState
 };
 
-/// What their errors are estimated with, as in with_errors().
+/// States in richer spaces for error estimates, as in with_errors().
 struct RicherCases {
   std::vector<SolvedCases> states{};
-  std::string not_estimated{};  ///< why there are none; empty: errors do not count
+  std::string not_estimated{};  ///< why there are none; empty: errors are not needed
 };
 
-/// Numbers of the list "Quantities" at ends of stages: (stage, case, column).
+/// Values of the list "Quantities" at ends of stages: (stage, case, column).
 using References = std::map<Stage, std::vector<std::vector<double>>>;
 
-/// Numbers of one case at the end of its path.
+/// Values of one case at the end of its path.
 struct CaseValues {
   std::vector<double> written{};          ///< in the order of CaseQuantities::names()
   std::vector<EstimatedValue> limited{};  ///< in the order of CaseQuantities::limits()
@@ -91,13 +91,13 @@ class CaseQuantities {
   /// "tip.displacement.x", "wall.reaction_force.y", or the names of expected values or quantities.
   const std::vector<std::string>& names() const { return names_; }
   CaseValues of(const SolvedCases& solved, const RicherCases& richer, int part, const References& references) const;
-  /// Name of the member whose index a number is, as NAME.member of an extreme; empty for other numbers.
+  /// Name of the member if a value is a member index, such as NAME.member of an extreme; empty otherwise.
   std::string member_of(std::size_t name, double value) const;
-  /// Numbers of the list "Quantities" that have a limit, whatever is written.
+  /// A value of the list "Quantities" that has a limit, independent of the output.
   struct Limit {
     std::string name;
-    double largest_size;   ///< that of the file
-    std::size_t quantity;  ///< in the list "Quantities"
+    double largest_size;   ///< limit in the scene file
+    std::size_t quantity;  ///< index in the list "Quantities"
     std::optional<Stage> relative_to{};
   };
   const std::vector<Limit>& limits() const { return limits_; }
@@ -109,13 +109,13 @@ class CaseQuantities {
   }
   /// See CaseScenes::limits().
   void take_limits(const std::vector<std::vector<double>>& limits) { own_limits_ = limits; }
-  /// Whether some limit is relative to a state before the end.
+  /// Whether any limit is relative to a state before the end.
   bool needs_path() const;
-  /// Whether a limit counts from this state on: the end of a stage, or the start.
+  /// Whether limits are relative to this state: the end of a stage, or the start.
   bool is_reference(double load_factor) const;
-  /// What limits are relative to, where the simulation stands: of the list "Quantities".
+  /// Values of the list "Quantities" in the current state, as references of limits.
   std::vector<double> asked_of(const SolvedCases& solved, int part) const;
-  /// The expected values of the names; empty when other quantities are written.
+  /// The expected values of names(); empty for other outputs.
   const std::vector<ExpectedValue>& expected() const { return expected_; }
 
  private:
@@ -124,8 +124,8 @@ class CaseQuantities {
 
   std::vector<std::string> names_, members_;
   QuantitySet quantities_;
-  QuantitySet asked_;                       ///< the list "Quantities", where numbers of it are needed
-  std::vector<std::size_t> asked_columns_;  ///< of each name; kNotAsked: the next number of quantities_
+  QuantitySet asked_;                       ///< the list "Quantities", if its values are needed
+  std::vector<std::size_t> asked_columns_;  ///< column of each name in asked_; kNotAsked: the next value of quantities_
   std::vector<Limit> limits_;
   std::vector<std::vector<double>> own_limits_;
   std::vector<bool> is_limited_;  ///< (column of the list "Quantities")
@@ -134,27 +134,27 @@ class CaseQuantities {
 
 class CaseScenes {
  public:
-  static constexpr std::size_t kMostKept = 20'000;  ///< members: a kilobyte or two each, with their points and loads
+  static constexpr std::size_t kMostKept = 20'000;  ///< members, at one to two kilobytes with their points and loads
 
-  /// Finds the parameters that the columns name. Throws InputError, with the place of the column and the nearest name.
-  /// Application and batch must outlive this object; the parameters of the application change with every case.
+  /// Finds the parameters of the columns. Throws InputError with the place of the column and the nearest name.
+  /// Application and batch must outlive this object; every case changes the application's parameters.
   CaseScenes(Application& app, Batch& batch, std::string load_case);
 
-  /// Keeps those with imperfections by modes, which take time to find. Throws InputError, with the place of the case,
-  /// for values that the scene does not permit.
+  /// Returns the scene of a case; caches those with mode imperfections, which are expensive. Throws InputError with the
+  /// place of the case for values that the scene does not permit.
   Scene scene_of(std::size_t index);
-  /// Keeps a scene of scene_of() for its next call, which reads nothing then; keeps none beyond a limit of memory.
+  /// Stores a scene for the next call of scene_of(), up to a limit of memory.
   void keep(std::size_t index, Scene scene);
 
-  /// The expected value that a case has of its own, by the name in the list "Expected".
+  /// An expected value that differs between cases; its name in the list "Expected".
   struct OwnExpectation {
-    std::size_t column;  ///< kOfFormula: none has it, its formula follows from variables
+    std::size_t column;  ///< kOfFormula: no column: a formula of variables
     std::string name;
   };
   static constexpr std::size_t kOfFormula = ~std::size_t{0};
   const std::vector<OwnExpectation>& own_expectations() const { return own_expectations_; }
   double expected(const OwnExpectation& own, std::size_t index) const;
-  /// Of each case that was read, the limit of each quantity (0: none); empty: all have those of the file.
+  /// Limits (case, quantity) of the cases read so far, 0: none; empty: all cases have those of the file.
   const std::vector<std::vector<double>>& limits() const { return limits_; }
 
  private:
@@ -163,7 +163,7 @@ class CaseScenes {
     Teuchos::ParameterEntry* entry = nullptr;
     int component = -1;  ///< of an array
   };
-  /// A number outside of the list "Scene" that follows from variables.
+  /// A number outside the list "Scene" that depends on variables.
   struct OuterFormula {
     ParameterPath path;
     const Teuchos::ParameterEntry* entry;
@@ -181,12 +181,12 @@ class CaseScenes {
   Application& app_;
   const Batch& batch_;
   std::string load_case_;
-  std::vector<Place> places_;  ///< of each column; without an entry: an expected value
+  std::vector<Place> places_;  ///< place of each column; no entry: an expected value
   std::vector<OwnExpectation> own_expectations_;
   std::vector<OuterFormula> formulas_;
   std::vector<std::vector<double>> limits_;
   std::map<std::size_t, Scene> kept_;
-  std::map<std::size_t, Scene> imperfect_;  ///< on the mesh that they are solved on
+  std::map<std::size_t, Scene> imperfect_;  ///< on the mesh of their solution
 };
 
 }  // namespace mixbeam

@@ -1,4 +1,4 @@
-/// Solves the cases of a batch: in groups, and alone where a group does not do.
+/// Solves the cases of a batch in groups; cases that fail in a group are solved alone.
 #pragma once
 
 #include "apps/mixbeam/batch_cases.hpp"
@@ -9,23 +9,22 @@
 
 namespace mixbeam {
 
-/// Cases of a group differ by this factor at most in length, in load, and in the load that their stiffness takes
-/// (EI / L^2): one Newton iteration and one limit of rotations serve all of them, and residuals are scaled with what is
-/// largest in the group. With 2 a decade of loads makes four groups.
+/// Largest ratio within a group of lengths, loads, and critical loads EI / L^2: its cases share one Newton iteration,
+/// one limit of rotations, and residual scales taken from the largest. With 2 a decade of loads makes four groups.
 inline constexpr double kLikeness = 2.0;
 
-/// Elements of a group: enough for all threads and vector lanes; with more, memory and what one failing case costs its
-/// neighbours grow.
+/// Elements of a group: enough for all threads and vector lanes; more would increase memory and the cost of a failing
+/// case.
 inline constexpr int kElementsPerGroup = 40'000;
 
-/// Cases that are solved side by side.
+/// Indices of the cases of each group.
 using CaseGroups = std::vector<std::vector<std::size_t>>;
 
-/// Every case in one group, its neighbours there as like it as can be. The groups do not depend on the number of
-/// threads. Keeps no scene. Throws as CaseScenes.
+/// Divides the cases into groups of similar cases, independent of the number of threads. Keeps no scene. Throws as
+/// CaseScenes.
 CaseGroups grouped_cases(CaseScenes& scenes, std::size_t cases);
 
-/// Adds the time between its beginning and its end to an entry of the summary.
+/// Adds its lifetime to an entry of the summary.
 class Stopwatch {
  public:
   Stopwatch(Application& app, std::string name)
@@ -43,22 +42,22 @@ class Stopwatch {
 
 /// How one case ended.
 struct CaseResult {
-  bool solved = false;  ///< tried at all; false after an interruption
+  bool solved = false;  ///< attempted; false after an interruption
   bool converged = false;
   bool alone = false;              ///< solved on its own
-  CaseValues values{};             ///< empty where Newton's method failed
-  int iterations = 0;              ///< of the Newton iteration that it was part of
-  double residual = 0.0;           ///< over its own scales
+  CaseValues values{};             ///< empty if Newton's method failed
+  int iterations = 0;              ///< of its group
+  double residual = 0.0;           ///< relative to its own scales
   std::string cause{};             ///< why it did not converge
-  std::string stable = "unknown";  ///< whether the end is: "true", "false", "neutral", "unknown"
+  std::string stable = "unknown";  ///< stability of the end: "true", "false", "neutral", "unknown"
 };
 
-/// Results of all cases, which another thread may ask for while they are solved.
+/// Results of all cases, which another thread may read during the solution.
 class CaseResults {
  public:
   void resize(std::size_t cases) { all_.resize(cases); }
   const std::vector<CaseResult>& all() const { return all_; }
-  /// Copies the results as they are now: final as far as they are solved.
+  /// Copies the present results; those of solved cases are final.
   std::vector<CaseResult> so_far() const {
     const std::lock_guard<std::mutex> lock(mutex_);
     return all_;
@@ -67,7 +66,7 @@ class CaseResults {
     const std::lock_guard<std::mutex> lock(mutex_);
     all_[index] = std::move(result);
   }
-  /// Gives what the ranks have solved to rank 0, in the order of the cases. False: one of them was stopped. Collective.
+  /// Gathers the results on rank 0, in the order of the cases. False: a rank was stopped. Collective.
   bool gather(const Teuchos::Comm<int>& ranks, Summary& summary, bool all_solved);
 
  private:
@@ -77,19 +76,19 @@ class CaseResults {
 
 class BatchSolver {
  public:
-  /// `stop`: asked between iterations; cases that are not solved by then stay so.
+  /// `stop`: polled between iterations; the remaining cases stay unsolved.
   BatchSolver(Application& app, const CaseQuantities& quantities, CaseResults& results, std::function<bool()> stop);
 
-  /// Solves these cases, which are alike; `scenes` are theirs, in the same order.
+  /// Solves similar cases; `scenes`: in the same order.
   void solve(const std::vector<std::size_t>& cases, const std::vector<Scene>& scenes);
 
-  /// Solves all groups, or the share of a rank among several, each of whose scenes is read again, and reports the
-  /// number of each. False: stopped before the last case.
+  /// Solves all groups, or the share of a rank, and calls `solved` after each; reads its scenes again. False: stopped
+  /// before the last case.
   bool solve_all(const CaseGroups& groups, CaseScenes& scenes, const std::function<void(std::size_t group)>& solved,
                  int rank = 0, int ranks = 1);
 
  private:
-  using Range = std::pair<std::size_t, std::size_t>;  ///< of the cases of the present group
+  using Range = std::pair<std::size_t, std::size_t>;  ///< cases of the current group
   void solve_range(const Range& range);
   bool solve_together(const Range& range);
   CaseResult solved_alone(const Scene& scene);

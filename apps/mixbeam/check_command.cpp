@@ -34,7 +34,7 @@ namespace mixbeam {
 
 namespace {
 
-/// Extent and loads of larger scenes are those of a mesh of so many elements: their sums differ by rounding.
+/// Extent and loads of larger scenes are computed on a mesh of this many elements; their sums differ by rounding.
 constexpr long long kElementsForCheck = 20'000;
 
 /// "0.35 s", "12 h".
@@ -57,12 +57,12 @@ void print_needs(std::ostream& out, const Needs& needs, int ranks) {
       << " for each step\n";
 }
 
-/// Operations, and bytes that move, per second on one thread of this machine.
+/// Operations and bytes moved per second on one thread of this machine.
 struct Rates {
   double operations = 0.0, bytes = 0.0;
 };
 
-/// The fastest of many times, which others on a busy machine do not disturb. [s]
+/// Shortest of several times [s], least disturbed by other processes.
 template <class Action>
 double seconds_of(const Action& action) {
   constexpr int kTimes = 4;
@@ -75,7 +75,7 @@ double seconds_of(const Action& action) {
   return least;
 }
 
-/// Of a product of matrices and a copy: some hundredths of a second.
+/// Measures a matrix product and a copy; takes some hundredths of a second.
 Rates measured_rates() {
   constexpr int kSide = 128;
   constexpr std::size_t kNumbers = 1 << 22;  // beyond caches
@@ -90,10 +90,10 @@ Rates measured_rates() {
   return {2.0 * kSide * kSide * kSide / of_product, 2.0 * sizeof(double) * kNumbers / of_copy};
 }
 
-/// What loops over elements and the fronts of networks reach of both rates, about.
+/// Approximate share of both rates that element loops and fronts of networks reach.
 constexpr double kShareOfRates = 0.5;
 
-/// Of a Newton iteration, elements as in a chain. [s]
+/// Estimated time of a Newton iteration [s], with elements as in a chain.
 double iteration_seconds(const Scene& scene, const Needs& needs, bool planar) {
   std::vector<double> elements(kMaximumOrder + 1, 0.0);
   for (const Member& member : scene.members) elements[member.order] += member.elements;
@@ -108,7 +108,7 @@ double iteration_seconds(const Scene& scene, const Needs& needs, bool planar) {
   return (sum.flops / rates.operations + sum.bytes / rates.bytes) / kShareOfRates;
 }
 
-/// Names the members whose elements or chains take longer than those of plain ones, and why.
+/// Prints the members whose elements or chains take longer than plain ones, and why.
 void print_slow_members(std::ostream& out, const Scene& scene) {
   std::set<std::string> unsymmetric, kept;
   for (const DistributedLoad& load : scene.distributed_loads) {
@@ -133,7 +133,7 @@ void print_slow_members(std::ostream& out, const Scene& scene) {
   });
 }
 
-/// Sums of many terms leave this share of them where they are zero.
+/// Relative rounding of sums that should vanish.
 constexpr double kRoundingOfSums = 1e-12;
 
 Vector3 without_rounding(Vector3 v, double size) {
@@ -142,7 +142,7 @@ Vector3 without_rounding(Vector3 v, double size) {
   return v;
 }
 
-/// Box around the samples of all undeformed members; returns its diagonal.
+/// Prints the bounding box of the undeformed members; returns its diagonal.
 double print_extent(std::ostream& out, const Simulation& simulation) {
   const double length = simulation.model().mesh().total_length();
   vector_algebra::Box box;
@@ -155,7 +155,7 @@ double print_extent(std::ostream& out, const Simulation& simulation) {
   return size;
 }
 
-/// Sums at the end of each stage, as they act on the undeformed shape of this size.
+/// Prints the resultants of the loads at the end of each stage, on the undeformed shape. `size`: of that.
 void print_loads(std::ostream& out, Simulation& simulation, double size) {
   const StateSnapshot undeformed = snapshot_of(simulation.model(), simulation.state());
   for (int stage = 1; stage <= simulation.scene().stages; ++stage) {
@@ -170,7 +170,7 @@ void print_loads(std::ostream& out, Simulation& simulation, double size) {
   }
 }
 
-/// Where formulas turn back or jump: steps end there.
+/// Prints load factors at which formulas reverse or jump; steps end there.
 void print_turns(std::ostream& out, const Simulation& simulation) {
   constexpr int kMostShown = 20;
   int shown = 0;
@@ -185,7 +185,7 @@ void print_turns(std::ostream& out, const Simulation& simulation) {
   if (shown > 0) out << "\n";
 }
 
-/// Solves for the first motion: the run would say the same after it has followed the load as far as it goes.
+/// Solves for the initial motion; a run would report the same only at the end of its path.
 void warn_of_unmoved_control(Application& app, const Simulation& simulation) {
   if (simulation.load_moves_control()) return;
   const MonitoredComponent& control = *app.solver.analysis.control;
@@ -197,7 +197,7 @@ void warn_of_unmoved_control(Application& app, const Simulation& simulation) {
       << "xyz"[control.component] << " (a thousandth of the present one)\n";
 }
 
-/// All that needs a mesh; cost and extent of the first of several load cases stand for all.
+/// Prints everything that needs a mesh; cost and extent only for the first load case.
 void print_simulation(Application& app, const Scene& scene, const Needs& needs, bool first) {
   const Scene coarse = coarse_scene(scene, kElementsForCheck);
   Simulation simulation(coarse, app.solver, app.communicator);
@@ -214,14 +214,14 @@ void print_simulation(Application& app, const Scene& scene, const Needs& needs, 
   warn_of_unmoved_control(app, simulation);
 }
 
-/// ", combination ULS"; empty of a scene without cases.
+/// ", combination ULS"; empty for a scene without cases.
 std::string case_words(const Scene& scene, const std::string& name) {
   if (name.empty()) return "";
   const bool is_case = std::find(scene.load_cases.begin(), scene.load_cases.end(), name) != scene.load_cases.end();
   return (is_case ? ", load case " : ", combination ") + name;
 }
 
-/// With the formulas that they come from.
+/// Prints the variables with their formulas.
 void print_variables(Application& app) {
   const Teuchos::ParameterList& list = app.xml.list->sublist("Scene");
   if (!list.isSublist("Variables")) return;

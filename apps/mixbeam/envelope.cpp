@@ -15,7 +15,7 @@ namespace mixbeam {
 
 namespace {
 
-/// In the order of the scene; empty where fewer than two runs have quantities.
+/// Envelope in the order of the scene; empty if fewer than two runs have quantities.
 std::vector<QuantityEnvelope> envelope_of(const std::vector<FollowedQuantity>& quantities) {
   std::vector<QuantityEnvelope> envelope;
   std::map<std::string, std::size_t> index;
@@ -38,11 +38,11 @@ std::vector<QuantityEnvelope> envelope_of(const std::vector<FollowedQuantity>& q
   return envelope;
 }
 
-/// Every run beside the envelope, from which pictures and reports are made. Layout: results.md.
+/// Writes the values of every run beside the envelope, for pictures and reports. Layout: results.md.
 void write_columns(const Application& app, const std::vector<FollowedQuantity>& quantities,
                    const std::filesystem::path& file) {
   const std::vector<QuantityEnvelope>& envelope = app.summary.envelope;
-  std::map<std::string, std::size_t> index;  // of the runs, in their order
+  std::map<std::string, std::size_t> index;  // of each run
   std::vector<std::vector<double>> values;
   std::string runs, names;
   for (const FollowedQuantity& quantity : quantities) {
@@ -66,7 +66,7 @@ void write_columns(const Application& app, const std::vector<FollowedQuantity>& 
                    kEnvelope);
 }
 
-/// Of these runs; nothing where fewer than two of them have quantities.
+/// Writes the envelope of these runs; nothing if fewer than two of them have quantities.
 void write_envelope_of(Application& app, const std::vector<FollowedQuantity>& quantities,
                        const std::filesystem::path& file) {
   app.summary.envelope = envelope_of(quantities);
@@ -75,7 +75,7 @@ void write_envelope_of(Application& app, const std::vector<FollowedQuantity>& qu
   const std::filesystem::path csv = file.parent_path() / (file.stem().string() + "-envelope.csv");
   CsvTable table(csv, {"quantity", "largest", "largest in", "smallest", "smallest in"}, Appears::when_closed);
   app.out() << formatted("%-30s %18s %-20s %18s %s\n", "envelope of the ends", "largest", "in", "smallest", "in");
-  constexpr std::size_t kMostPrinted = 30;  // the file has them all
+  constexpr std::size_t kMostPrinted = 30;  // the file has all
   std::size_t printed = 0;
   for (const QuantityEnvelope& one : app.summary.envelope) {
     table.add_row({one.name, one.largest, one.largest_in, one.smallest, one.smallest_in});
@@ -131,7 +131,7 @@ void renew_envelope(Application& app, const std::filesystem::path& file) {
     const SharedResultLock lock = lock_or_warn(app, file);
     write_envelope_of(app, quantities, file);
   } catch (const InputError& error) {
-    if (std::filesystem::exists(file)) warn(error.what());  // else there is nothing that could mislead
+    if (std::filesystem::exists(file)) warn(error.what());  // otherwise no outdated envelope could mislead
   } catch (const ResultFileError& error) {
     warn(error.what());
   }

@@ -19,10 +19,10 @@ namespace mixbeam {
 
 namespace {
 
-/// Between a path of its own and equilibria carried along, over the size of a quantity: far above what Newton's method
-/// leaves, far below another equilibrium.
+/// Relative tolerance between the end of a path and the continued equilibrium: far above the error of Newton's method,
+/// far below the distance of another equilibrium.
 constexpr double kSameState = 1e-6;
-/// Columns that a line of the terminal has room for.
+/// Columns that fit into a line of the terminal.
 constexpr std::size_t kMostColumns = 6;
 
 void print_head(std::ostream& out, const SearchParameters& search) {
@@ -48,7 +48,7 @@ double correlation(const FoundScene& found, std::size_t i, std::size_t j) {
 }
 
 void print_fit(std::ostream& out, const SearchParameters& search, const FoundScene& found) {
-  constexpr double kStrong = 0.9;  // deviations alone say little then
+  constexpr double kStrong = 0.9;  // then deviations alone mean little
   for (std::size_t i = 0; i < found.numbers.size(); ++i)
     for (std::size_t j = 0; j < i && !found.covariance.empty(); ++j)
       if (std::abs(correlation(found, i, j)) > kStrong)
@@ -90,7 +90,7 @@ std::string lines_of(const std::vector<std::string>& texts) {
   return all;
 }
 
-/// Texts and columns of numbers side by side.
+/// Writes texts and columns of numbers side by side.
 void write_csv(const std::string& file, std::vector<std::string> heads, const std::vector<std::vector<CsvCell>>& texts,
                const std::vector<TableColumn>& columns) {
   for (const TableColumn& column : columns) heads.push_back(column.name);
@@ -103,7 +103,7 @@ void write_csv(const std::string& file, std::vector<std::string> heads, const st
   table.close();
 }
 
-/// NAME.csv, NAME-steps.csv and NAME.h5 with both.
+/// Writes NAME.csv, NAME-steps.csv, and NAME.h5 with both.
 void write_tables(const std::string& name, const SearchParameters& search, const FoundScene& found) {
   std::vector<TableColumn> numbers = {{"start"}, {"value"}, {"standard deviation"}, {"at least"}, {"at most"}};
   std::vector<TableColumn> steps = {{"objective"}, {"gradient"}, {"change"}, {"violation"}};
@@ -133,7 +133,7 @@ void write_tables(const std::string& name, const SearchParameters& search, const
   write_csv(name + ".csv", {"parameter", "number"}, texts, numbers);
   write_csv(name + "-steps.csv", {}, {}, steps);
   for (const WantedQuantity& one : search.wanted) wanted.push_back(one.name);
-  for (std::size_t i = 0; i < steps.size(); ++i)  // names may hold what is none in a file
+  for (std::size_t i = 0; i < steps.size(); ++i)  // names may be invalid in HDF5
     steps[i].name = "steps/" + (i < 4 ? steps[i].name : std::to_string(i - 4));
   for (std::size_t i = 5; i < numbers.size(); ++i) numbers[i].name = "covariance/" + std::to_string(i - 5);
   numbers.insert(numbers.end(), steps.begin(), steps.end());
@@ -142,7 +142,7 @@ void write_tables(const std::string& name, const SearchParameters& search, const
                    {{"names", lines_of(names)}, {"numbers", lines_of(paths)}, {"wanted", lines_of(wanted)}}, "found");
 }
 
-/// The path from the unloaded structure may lead elsewhere than the equilibria that were carried along.
+/// Compares the end of the run with the continued equilibrium: the path from the unloaded structure may lead elsewhere.
 void compare_end(Application& app, const SearchParameters& search, const FoundScene& found) {
   app.watch = [&app, search, values = found.values, sizes = found.sizes, before = app.watch](const Simulation& run,
                                                                                              const StepReport& step) {

@@ -16,9 +16,9 @@ namespace mixbeam {
 
 namespace {
 
-/// Names in one line; the result file has the mesh of every member.
+/// Names per line; the result file has the mesh of every member.
 constexpr int kMostNames = 4;
-/// Lines of groups.
+/// Lines with groups of members.
 constexpr std::size_t kMostGroups = 12;
 
 void print_rounds(std::ostream& out, const std::vector<ChosenMesh::Round>& rounds) {
@@ -39,7 +39,7 @@ void add_rounds(const AccurateRun& run, ChosenMesh& report) {
         {round.elements, round.followed, round.steps, round.iterations, round.seconds, round.error, round.remark});
 }
 
-/// What the last two meshes tell about critical load factors, if there are any.
+/// Checks the change of critical load factors between the last two meshes.
 void check_critical_points(Application& app, const std::string& run, const AccurateRun& accurate) {
   const MeshRound& last = accurate.rounds.back();
   if (last.critical_points == 0 && !(last.critical_error > 0.0)) return;
@@ -54,10 +54,10 @@ void check_critical_points(Application& app, const std::string& run, const Accur
                                   *accurate.simulation.scene().accuracy, "accuracy that the scene asks for");
 }
 
-/// Larger structures keep their start mesh: whoever solves them wants to be asked before that happens twice.
+/// Larger structures keep their start mesh, since solving them twice would be expensive.
 constexpr long long kMostElementsToSearch = 20'000;
 
-/// Why no mesh is searched; empty where one is.
+/// Reason for not searching a mesh; empty if there is none.
 std::string obstacle_to_search(const Application& app) {
   const long long elements = elements_of(app.scene);
   if (elements > kMostElementsToSearch) return std::to_string(elements) + " elements are too many to solve them twice";
@@ -65,7 +65,7 @@ std::string obstacle_to_search(const Application& app) {
   return "";
 }
 
-/// Of one case, from its start mesh or from that of the cases before; the scene of the application takes it.
+/// Searches the mesh of one case, from its start mesh or that of earlier cases, for the application's scene.
 void search_mesh_of(Application& app, Scene scene, ChosenMesh& report) {
   const bool is_first = report.rounds.empty();
   const MeshChoice start = is_first ? start_mesh(scene, report.wanted) : mesh_of(app.scene);
@@ -164,7 +164,7 @@ void choose_mesh(Application& app, std::size_t count, const std::function<Scene(
       if (count > 1) search_mesh_of(app, case_of(count - 1), report);
     }
     if (report.outcome.empty()) report.outcome = "the rows have members or meshes of their own";
-  } catch (...) {  // whatever it is, the run meets it too and tells
+  } catch (...) {  // the run will meet and report the same problem
     report.outcome = "the search for a better one failed";
     report.estimated = std::nan("");
   }
@@ -191,7 +191,7 @@ Scene on_mesh_of(const StoredRun& run, const Scene& scene) {
   if (!is_mesh)
     throw InputError(run.path().string() + ": its members are not those of its scene; allowed: results of mixbeam run");
   Scene result = on_mesh(scene, mesh);
-  for (std::size_t m = 0; m < mesh.size(); ++m) {  // files of older versions have no vertices where formulas need them
+  for (std::size_t m = 0; m < mesh.size(); ++m) {  // files of older versions lack vertices that formulas need
     Member& member = result.members[m];
     if (member.elements == mesh[m].elements) continue;
     member.elements = mesh[m].elements;

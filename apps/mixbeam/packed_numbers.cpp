@@ -11,11 +11,11 @@ namespace mixbeam {
 
 namespace {
 
-constexpr int kPlanes = 3;                  // bytes of a number
-constexpr std::int64_t kMissing = 1 << 22;  // in place of NaN
-constexpr std::int64_t kHalf = 1 << 23;     // differences are counted modulo twice this
+constexpr int kPlanes = 3;                  // bytes per number
+constexpr std::int64_t kMissing = 1 << 22;  // stands for NaN
+constexpr std::int64_t kHalf = 1 << 23;     // differences are taken modulo twice this
 constexpr double kLeastUnit = 1e-300;
-constexpr int kStrongest = 9;  // of zlib, for time and memory
+constexpr int kStrongest = 9;  // level and memory of zlib
 
 double unit_of(const PageRows& rows, std::size_t column, int bits) {
   double largest = 0.0;

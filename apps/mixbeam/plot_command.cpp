@@ -14,17 +14,17 @@ namespace mixbeam {
 
 namespace {
 
-/// Nothing of the current folder, of PYTHONPATH or of ~/.local is imported: only the folder that holds the script.
+/// Isolates Python from the current folder, PYTHONPATH and ~/.local; only the folder of the script is added.
 constexpr const char* kIsolated = "-I";
 constexpr const char* kNeeded = "import numpy, matplotlib, h5py";
 constexpr const char* kStart =
     "import runpy, sys; sys.path.insert(0, sys.argv[1]); del sys.argv[:2]; "
     "runpy.run_path(sys.argv[0], run_name='__main__')";
 
-/// Debian's Python has Debian's packages; another one earlier in PATH need not.
+/// Debian's Python first: it has Debian's packages, which another one in PATH may lack.
 const std::vector<std::string> kInterpreters = {"/usr/bin/python3", "python3"};
 
-/// `folder`: of the scripts, where matplotlib finds no settings of somebody else.
+/// Finds a Python with the needed packages. `folder`: of the scripts, without foreign settings of matplotlib.
 std::string suitable_python(const std::string& folder) {
   std::string found;
   for (const std::string& python : kInterpreters) {
@@ -44,7 +44,7 @@ std::string suitable_python(const std::string& folder) {
                    "not count");
 }
 
-/// Runs a script of the folder plots beside the program, which verifies each result file before it reads it.
+/// Runs a script of plots_folder(), which verifies each result file before reading it.
 int run_script(const Arguments& arguments, const std::string& name) {
   if (arguments.count() < 2)
     throw InputError(std::string("a result file is missing: mixbeam ") + arguments.values[0] +
@@ -79,7 +79,7 @@ int exit_code_of(std::vector<std::string> words, const ProcessPlaces& places) {
   if (!places.folder.empty()) posix_spawn_file_actions_addchdir_np(&actions, places.folder.c_str());
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
-  sigset_t as_usual;  // which this program ignores
+  sigset_t as_usual;  // signals that this program ignores
   sigemptyset(&as_usual);
   sigaddset(&as_usual, SIGPIPE);
   sigaddset(&as_usual, SIGXFSZ);

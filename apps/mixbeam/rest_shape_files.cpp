@@ -23,14 +23,14 @@ namespace {
 using List = Teuchos::ParameterList;
 
 const std::string kInverse = "Inverse";
-/// Stations of a natural curve in each element, for splines through them.
+/// Stations of a natural curve per element, for splines.
 constexpr int kStationsOfElement = 4;
-/// Displacement over size of the structure: far above what Newton's method leaves.
+/// Displacement over size of the structure: far above the error of Newton's method.
 constexpr double kArrived = 1e-6;
-/// Forces relative to those under loads: far above what Newton's method leaves.
+/// Forces relative to those under loads: far above the error of Newton's method.
 constexpr double kNoStress = 1e-8;
 
-/// Names of members in names of files, all different.
+/// Unique file names for members.
 class FileNames {
  public:
   std::string of(std::string member) {
@@ -71,7 +71,7 @@ void write_curve(const std::filesystem::path& file, const std::vector<NaturalSta
 
 Teuchos::Array<double> array_of(const Vector3& v) { return {v.begin(), v.end()}; }
 
-/// The tables and curves of all members, and the list "Eigenstrains" that names them.
+/// Writes tables and curves of all members, and enters them in the list "Eigenstrains".
 void write_members(const Application& app, const RestShape& shape, const std::string& name, List& eigenstrains) {
   FileNames names;
   const Mesh mesh = build_mesh(app.scene);
@@ -118,7 +118,7 @@ void tell(Application& app, const RestShape& shape, const std::filesystem::path&
              " of the forces that it has under them (\"Loops\" = \"closed\": none)");
 }
 
-/// From a drawn shape that is unstable a path may lead elsewhere.
+/// Warns if the run does not end in the drawn shape, which may be unstable.
 void watch_end(Application& app, const std::string& load_case) {
   app.watch = [&app, load_case](const Simulation& run, const StepReport& step) {
     if (app.load_case != load_case || !run.is_end_of_path(step.load_factor)) return;
@@ -180,7 +180,7 @@ void take_rest_shape(Application& app, const std::string& name, int jobs) {
   tell(app, shape, file);
   read_scene_file(app, read_parameters(file.string(), root, Mistakes::kept), mixbeam_definition(), root);
   watch_end(app, load_case);
-  // displacements are rounding errors, of which nobody wants the accuracy
+  // displacements are rounding errors, whose accuracy has no meaning
   if (app.solver.analysis.error_estimate == ErrorEstimation::automatic)
     app.solver.analysis.error_estimate = ErrorEstimation::off;
 }

@@ -20,8 +20,8 @@ void set_up(Application& app, const CommandLine& line, const StoredRun& run) {
   app.force = line.force;
   if (line.summary) prepare_summary(app, *line.summary);
   XmlParameters xml = parse_parameters(run.header().scene_xml, run.path().string() + " (scene)", mixbeam_root_spec());
-  xml.source.set_root_name(run.header().scene_name);  // which may be that of the scene's file
-  xml.source.set_files(run.header().imported);        // the tables as they were, even if they are gone or changed
+  xml.source.set_root_name(run.header().scene_name);  // possibly the name of the scene file
+  xml.source.set_files(run.header().imported);        // the tables at that time, even if missing or changed now
   read_scene_file(app, std::move(xml), mixbeam_definition(), mixbeam_root_spec());
   if (line.summary && file_number(*line.summary) == file_number(run.path()))
     throw InputError("the summary " + *line.summary + " is the result file " + run.path().string() +
@@ -51,16 +51,15 @@ void say_where(const Application& app, const StoredRun& run) {
               << ".\n";
 }
 
-/// Nothing where the file has another name than the run gave it.
+/// Renews the envelope unless the result file was renamed.
 void renew_envelope_beside(Application& app, const StoredRun& run) {
   const std::string ending = "-" + run.header().property("load_case"), stem = run.path().stem().string();
   if (stem.size() <= ending.size() || stem.substr(stem.size() - ending.size()) != ending) return;
   renew_envelope(app, result_file_of(run.path().parent_path(), stem.substr(0, stem.size() - ending.size()), ""));
 }
 
-/// The lock of the run itself, none on other ranks than the first. Taken before MPI starts and before the file is
-/// looked at: a run that goes on writes the copies of its file in turn, and who resumes it meanwhile hears of that run,
-/// not of damage.
+/// Locks the result file on the first rank, then verifies it; before MPI starts. A running simulation rewrites the
+/// copies of its file in turn: resuming it must report that run, not damage.
 SharedResultLock lock_whole_file(const std::filesystem::path& results, std::optional<int> last_step) {
   SharedResultLock lock;
   try {
@@ -90,7 +89,7 @@ int resume_command(const Arguments& arguments) {
     say_where(app, run);
     watch_for_interrupts();
     return finish_runs(app, line, [&] {
-      choose_mesh(app);  // of a file without steps
+      choose_mesh(app);  // for a file without steps
       const RunEnd end = run_case(app, run.header().property("load_case"), run.path(), {lock, line.durable}, &run);
       if (end == RunEnd::arrived) fail_what_was_missed(app, {run.header().property("load_case")});
       if (end == RunEnd::arrived) renew_envelope_beside(app, run);

@@ -22,12 +22,12 @@ namespace mixbeam {
 
 namespace {
 
-/// As many as are solved at once.
+/// Number of cases solved at once.
 std::size_t jobs_of(const CommandLine& line, const std::vector<std::string>& cases) {
   return std::min(static_cast<std::size_t>(line.jobs), cases.size());
 }
 
-/// Between cases that are solved at once, where the user has not chosen a number of threads.
+/// Divides the processors among cases solved at once, unless the user has chosen a number of threads.
 void share_processors(Application& app, std::size_t jobs) {
   if (app.solver.threads > 0 || std::getenv("OMP_NUM_THREADS") != nullptr) return;
   set_number_of_threads(std::max(1, number_of_threads() / static_cast<int>(jobs)));
@@ -63,13 +63,13 @@ RunEnd solve_case(Application& app, const CommandLine& line, const std::string& 
   return end;
 }
 
-/// Each case is judged by itself where it begins.
+/// Checks the memory of concurrent cases; each case is also checked when it begins.
 void require_memory_side_by_side(const Application& app, const std::vector<std::string>& cases, std::size_t jobs) {
   const double memory = needs_of_run(app, scene_of_case(app.scene, cases.front()), app.solver).memory;
   require_memory(app, static_cast<double>(jobs) * memory, std::to_string(jobs) + " cases side by side (--jobs)");
 }
 
-/// None where cases are solved one after the other. Before MPI starts.
+/// Processes for concurrent cases; null if cases are solved one by one. Call it before MPI starts.
 std::unique_ptr<CaseProcesses> case_processes(const CommandLine& line) {
   if (line.jobs == 1 || line.load_case || is_under_mpirun()) return {};
   CommandLine own = line;
@@ -100,7 +100,7 @@ int run_command(const Arguments& arguments) {
     require_reachable(app, cases);
     const std::size_t jobs = jobs_of(line, cases);
     if (jobs > 1) require_memory_side_by_side(app, cases, jobs);
-    std::vector<SharedResultLock> locks;  // of all cases before the first: the run is refused as a whole
+    std::vector<SharedResultLock> locks;  // taken for all cases first, so that the run is refused as a whole
     for (const std::string& load_case : cases) locks.push_back(lock_or_warn(app, file_of(app, line, load_case)));
     const std::filesystem::path of_all = file_of(app, line, "");
     if (cases.size() > 1 && !app.quantities.empty()) locks.push_back(lock_or_warn(app, of_all));
@@ -109,12 +109,12 @@ int run_command(const Arguments& arguments) {
     watch_for_interrupts();
     return finish_runs(app, line, [&] {
       RunEnd end = RunEnd::arrived;
-      for (const std::string& one : cases)  // where a search fails no others stay beside its files
+      for (const std::string& one : cases)  // if the search fails, no older results remain beside its files
         if (app.search) std::filesystem::remove(file_of(app, line, one));
       if (!take_found_numbers(app, app.output / std::filesystem::path(*line.scene_file).stem()))
         return RunEnd::interrupted;
       choose_mesh(app);
-      std::ostringstream reports;  // of several cases: the envelope comes first
+      std::ostringstream reports;  // of several cases, printed after the envelope
       if (cases.size() > 1) app.reports = &reports;
       const auto tell = [&] {
         app.out() << reports.str();

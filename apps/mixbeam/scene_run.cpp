@@ -27,33 +27,33 @@ namespace {
 
 constexpr double kBalanceTolerance = 1e-10;
 constexpr double kResidualOfRow = 1e-11;
-/// Three components, and forces with the lever of half a structure beside moments.
+/// Factor for three components, and for forces with the lever of half a structure beside moments.
 constexpr double kRowsAndLevers = 2.0;
 
-/// Lines of a table on the terminal; the files hold everything.
+/// Lines of a table on the terminal; files are complete.
 constexpr std::size_t kMostLines = 12;
-/// Columns of frequencies that fit into a line.
+/// Columns of frequencies per line.
 constexpr int kMostTracks = 5;
-/// Those that were asked for.
+/// Lines of quantities on the terminal.
 constexpr std::size_t kMostQuantities = 100;
 
 bool ends_with(const std::string& text, const std::string& ending) {
   return text.size() >= ending.size() && text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
 }
 
-/// Points that are held would only hide those that move.
+/// Whether a displacement is zero; fixed points would hide those that move.
 bool stays(const MonitoredQuantity& displacement) {
   return displacement.components == std::vector<double>(displacement.components.size(), 0.0);
 }
 
-/// `scale`: what the quantity would be where the structure is bent by an angle of one.
+/// `scale`: magnitude of the quantity if the structure is bent by an angle of one.
 struct NamedError {
   const char* name;
   const RecordedError& error;
   double scale;
 };
 
-/// Without loads every error is rounding, however soft the structure is.
+/// Whether the energy is all error: without loads every error is rounding, however soft the structure.
 bool is_without_strain(const RecordedErrorEstimate& estimate) { return estimate.energy.size == estimate.energy.error; }
 
 std::vector<NamedError> named(const RecordedErrorEstimate& estimate, double length, double bending) {
@@ -64,31 +64,31 @@ std::vector<NamedError> named(const RecordedErrorEstimate& estimate, double leng
           {"strain energy", estimate.energy, bending / length}};
 }
 
-/// Loads that strain a beam by less lose their digits: such a quantity is zero.
+/// Quantities below this share of their scale are rounding and count as zero.
 constexpr double kRoundingOfSize = 1e-12;
 
-/// Zero where it is that of strains of rounding, whose squares it adds up. `scale`: EI / L.
+/// The energy, or zero if it is below the square of rounding strains. `scale`: EI / L.
 double without_rounding(double energy, double scale) {
   constexpr double kRounding = std::numeric_limits<double>::epsilon();
   return std::abs(energy) > kRounding * kRounding * scale ? energy : 0.0;
 }
 
-/// Rounding of a mode whose largest motion is one, in its participation.
+/// Rounding of the participation of a mode whose largest motion is one.
 constexpr double kRoundingOfMode = 1e-10;
 
-/// At most one; NaN of a quantity whose size is rounding, which has no digit to lose.
+/// Relative error, at most one; NaN if the quantity is rounding only.
 double relative(const RecordedError& error, double scale) {
   const double size = std::max(error.size, std::abs(error.error));
   return size > kRoundingOfSize * scale ? std::abs(error.error) / size : std::numeric_limits<double>::quiet_NaN();
 }
 
-/// Beyond this share of the largest displacement an estimated error is worth a warning.
+/// Relative error of displacements that causes a warning.
 constexpr double kLargeError = 0.01;
 
-/// Share of a value up to which its error is worth to be scaled with it.
+/// Relative error up to which an error is scaled with its value.
 constexpr double kKnown = 0.1;
 
-/// The same of values in a structure with layers that elements do not see: displacements may err by ten times as much.
+/// Likewise for values beside unresolved end layers; displacements may have ten times this error.
 constexpr double kErrorBesideLayers = 0.1 * kLargeError;
 
 double length_of(const MonitoredQuantity& vector) {
@@ -99,8 +99,8 @@ void print_left_out(std::ostream& out, std::size_t count) {
   if (count > kMostLines) out << "  ... and " << count - kMostLines << " more in the files\n";
 }
 
-/// "0.25 in member left at s = 2": the longest of `vector_at(member, i)` over all samples i, of equal ones the first;
-/// empty where samples are held elsewhere.
+/// "0.25 in member left at s = 2": the longest `vector_at(member, i)` over all samples i, the first of equal ones;
+/// empty if other ranks hold samples.
 template <class VectorAt>
 std::string longest_vector(const SampledMembers& members, const VectorAt& vector_at) {
   const MemberSamples* where = nullptr;
@@ -137,18 +137,18 @@ std::string verdict_text(const EndOfRun& end) {
   return end.stable + formatted(" (%d negative eigenvalue%s)", end.negative, end.negative == 1 ? "" : "s");
 }
 
-/// Share of the von Mises stress of an open section that its torque makes, above which warping deserves a note.
+/// Share of torsion in the von Mises stress of an open section above which a note on warping is printed.
 constexpr double kTorsionNote = 0.1;
 
-/// Strains below this are differences of larger numbers: a structure that only eigenstrains deform has no stresses.
+/// Strains below this are rounding of larger numbers: only eigenstrains deform the structure, without stress.
 constexpr double kNoStrain = 1e-12;
 
-/// Place over the length of the member.
+/// Arc length over the length of the member.
 std::string share_text(const StressedMember& m) {
   return formatted("%.4g", m.length > 0.0 ? m.arc_length / m.length : 0.0);
 }
 
-/// "0.05, -0.1"; a coordinate that is rounding beside the other is zero.
+/// "0.05, -0.1"; a coordinate that is rounding relative to the other is zero.
 std::string point_text(const SectionPoint& p) {
   constexpr double kRounding = 1e-9;
   const double size = kRounding * std::max(std::abs(p[0]), std::abs(p[1]));
@@ -162,10 +162,10 @@ bool any_utilisation(const StressSummary& stresses) {
 
 std::string percent(double value) { return formatted("%.3g %%", 100.0 * value); }
 
-/// Rates of growth below this share of the largest frequency are rounding of motions without stiffness.
+/// Growth rates below this share of the largest frequency are rounding of motions without stiffness.
 constexpr double kRoundedGrowth = 1e-6;
 
-/// The last lines of a run, one for each end (two where a displacement is controlled): "column: stable: true".
+/// Prints the last lines of a run, one per end (two under displacement control): "column: stable: true".
 void print_ends(std::ostream& out, const Summary& summary, bool controlled) {
   for (const EndOfRun& end : summary.ends) {
     if (!end.collapse.empty()) out << end.run << ": collapse: " << end.collapse << "\n";
@@ -179,13 +179,13 @@ void print_ends(std::ostream& out, const Summary& summary, bool controlled) {
   }
 }
 
-/// "1.2e-03"; "unknown" where it is not estimated; "-" where that was not asked for (null: likewise).
+/// "1.2e-03"; "unknown" if not estimated; "-" if not requested (also for null).
 std::string error_text(const EstimatedValue* value) {
   if (value != nullptr && value->is_estimated()) return formatted("%.1e", value->error);
   return value == nullptr || value->not_estimated.empty() ? "-" : "unknown";
 }
 
-/// The most stressed members with place, point of the section and utilisation; notes on what the fields leave out.
+/// Prints the most stressed members with place, section point and utilisation, and a note on warping.
 void print_stresses(std::ostream& out, const StressSummary& stresses) {
   if (stresses.members.empty() || (stresses.strain.value > 0.0 && stresses.strain.value < kNoStrain)) return;
   out << formatted("  %-24s %14s %9s %14s %9s   %-24s%s\n", "largest stress in", "von Mises", "error", "at s", "s / L",
@@ -205,7 +205,7 @@ void print_stresses(std::ostream& out, const StressSummary& stresses) {
     }
 }
 
-/// Strains that the linear law does not mean, members too curved for linear bending stresses; each without its run.
+/// Warnings about utilisation, strains beyond the linear law, members too curved for linear bending stresses.
 std::vector<std::string> stress_warnings(const StressSummary& stresses) {
   std::vector<std::string> warnings;
   const LargestAlong &strain = stresses.strain, &curved = stresses.curvature, &used = stresses.utilisation;
@@ -226,10 +226,10 @@ std::vector<std::string> stress_warnings(const StressSummary& stresses) {
   return warnings;
 }
 
-/// Watches the balance of loads and reactions over all steps of a run and keeps the last of them.
+/// Collects the results of a run for its report: last step, extremes over the steps, balance of loads and reactions.
 class RunReport {
  public:
-  /// `quantities`: of the scene; it must outlive this.
+  /// `quantities`: of the scene; must outlive this.
   RunReport(const QuantitySet* quantities, const Scene& scene) : quantities_(quantities) {
     levers_ = rounding_of_levers(scene);
     vector_algebra::Box box;
@@ -247,7 +247,7 @@ class RunReport {
     for (const MonitoredQuantity& quantity : record.monitored)
       if (!followed_.empty() && quantity.name == kQuantitySeries)
         follow(record.step, record.load_factor, quantity.components.data());
-    const auto larger = [](double a, double b) { return b <= a ? a : b; };  // keeps what is not a number
+    const auto larger = [](double a, double b) { return b <= a ? a : b; };  // keeps NaN
     int longest = 0;
     record.members.for_each_known([&](const SampledMember& member) { longest = std::max(longest, member.elements); });
     balance_tolerance_ = std::max(balance_tolerance_, balance_tolerance(static_cast<double>(record.members.elements()),
@@ -271,7 +271,7 @@ class RunReport {
     follow(Searched{record.step, record.load_factor, last_.vibration});
   }
 
-  /// What a run passed before it was stopped, when it is resumed: critical points, quantities.
+  /// Adds the critical points, jumps, modes and quantities of a run that is resumed.
   void add(const StoredRun& run) {
     for (const MonitoredSeries& series : run.monitor())
       for (std::size_t i = 0; i < run.steps().size() && series.name == kQuantitySeries; ++i)
@@ -296,7 +296,7 @@ class RunReport {
   void add_end(Application& app, const std::string& run) const {
     const EndOfRun end{last_.stability, run, last_.point.load_factor, jumps_, collapse_text()};
     app.summary.ends.push_back(end);
-    // where the displacement is controlled, only a state that is unstable with it prescribed is left by the structure
+    // under displacement control, the structure leaves a state only if it is unstable with the displacement prescribed
     if (end.stable == "false" && end.held != "true")
       app.summary.warnings.push_back(run + ": the last state is unstable: " + kDoesNotStay);
     std::vector<std::string> infinite;
@@ -341,9 +341,9 @@ class RunReport {
     app.summary.estimated_errors.push_back(errors);
   }
 
-  /// Where extremes over places are at the end, see QuantitySet::places().
+  /// Sets the places of extremes at the end, see QuantitySet::places().
   void add_places(std::vector<std::string> places) { places_ = std::move(places); }
-  /// Quantities that are extremes, and where at the end.
+  /// Quantities that are extremes, with their places at the end.
   std::vector<std::pair<std::string, std::string>> places() const {
     std::vector<std::pair<std::string, std::string>> places;
     for (std::size_t i = 0; i < followed_.size(); ++i)
@@ -352,7 +352,7 @@ class RunReport {
     return places;
   }
 
-  /// Adds the quantities to the summary of the run, and a check for each that has a limit.
+  /// Adds the quantities to the summary, and a check for each limit.
   void add_quantities(Application& app, const std::string& run) const {
     for (std::size_t i = 0; i < followed_.size(); ++i) {
       const QuantitySet::Column& column = quantities_->columns()[i];
@@ -402,8 +402,7 @@ class RunReport {
     return rows;
   }
 
-  /// Table of natural frequencies over the path, a column for each motion and unit; without rows where modes were
-  /// searched for once.
+  /// Table of natural frequencies over the path, a column per motion and unit; without rows after a single search.
   std::vector<std::vector<CsvCell>> frequencies() const {
     std::vector<std::vector<CsvCell>> rows;
     if (searched_.size() < 2 || tracks_ == 0) return rows;
@@ -425,7 +424,7 @@ class RunReport {
     return columns;
   }
 
-  /// Adds what stresses and strains of the last step warn of to the summary of the run.
+  /// Adds warnings about stresses and strains of the last step to the summary.
   void add_stresses(Application& app, const std::string& run) const {
     if (!last_.stresses) return;
     for (const std::string& warning : stress_warnings(*last_.stresses)) {
@@ -434,8 +433,8 @@ class RunReport {
     }
   }
 
-  /// Displacements of points and reactions of supports in the last step (a few of them), energies, quantities,
-  /// stresses, estimated errors, balance.
+  /// Prints displacements and reactions of some points in the last step, energies, quantities, stresses, estimated
+  /// errors, balance.
   void print(std::ostream& out) const {
     print_buckling(out);
     print_critical_points(out);
@@ -466,7 +465,7 @@ class RunReport {
                      balanced ? "balance" : "DO NOT BALANCE", force_error_, moment_error_, balance_tolerance_);
   }
 
-  /// The same of one run among several, in a few lines.
+  /// Prints a few lines for one run among several.
   void print_short(std::ostream& out, const std::string& run) const {
     out << run;
     const char* separator = ": ";
@@ -535,7 +534,7 @@ class RunReport {
     }
   }
 
-  /// Lines evenly spread over the path, the first and the last among them.
+  /// Prints lines evenly spread over the path, including the first and the last.
   void print_frequencies(std::ostream& out) const {
     if (searched_.size() < 2 || tracks_ == 0) return;
     const int columns = std::min(tracks_, kMostTracks);
@@ -557,7 +556,7 @@ class RunReport {
     print_left_out(out, searched_.size());
   }
 
-  /// The least load that the path or, where it does not say, linear buckling about its last prestressed state tells.
+  /// Collapse load of the path, otherwise of linear buckling about the last prestressed state.
   std::string collapse_text() const {
     if (!collapse_.empty()) return collapse_;
     const Buckling* first = nullptr;
@@ -633,7 +632,7 @@ class RunReport {
     }
   }
 
-  /// Of many supports those with the largest forces, and the sum of all.
+  /// Prints the reactions; of many supports those with the largest forces, and the sum of all.
   void print_reactions(std::ostream& out) const {
     std::vector<RecordedReaction> shown = last_.reactions;
     const auto size = [](const RecordedReaction& r) { return vector_algebra::norm(r.force); };
@@ -662,11 +661,11 @@ class RunReport {
   void follow(int step, double load_factor, const double* values) {
     for (std::size_t i = 0; i < followed_.size(); ++i) {
       Followed& one = followed_[i];
-      one.last = std::isnan(values[i]) ? std::numeric_limits<double>::quiet_NaN() : values[i];  // without its sign
-      if (step == 0 && !std::isfinite(values[i])) continue;  // a ratio of what is zero without loads
+      one.last = std::isnan(values[i]) ? std::numeric_limits<double>::quiet_NaN() : values[i];  // NaN without its sign
+      if (step == 0 && !std::isfinite(values[i])) continue;  // such as a ratio of zeros without loads
       const QuantitySet::Column& column = quantities_->columns()[i];
       if (column.is_limited) follow_limit(load_factor, values[i], quantities_->asked(column), one);
-      if (std::abs(values[i]) <= one.size) continue;  // keeps what is not a number
+      if (std::abs(values[i]) <= one.size) continue;  // keeps NaN
       if (std::isnan(one.size)) continue;
       one.size = std::abs(values[i]);
       one.at_size = values[i];
@@ -688,15 +687,15 @@ class RunReport {
                        : ", after a vertex");
   }
 
-  /// One number of the list "Quantities" over the steps.
+  /// A value of the list "Quantities" over the steps.
   struct Followed {
-    double last = 0.0, size = -1.0;  ///< the largest size so far, of `at_size`
+    double last = 0.0, size = -1.0;  ///< largest absolute value so far, of `at_size`
     double at_size = 0.0, load_factor_of_size = 0.0;
     int step_of_size = 0;
-    double reference = 0.0, limited_size = -1.0;  ///< for a limit: value at the end of a stage, largest change since
+    double reference = 0.0, limited_size = -1.0;  ///< for a limit: reference value, largest change since
   };
 
-  /// Steps end at ends of stages.
+  /// Updates reference and largest change of a limited quantity; there are steps at all ends of stages.
   void follow_limit(double load_factor, double value, const Quantity& asked, Followed& one) const {
     constexpr double kRounding = 1e-9;
     if (asked.relative_to && load_factor <= *asked.relative_to + kRounding) {
@@ -708,7 +707,7 @@ class RunReport {
     if (!(size <= one.limited_size) && !std::isnan(one.limited_size)) one.limited_size = size;
   }
 
-  /// Of a column at the end; null: no estimate was asked for.
+  /// Estimate of a column at the end; null: not requested.
   const EstimatedValue* estimate_of(std::size_t column) const {
     if (!last_.error_estimate) return nullptr;
     const std::string& name = quantities_->columns()[column].name;
@@ -717,15 +716,15 @@ class RunReport {
     return nullptr;
   }
 
-  /// The error is that of the last step; a value that was larger on the way had one that was larger in proportion,
-  /// unless little of the last value is known.
+  /// Error of the largest value, scaled from the estimated error of the last step in proportion to the values, unless
+  /// the last value is itself uncertain.
   static double error_of_largest(const Followed& one, const EstimatedValue* estimated) {
     if (estimated == nullptr) return 0.0;
     const double last = std::abs(one.last);
     return estimated->error * (one.size > last && estimated->error < kKnown * last ? one.size / last : 1.0);
   }
 
-  double length_ = 1.0, bending_ = 0.0;  ///< of the structure; smallest EI: scales of what counts as zero
+  double length_ = 1.0, bending_ = 0.0;  ///< length of the structure, smallest EI: scales of zero
   double levers_ = 0.0;                  ///< rounding_of_levers()
   const QuantitySet* quantities_ = nullptr;
   std::vector<std::string> member_names_{}, places_{};
@@ -735,12 +734,12 @@ class RunReport {
   std::vector<RecordedJump> jumps_;              ///< likewise
   struct Buckling {
     RecordedBucklingMode mode;  ///< without rows
-    double base = 0.0;          ///< load factor of the state that it is about
-    std::string place;          ///< where it moves most
+    double base = 0.0;          ///< load factor of its base state
+    std::string place;          ///< where the mode moves most
   };
   std::vector<Buckling> buckling_;
-  std::string farthest_;  ///< the largest displacement of the last step and its place
-  std::string collapse_;  ///< the first critical point at which the path turns unstable, in words
+  std::string farthest_;  ///< largest displacement of the last step and its place
+  std::string collapse_;  ///< first critical point at which the path becomes unstable
   /// Natural modes of a step, without rows.
   struct Searched {
     int step = 0;
@@ -754,7 +753,7 @@ class RunReport {
   };
 
   void follow(Searched searched) {
-    const bool is_known = !searched_.empty() && searched.step <= searched_.back().step;  // resumed at its end
+    const bool is_known = !searched_.empty() && searched.step <= searched_.back().step;  // resumed at the end
     if (searched.modes.empty() || is_known) return;
     for (const RecordedVibrationMode& mode : searched.modes) tracks_ = std::max(tracks_, mode.track);
     searched_.push_back(std::move(searched));
@@ -791,7 +790,7 @@ void say_how_to_resume(Application& app, const Simulation& simulation, const std
     app.out() << "This run cannot be resumed: " << obstacle << ".\n";
 }
 
-/// "1.35 dead + 1.5 wind"; empty where that is no combination.
+/// "1.35 dead + 1.5 wind"; empty unless `name` is a combination.
 std::string combination_text(const Scene& scene, const std::string& name) {
   for (const Combination& one : scene.combinations) {
     if (one.name != name) continue;
@@ -807,7 +806,7 @@ std::string combination_text(const Scene& scene, const std::string& name) {
   return "";
 }
 
-/// A table beside the result file; without rows none, also where an earlier run left one.
+/// Writes a table beside the result file; without rows removes that of an earlier run.
 void write_beside(const std::filesystem::path& file, const std::string& name, const std::vector<std::string>& columns,
                   const std::vector<std::vector<CsvCell>>& rows) {
   const std::filesystem::path csv = file.parent_path() / (file.stem().string() + "-" + name + ".csv");
@@ -818,7 +817,7 @@ void write_beside(const std::filesystem::path& file, const std::string& name, co
   table.close();
 }
 
-/// Checks of limits since `first`, and where extremes are at the end.
+/// Writes the limits checked since `first`, gradients, frequencies and places of extremes.
 void write_limits_and_places(const Application& app, const RunReport& report, std::size_t first,
                              const std::filesystem::path& file) {
   if (file.empty() || !app.writes_files()) return;
@@ -888,7 +887,7 @@ SharedResultLock lock_or_warn(Application& app, const std::filesystem::path& fil
 
 RunEnd run_case(Application& app, const std::string& load_case, const std::filesystem::path& file,
                 const WritingOptions& writing, const StoredRun* resume) {
-  // a large scene is not held twice: nothing changes that of the application, which outlives its runs
+  // no copy of a large scene: the application's is not changed and outlives its runs
   const std::shared_ptr<const Scene> kept =
       load_case.empty() && alternatives(app.scene).empty()
           ? std::shared_ptr<const Scene>(std::shared_ptr<const Scene>(), &app.scene)

@@ -20,13 +20,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// "towers" of "designs/towers/".
+/// "towers" for "designs/towers/".
 std::string name_of_folder(const std::string& folder) {
   const fs::path path = fs::absolute(folder).lexically_normal();
   return (path.has_filename() ? path : path.parent_path()).filename().string();
 }
 
-/// In the order of their names.
+/// Scene files of a folder, sorted by name.
 std::vector<fs::path> scenes_in(const fs::path& folder) {
   std::vector<fs::path> files;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
@@ -52,7 +52,7 @@ class StructuresRun : public BatchRun {
   StructuresRun(Application& app, const CommandLine& line, const Communicator& ranks)
       : BatchRun(app, ranks), line_(line) {}
 
-  /// Throws InputError for a scene that is refused.
+  /// Reads all scenes. Throws InputError for a refused one.
   void read() {
     const Stopwatch stopwatch(app_, "batch set-up");
     bool asks = false;
@@ -70,7 +70,7 @@ class StructuresRun : public BatchRun {
     }
     std::set<std::string> seen;
     for (const StructureCase& one : cases_)
-      if (one.output == BatchOutput::quantities || !asks)  // where some scene asks, points of the others are not wanted
+      if (one.output == BatchOutput::quantities || !asks)  // if a scene has quantities, no points of the others
         for (const std::string& name : one.quantities.names())
           if (seen.insert(name).second) names_.push_back(name);
     if (line_.rows) {
@@ -170,9 +170,9 @@ class StructuresRun : public BatchRun {
   }
 
   const CommandLine& line_;
-  std::size_t before_ = 0;  ///< cases before the first row that was chosen
+  std::size_t before_ = 0;  ///< number of cases before the first chosen row
   std::vector<StructureCase> cases_;
-  std::vector<std::string> names_;  ///< of what is written of all structures, in the order in which they appear
+  std::vector<std::string> names_;  ///< columns of all structures, in order of appearance
   std::chrono::steady_clock::time_point last_report_ = std::chrono::steady_clock::now();
 };
 
@@ -180,7 +180,7 @@ class StructuresRun : public BatchRun {
 
 int structures_batch(const CommandLine& line) {
   return with_application("mixbeam", [&](Application& app) {
-    const Communicator all = app.communicator;  // of one rank each later
+    const Communicator all = app.communicator;  // later, app has a communicator of one rank
     app.quiet = line.quiet;
     app.force = line.force;
     if (line.summary) prepare_summary(app, *line.summary);

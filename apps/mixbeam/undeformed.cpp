@@ -1,4 +1,4 @@
-// What can be drawn of a scene before it is solved.
+// Drawings of scenes before they are solved.
 #include "apps/common/run/scene_file.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "apps/mixbeam/scene_run.hpp"
@@ -15,12 +15,12 @@ namespace {
 
 using Teuchos::ParameterList;
 
-/// How much of a scene is left out, until the rest can be drawn.
+/// Parts of a scene to omit, increased until the rest can be drawn.
 enum class LeftOut { nothing, conditions, curves };
 constexpr const char* kDrawn[] = {"", "The picture leaves out supports, joints and loads.",
                                   "The picture shows chords of members between points; all else is left out."};
 
-/// The lists that say where members are, and no others.
+/// Keeps only the lists that define the geometry of members.
 void keep_structure(ParameterList& root) {
   const ParameterList scene = root.sublist("Scene");
   const std::string name = root.name();
@@ -30,7 +30,7 @@ void keep_structure(ParameterList& root) {
   if (scene.isParameter("Units")) root.sublist("Scene").setEntry("Units", scene.getEntry("Units"));
 }
 
-/// Straight lines between those points that are there, whatever their sections are.
+/// Replaces members by straight lines of one section between existing points.
 void keep_chords(ParameterList& scene) {
   const ParameterList members = scene.sublist("Members");
   scene.remove("Sections", false);
@@ -64,7 +64,7 @@ std::string run_lengths(const std::vector<int>& numbers) {
   return text.str().size() > kLongest ? "" : text.str();
 }
 
-/// Each as the displacement of a buckling mode at load factor 0.
+/// Free motions as buckling modes at load factor 0.
 std::vector<RecordedBucklingMode> modes_of(const LooseStructure& loose, const std::vector<MemberSamples>& samples) {
   using namespace vector_algebra;
   std::vector<RecordedBucklingMode> modes;
@@ -78,7 +78,7 @@ std::vector<RecordedBucklingMode> modes_of(const LooseStructure& loose, const st
   return modes;
 }
 
-/// Enough for curves that look smooth, of few elements.
+/// Points per element for smooth curves of coarse meshes.
 int points_per_element(const Scene& scene) {
   constexpr int kMostSamples = 3000, kMostPoints = 17;
   const auto points = static_cast<long>(kMostSamples / std::max(elements_of(scene), 1LL));

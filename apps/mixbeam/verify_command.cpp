@@ -27,7 +27,7 @@ std::string advice(const FileReport& report, const std::string& file) {
   return "; intact up to step " + step + ": mixbeam resume " + file + " --from " + step + " continues from there";
 }
 
-/// Tells whether a path still names the file that it named before.
+/// Identifies the file behind a path, to detect its replacement.
 std::array<long long, 4> stamp_of(const std::string& file) {
   struct stat now {};
   if (stat(file.c_str(), &now) != 0) return {};
@@ -35,10 +35,10 @@ std::array<long long, 4> stamp_of(const std::string& file) {
           static_cast<long long>(now.st_mtim.tv_sec), static_cast<long long>(now.st_mtim.tv_nsec)};
 }
 
-/// A run that goes on publishes another copy with each step and writes the one before anew: damage that is seen in a
-/// file which has been replaced meanwhile is none.
+/// Verifies a file. A running simulation publishes another copy with each step and rewrites the previous one, so damage
+/// in a file replaced meanwhile is ignored.
 FileReport report_on(const std::string& file) {
-  constexpr int kMostReplacements = 50;  // a reader takes some milliseconds, and so do the quickest steps
+  constexpr int kMostReplacements = 50;  // reading takes milliseconds, as do the fastest steps
   for (int replaced = 0;; ++replaced) {
     const auto before = stamp_of(file);
     const bool is_last = replaced == kMostReplacements;
@@ -51,25 +51,25 @@ FileReport report_on(const std::string& file) {
   }
 }
 
-/// For a process that reads a file which may be hostile: more than reading it takes, and an end.
+/// Limits memory and time of a process that reads a possibly hostile file, above what reading it takes.
 void limit_process(std::uintmax_t file_bytes) {
-#if !defined(__SANITIZE_ADDRESS__)  // its shadow takes terabytes
+#if !defined(__SANITIZE_ADDRESS__)  // its shadow memory takes terabytes
   constexpr rlim_t kMemory = rlim_t{4} << 30;
   const rlim_t most = kMemory + 2 * file_bytes;
   const rlimit memory{most, most};
   setrlimit(RLIMIT_AS, &memory);
 #endif
-  constexpr rlim_t kBytesInASecond = 50'000'000;  // that it reads and checks, at the least
+  constexpr rlim_t kBytesInASecond = 50'000'000;  // lower bound of reading and checking
   const rlim_t seconds = 10 + file_bytes / kBytesInASecond;
   const rlimit processor{seconds, seconds};
   setrlimit(RLIMIT_CPU, &processor);
-  constexpr unsigned kSlowness = 8;  // of a busy machine and its disk
+  constexpr unsigned kSlowness = 8;  // factor for a busy machine and its disk
   alarm(kSlowness * static_cast<unsigned>(seconds));
   const rlimit no_core{0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
 }
 
-/// Reads the stderr of a process that has been started, to its end.
+/// Reads the stderr of a child process to its end.
 std::string all_of(int pipe_end) {
   std::string text;
   std::array<char, 4096> part{};
@@ -81,7 +81,7 @@ std::string all_of(int pipe_end) {
   }
 }
 
-/// Only calls that are allowed between fork and exec.
+/// Makes only calls that are allowed between fork and exec.
 [[noreturn]] void become_verifier(char* const* words, int stderr_pipe, std::uintmax_t file_bytes) {
   limit_process(file_bytes);
   const int nowhere = open("/dev/null", O_WRONLY);
@@ -122,7 +122,7 @@ void require_whole(const std::filesystem::path& results, std::optional<int> last
   std::vector<std::string> words = {"mixbeam", "verify"};
   if (last_step) words.insert(words.end(), {"--from", std::to_string(*last_step)});
   words.push_back(results.string());
-  if (words.back()[0] == '-') words.back().insert(0, "./");  // no option
+  if (words.back()[0] == '-') words.back().insert(0, "./");  // not an option
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);

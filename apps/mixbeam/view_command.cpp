@@ -21,15 +21,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kRenewed = 2;                              ///< seconds after which a page that is watched asks for itself
-constexpr std::chrono::milliseconds kBetweenLooks{500};  ///< at a file that is watched
+constexpr int kRenewed = 2;                              ///< seconds between reloads of a watched page
+constexpr std::chrono::milliseconds kBetweenLooks{500};  ///< polling interval of a watched file
 
 bool is_scene_file(const fs::path& file) {
   const std::string ending = lower_case(file.extension().string());
   return ending == ".xml" || ending == ".yaml" || ending == ".yml";
 }
 
-/// Removed with all that is in it.
+/// A folder that is removed with its contents.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -54,14 +54,14 @@ std::string without_prefix(const std::string& text, const std::string& prefix) {
   return text.rfind(prefix, 0) == 0 ? text.substr(prefix.size()) : text;
 }
 
-/// The undeformed structure of a scene, one file for each load case, and what is said of it.
+/// The undeformed structure of a scene, one file per load case, and messages about it.
 struct Undeformed {
   TemporaryFolder folder;
   std::vector<fs::path> files;
   SaidOfScene said;
 };
 
-/// Throws InputError where nothing can be drawn.
+/// Runs `mixbeam check` on a scene. Throws InputError if nothing can be drawn.
 std::unique_ptr<Undeformed> undeformed(const std::string& scene, const std::optional<std::string>& load_case) {
   auto drawn = std::make_unique<Undeformed>();
   const fs::path results = drawn->folder.path() / "results";
@@ -89,7 +89,7 @@ std::unique_ptr<Undeformed> undeformed(const std::string& scene, const std::opti
   return drawn;
 }
 
-/// Result files of a page: one run, or all whose envelope the file holds.
+/// Result files of a page: one run, or all runs of an envelope.
 std::vector<fs::path> files_of(const fs::path& result, const std::optional<std::string>& load_case) {
   const fs::path of_case =
       load_case ? result_file_of(result.parent_path(), result.stem().string(), *load_case) : result;
@@ -119,7 +119,7 @@ std::vector<fs::path> files_of(const fs::path& result, const std::optional<std::
   return {result};
 }
 
-/// Writes the page, and prints its path.
+/// Writes the page and prints its path.
 void write_view(const CommandLine& line) {
   const fs::path result(*line.scene_file), parts = plots_folder() / "viewer";
   const int renew = line.watch ? kRenewed : 0;
@@ -139,7 +139,7 @@ void write_view(const CommandLine& line) {
   std::cout << page.string() << std::endl;
 }
 
-/// Writes the page anew whenever the file changes; of one that is being edited and is broken the page stays as it was.
+/// Rewrites the page whenever the file changes; keeps the page while the file is invalid.
 [[noreturn]] void watch_view(const CommandLine& line) {
   const fs::path result(*line.scene_file);
   if (!fs::exists(result)) throw InputError(result.string() + ": no such file");

@@ -21,24 +21,23 @@ namespace {
 using Json = nlohmann::json;
 using Point = Vector3;
 
-constexpr std::size_t kMostSeries = 1200;  // numbers followed along the path that can be chosen
-constexpr double kMostNumbers = 12e6;      // of steps that are read: 100 MB
-constexpr double kNumbersOfSample = 19.0;  // in a step without stresses
-constexpr double kSame = 0.5;              // units by which strains may differ from compliance times force
-constexpr double kFlat = 1e-6;             // a structure this thin over its size lies in a plane
-constexpr double kThinRod = 1.0 / 110.0;   // diameter over size of members that have no shape,
-constexpr double kSlenderRod = 0.1;        // and at most this share of the median length of members
-constexpr std::size_t kFewNumbers =
-    100000;                        // samples times steps up to which a page has the directions of all sections
-constexpr int kDirections = 120;   // in which the corners of the path's hull are looked for
-constexpr double kNoise = 1e-9;    // section forces below this share of the largest one in the structure are round-off
-constexpr double kNoLoad = 1e-12;  // and so are moments below this share of EI / size, when nothing is larger
-constexpr double kLeastStrain = 1e-6, kLeastTurn = 1e-3;  // strains; curvatures times size: scales of their round-off
-constexpr double kMoved = 1e-9;                           // of the size: what changes less along a path says nothing
-constexpr double kBeforeAny = -1e30;                      // load factor from which something acts that a formula tells
-constexpr const char* kDrawnAs = "drawn as ";             // before the shape of a section given by stiffnesses
+constexpr std::size_t kMostSeries = 1200;    // time series to choose from
+constexpr double kMostNumbers = 12e6;        // of the steps in memory: 100 MB
+constexpr double kNumbersOfSample = 19.0;    // of a step without stresses
+constexpr double kSame = 0.5;                // largest difference of strains from compliance times force, in units
+constexpr double kFlat = 1e-6;               // largest relative thickness of a plane structure
+constexpr double kThinRod = 1.0 / 110.0;     // diameter over size of members without shape,
+constexpr double kSlenderRod = 0.1;          // at most this share of the median member length
+constexpr std::size_t kFewNumbers = 100000;  // samples times steps up to which a page has all section directions
+constexpr int kDirections = 120;             // number of directions for corners of the path's hull
+constexpr double kNoise = 1e-9;              // section forces below this share of the largest one are round-off
+constexpr double kNoLoad = 1e-12;            // likewise moments below this share of EI / size, if none is larger
+constexpr double kLeastStrain = 1e-6, kLeastTurn = 1e-3;  // scales of round-off: strains; curvatures times size
+constexpr double kMoved = 1e-9;                           // share of the size; smaller changes along a path are ignored
+constexpr double kBeforeAny = -1e30;                      // begin of what acts by a formula
+constexpr const char* kDrawnAs = "drawn as ";             // prefix of the shape of a section given by stiffnesses
 const std::array<const char*, 2> kForces = {"material_force", "material_moment"};
-const std::array<const char*, 2> kStrains = {"force_strain", "moment_strain"};  // of them, by compliances
+const std::array<const char*, 2> kStrains = {"force_strain", "moment_strain"};  // their strains
 const std::array<const char*, 3> kStresses = {"largest_normal_stress", "largest_shear_stress", "von_mises_stress"};
 const double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
@@ -46,10 +45,10 @@ bool is_stress(const std::string& name) {
   return std::find(kStresses.begin(), kStresses.end(), name) != kStresses.end();
 }
 
-/// A number at every sample that colours the structure: a component of a field of steps, or the norm of several.
+/// A scalar at every sample that colours the structure: a component of a field, or the norm of several.
 struct PageField {
   std::string name, label, source;
-  std::vector<std::size_t> components;  ///< none: of a field of single numbers
+  std::vector<std::size_t> components;  ///< empty: a scalar field
   bool is_signed;
 };
 
@@ -84,7 +83,7 @@ const std::vector<PageField>& page_fields() {
   return all;
 }
 
-/// Units of length and force that the scene names; empty where it does not.
+/// Units of length and force of the scene; empty if not given.
 struct Units {
   std::string length{}, force{};
   explicit Units(const std::string& text) {
@@ -93,7 +92,7 @@ struct Units {
     length = trimmed(text.substr(0, comma));
     force = trimmed(text.substr(comma + 1));
   }
-  /// Of a stress in these units: what makes it megapascals, and 1 where that is not known.
+  /// Factor from a stress in these units to megapascals; 1 if unknown.
   double megapascals() const {
     if (length != "m") return 1.0;
     return force == "N" ? 1e-6 : force == "kN" ? 1e-3 : 1.0;
@@ -134,7 +133,7 @@ double median_of(std::vector<double> values) {
   return 0.5 * (upper + *std::max_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(half)));
 }
 
-/// Numbers 0 to count - 1, or as many as there is room for, evenly.
+/// Indices 0 to count - 1, or `room` of them, evenly spread.
 std::vector<std::size_t> evenly(std::size_t count, std::size_t room) {
   std::set<std::size_t> chosen;
   const std::size_t shown = std::min(count, room);
@@ -145,7 +144,7 @@ std::vector<std::size_t> evenly(std::size_t count, std::size_t room) {
   return {chosen.begin(), chosen.end()};
 }
 
-/// The fields of a step, each read once, round-off being zero; stresses divided by the strength are one of them.
+/// The fields of a step and the utilisation (stress over strength), each read once, with round-off set to zero.
 class HeldStep {
  public:
   HeldStep(const SampledFile& run, const SampledStep& step, const std::vector<double>& strength, double size,
@@ -183,7 +182,7 @@ class HeldStep {
 
   void take(const std::string& name, std::vector<double> values) { held_[name] = std::move(values); }
 
-  /// Smallest and largest value, round-off being zero; null where the step does not have the field.
+  /// Smallest and largest value, with round-off set to zero; null if the step does not have the field.
   Json extremes(const PageField& field) {
     if (!has(field.source)) return nullptr;
     const std::vector<double>& all = this->field(field.source);
@@ -209,11 +208,11 @@ class HeldStep {
   std::array<double, 2> force_floors{};
 
  private:
-  /// Numbers of a field up to this one are round-off.
+  /// Threshold of round-off in a field.
   double floor(const std::string& name) {
     const std::vector<double>&moments = held_[kForces[1]], &curvatures = held_[kStrains[1]];
     const double force = largest_of(held_[kForces[0]]);
-    if (bending_ < 0.0) {  // of what was read, before round-off became zero
+    if (bending_ < 0.0) {  // from the values as read, before round-off is removed
       std::vector<double> ratios;
       for (std::size_t i = 0; i < moments.size(); ++i)
         if (std::abs(curvatures[i]) > 0.0) ratios.push_back(std::abs(moments[i]) / std::abs(curvatures[i]));
@@ -233,7 +232,7 @@ class HeldStep {
   std::map<std::string, std::vector<double>> held_;
 };
 
-/// Those points that are the farthest in evenly spread directions (Fibonacci's sphere).
+/// The points that are farthest in evenly spread directions (Fibonacci's sphere).
 std::vector<Point> corners(const std::vector<Point>& points) {
   std::set<std::size_t> found;
   for (int k = 0; k < kDirections; ++k) {
@@ -281,7 +280,7 @@ std::array<double, 2> best_view(const std::vector<Point>& points) {
     const Point right = {-std::sin(azimuth), std::cos(azimuth), 0.0};
     const Point up = {-std::sin(elevation) * std::cos(azimuth), -std::sin(elevation) * std::sin(azimuth),
                       std::cos(elevation)};
-    const double mixed = product(right, up);  // the product of the singular values follows
+    const double mixed = product(right, up);  // the result is the product of the singular values
     return std::sqrt(std::max(0.0, product(right, right) * product(up, up) - mixed * mixed));
   };
   constexpr std::array<double, 2> kUsual = {24.0, -60.0};
@@ -289,8 +288,7 @@ std::array<double, 2> best_view(const std::vector<Point>& points) {
   for (const double elevation : {24.0, 38.0, 52.0})
     for (const double azimuth : {-60.0, -35.0, -120.0})
       if (covered({elevation, azimuth}) > covered(best)) best = {elevation, azimuth};
-  // The sum of the principal minors bounds the second eigenvalue: a nearly straight rod looks best from the usual
-  // place.
+  // The sum of the principal minors bounds the second eigenvalue: a nearly straight rod looks best in the usual view.
   constexpr double kSlim = 0.15, kNearly = 0.7;
   const double trace = sums[0][0] + sums[1][1] + sums[2][2];
   double minors = 0.0;
@@ -302,7 +300,7 @@ std::array<double, 2> best_view(const std::vector<Point>& points) {
   return is_slim || covered(kUsual) > kNearly * covered(best) ? kUsual : best;
 }
 
-/// Values at evenly spread places, at a relative arc length.
+/// Interpolates values at evenly spread places, at relative arc length x.
 double along(const double* values, std::size_t places, std::size_t stride, double x) {
   const double at = std::clamp(x, 0.0, 1.0) * static_cast<double>(places - 1);
   const std::size_t i = std::min(static_cast<std::size_t>(at), places - 2);
@@ -311,7 +309,7 @@ double along(const double* values, std::size_t places, std::size_t stride, doubl
   return (1.0 - share) * values[stride * i] + share * values[stride * (i + 1)];
 }
 
-/// Name of the drawing of a T, L or U: how it stands, and its centroid from the middle over width and height.
+/// Kind of a T, L or U: letter, orientation, and its centroid relative to the middle, over width and height.
 std::string with_centroid(const std::string& shape, const double* d) {
   const double width = d[0], height = d[1], wall = d[2], web = d[3];
   struct Part {
@@ -334,7 +332,7 @@ std::string with_centroid(const std::string& shape, const double* d) {
                    (turned ? -third : third) / area / height);
 }
 
-/// A table of what acts; without rows where it is not there.
+/// A table of loads and supports; without rows if missing.
 struct Table {
   const ActingTable* held = nullptr;
   std::map<std::string, std::vector<std::string>> words{};
@@ -345,7 +343,7 @@ struct Table {
     for (const auto& [column, text] : held->lines) words[column] = lines_of(text);
   }
   std::size_t rows() const { return held == nullptr ? 0 : held->rows; }
-  /// Throws InputError where the column is not there, or is of another width.
+  /// Throws InputError if the column is missing or has another width.
   template <class Columns>
   const auto& entries(const Columns& columns, const std::string& column, std::size_t width) const {
     const auto found = columns.find(column);
@@ -359,7 +357,7 @@ struct Table {
   const std::string& word(const std::string& column, std::size_t i) const { return entries(words, column, 1)[i]; }
 };
 
-/// Springs count only where nothing is fixed.
+/// Kind of a support; "spring" only if nothing is fixed.
 std::string kind_of_support(const double* fixed) {
   const auto displacements = std::count_if(fixed, fixed + 3, [](double one) { return one != 0.0; });
   const auto rotations = std::count_if(fixed + 3, fixed + 6, [](double one) { return one != 0.0; });
@@ -368,7 +366,7 @@ std::string kind_of_support(const double* fixed) {
   return rotations == 3 || displacements == 0 ? "guide" : "roller";
 }
 
-/// How many stages the text of a scene names.
+/// Largest stage in the text of a scene.
 int stages_of(const std::string& text) {
   int most = 1;
   for (std::size_t at = text.find("Stage"); at != std::string::npos; at = text.find("Stage", at + 1)) {
@@ -386,16 +384,16 @@ int stages_of(const std::string& text) {
   return most;
 }
 
-/// Load factor from which something acts; before any where a formula says it.
+/// Load factor from which something acts; kBeforeAny for a formula.
 double finite_begin(double begins) { return std::isfinite(begins) ? begins : kBeforeAny; }
 
-/// Of what is followed at a point: "displacement" of "tip.displacement".
+/// Kind of a time series of a point: "displacement" for "tip.displacement".
 std::string kind_of_series(const std::string& name) {
   const std::size_t dot = name.rfind('.');
   return dot == std::string::npos ? name : name.substr(dot + 1);
 }
 
-/// Number of the connected part of each member of the file, from "0*3 1*2"; none where it does not say.
+/// Connected part of each member, from "0*3 1*2"; empty if not in the file.
 std::vector<int> connected_parts(const ResultHeader& header) {
   std::vector<int> parts;
   const std::string known = header.property("connected_parts");
@@ -405,7 +403,7 @@ std::vector<int> connected_parts(const ResultHeader& header) {
   return parts;
 }
 
-/// Numbers of the members that a text names: in quotes, or in the path of an entry.
+/// Indices of the members named in the messages: in quotes, or in the path of an entry.
 Json named_members(const SaidOfScene& said, const std::vector<std::string>& members) {
   std::string text = said.refusal;
   for (const std::string& warning : said.warnings) text += " " + warning;
@@ -453,7 +451,7 @@ class ViewWriter {
   ViewData data() { return std::move(data_); }
 
  private:
-  /// All samples, or every n-th of each member and its last one; where members are too many, every m-th member.
+  /// Chooses all samples, or every n-th of each member and its last one; of too many members, every m-th.
   void thin() {
     const auto& members = run_.members();
     const std::size_t most = limits_.samples;
@@ -505,7 +503,7 @@ class ViewWriter {
     add("arc_length", drawn(arc_), kForPlaces);
   }
 
-  /// In place of fields: sections, and parts where some are not connected.
+  /// Adds sections, and parts if some are disconnected, instead of fields.
   void describe_preview(const SaidOfScene& said) {
     const std::vector<int> all_parts = connected_parts(run_.header());
     std::vector<std::string> parts, names;
@@ -544,13 +542,13 @@ class ViewWriter {
   }
 
   void add_sections() {
-    constexpr std::size_t kSizes = 4, kWidth = kSizes * kPlacesAlongMember;  // width, height, wall, web at each place
+    constexpr std::size_t kSizes = 4, kWidth = kSizes * kPlacesAlongMember;  // width, height, wall, web per place
     const Table shapes(run_.acting(), "sections"), members(run_.acting(), "members");
     std::vector<double> lengths;
     for (const std::size_t m : shown_members_)
       lengths.push_back(arc_[run_.members()[m].first_sample + run_.members()[m].share.rows - 1]);
     double rod = std::min(kThinRod * size_, kSlenderRod * median_of(lengths));
-    for (std::size_t i = 0; i < shapes.rows(); ++i)  // a wire is thinner than what has a shape
+    for (std::size_t i = 0; i < shapes.rows(); ++i)  // not thicker than sections with a shape
       if (shapes.word("shape", i) != "none") rod = std::min(rod, shapes.row("dimensions", i, kWidth)[0]);
     PageRows dimensions;
     dimensions.columns = kSizes;
@@ -596,7 +594,7 @@ class ViewWriter {
     const auto& steps = run_.steps();
     const auto for_each = [&](const std::string& kind, const auto& action) {
       for (std::size_t s = 0; s < steps.size(); ++s) {
-        const bool is_in_file = kind == "buckling" && s == 0;  // of the undeformed structure: in the file itself
+        const bool is_in_file = kind == "buckling" && s == 0;  // undeformed structure: at the root of the file
         const std::string about = is_in_file ? "" : steps[s].group;
         for (std::size_t i = 0; i < run_.count(about, kind); ++i)
           action(s, (about.empty() ? "" : about + "/") + kind + "/" + std::to_string(i));
@@ -621,7 +619,7 @@ class ViewWriter {
     });
   }
 
-  /// `described`: without the step.
+  /// Adds a mode; `described`: without the step.
   void add_mode(const std::string& group, std::size_t step, Json described) {
     const std::vector<double> all = run_.field(group, "mode");
     const double largest = longest_of(all);
@@ -678,7 +676,7 @@ class ViewWriter {
     }
   }
 
-  /// Prescribed ones of supports.
+  /// Adds prescribed displacements and rotations of supports.
   void add_motions(const Table& supports) {
     for (std::size_t i = 0; i < supports.rows(); ++i) {
       const double *place = supports.row("place", i, 2), *axes = supports.row("axes", i, 9),
@@ -716,7 +714,7 @@ class ViewWriter {
     }
   }
 
-  /// Of quantities by stiffnesses of elements, at the end of the path.
+  /// Adds gradients of quantities with respect to stiffnesses of elements, at the end of the path.
   void add_gradients() {
     const std::array<const char*, 6> stiffnesses = {"EA", "GA₂", "GA₃", "GIₜ", "EI₂", "EI₃"};
     const std::string& end = run_.steps().back().group;
@@ -736,8 +734,7 @@ class ViewWriter {
     }
   }
 
-  /// C dq/dC over the length of the element, at every sample: from the derivatives by C and by 1 / C, whose ratio is
-  /// -C^2.
+  /// C dq/dC per element length, at every sample: from the derivatives by C and by 1 / C, whose ratio is -C^-2.
   std::vector<double> sensitivities(const std::string& group, std::size_t stiffness) const {
     const std::vector<double> by = run_.numbers(group, "stiffness", 6), inverse = run_.numbers(group, "compliance", 6);
     std::vector<double> values;
@@ -752,7 +749,7 @@ class ViewWriter {
     return values;
   }
 
-  /// Those that there is memory for; the path in short.
+  /// Reads as many steps as fit into memory, and the extent of the path.
   void read_steps() {
     const auto& steps = run_.steps();
     const double room = std::max(2.0, kMostNumbers / (kNumbersOfSample * static_cast<double>(kept_.size())));
@@ -790,7 +787,7 @@ class ViewWriter {
     data_.description["size"] = size_;
   }
 
-  /// Elevation and azimuth [degrees]: upon the plane in which all lies, else where most is seen.
+  /// Elevation and azimuth [degrees]: normal to the plane of the structure, otherwise the best view.
   Json camera(const std::vector<Point>& points) const {
     vector_algebra::Box box;
     for (const Point& point : points) box.enclose(point);
@@ -802,7 +799,7 @@ class ViewWriter {
     return best_view(points);
   }
 
-  /// Whether something drawn turns with the sections: round ones follow their line, if their diagrams do not matter.
+  /// Whether drawings need section directions: sections that are not round, follower loads, diagrams on small pages.
   bool shows_directions() const {
     if (kept_.size() * run_.steps().size() <= kFewNumbers) return true;
     const std::set<std::string> round = {"circle", "tube", "none"};
@@ -814,7 +811,7 @@ class ViewWriter {
     return false;
   }
 
-  /// What can be drawn over the path: a row for each step, then one for each critical point.
+  /// Adds the time series: a row for each step, then one for each critical point.
   void add_series() {
     const auto& steps = run_.steps();
     std::vector<std::string> points;  // groups of critical points
@@ -884,8 +881,8 @@ class ViewWriter {
     data_.description["abscissa"] = telling_series(names, columns);
   }
 
-  /// Round-off of what is followed, by its kind: relative to the largest of any point and step, and to section forces
-  /// at the end.
+  /// Round-off of time series by kind: relative to the largest of all points and steps, and to section forces at the
+  /// end.
   std::map<std::string, double> floors_of_series() const {
     std::map<std::string, double> largest;
     for (const MonitoredSeries& series : run_.monitor())
@@ -903,7 +900,7 @@ class ViewWriter {
     return largest;
   }
 
-  /// The first quantity that the scene asks for, else of displacements the one that changes most.
+  /// Default abscissa: the first quantity of the scene that changes, otherwise the displacement that changes most.
   std::string telling_series(const std::vector<std::string>& names,
                              const std::vector<std::vector<double>>& columns) const {
     const auto change = [&](std::size_t c) {
@@ -928,8 +925,8 @@ class ViewWriter {
     return best;
   }
 
-  /// {section: compliances (6,)} where strains are these times the forces in all steps; the strains are then taken out
-  /// of the steps. Nothing where they are not.
+  /// {section: compliances (6,)} if strains equal these times the forces in all steps; the strains are then removed
+  /// from the steps. Empty otherwise.
   Json taken_out() {
     const std::set<std::string> unique(sections_.begin(), sections_.end());
     const std::vector<std::string> names(unique.begin(), unique.end());
@@ -1005,7 +1002,7 @@ class ViewWriter {
     data_.description["fields"] = fields;
   }
 
-  /// Backwards from the last step, which the page shows first. Returns the bytes.
+  /// Packs backwards from the last step, which the page shows first. Returns the number of bytes.
   double pack_steps(const std::vector<std::size_t>& shown, std::map<std::string, PackedNumbers>& held) const {
     held.clear();
     double bytes = 0.0;
@@ -1027,7 +1024,7 @@ class ViewWriter {
     data_.description["units_of"][name] = numbers.units;
     data_.arrays.emplace_back(name, std::move(numbers.bytes));
   }
-  /// Of a field: rows of the samples that are drawn.
+  /// Rows of a field at the drawn samples.
   PageRows drawn(const std::vector<double>& values) const {
     PageRows rows;
     rows.columns = values.size() / run_.samples();
@@ -1038,7 +1035,7 @@ class ViewWriter {
   }
 
   void note(const std::string& text) { data_.description["notes"].push_back(text); }
-  /// Of a place (member, arc length).
+  /// Sample nearest to a place (member, arc length).
   std::size_t sample_at(double number, double arc_length) const {
     const SampledMember& member = run_.members()[static_cast<std::size_t>(number)];
     std::size_t best = member.first_sample;
@@ -1047,7 +1044,7 @@ class ViewWriter {
     return best;
   }
 
-  /// Number among those drawn of the nearest one that is.
+  /// Index of the nearest drawn sample.
   std::size_t nearest(std::size_t sample) const {
     const auto above = std::lower_bound(kept_.begin(), kept_.end(), sample);
     if (above == kept_.begin()) return 0;
@@ -1068,12 +1065,12 @@ class ViewWriter {
   Units units_;
   ViewData data_;
   std::vector<double> arc_, reference_, strength_;
-  std::vector<std::size_t> kept_, firsts_;  ///< samples; of each member the place of the first among them, and the end
+  std::vector<std::size_t> kept_, firsts_;  ///< drawn samples; index of the first of each member, and the end
   std::vector<std::size_t> shown_members_;
-  std::vector<std::string> kinds_, sections_;  ///< of each member that is drawn
+  std::vector<std::string> kinds_, sections_;  ///< of each drawn member
   Point center_{};
   double size_ = 1.0;
-  std::vector<double> largest_;  ///< displacement in each step
+  std::vector<double> largest_;  ///< largest displacement of each step
   std::array<double, 2> force_floors_{};
   struct ReadStep {
     Json described;
@@ -1083,10 +1080,10 @@ class ViewWriter {
   std::vector<ReadStep> steps_;
   std::vector<PageField> fields_ = page_fields();
   struct PageGradient {
-    std::string group;  ///< in that of its step
+    std::string group;  ///< within the group of its step
     std::size_t stiffness;
   };
-  std::map<std::string, PageGradient> gradients_;  ///< by their source
+  std::map<std::string, PageGradient> gradients_;  ///< by PageField::source
 };
 
 }  // namespace

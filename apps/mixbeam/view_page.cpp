@@ -15,14 +15,13 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::string kBegin = "<!doctype html>";
-/// A page asks no server for anything, whatever is in it.
+/// Policy that forbids all requests, whatever the page contains.
 constexpr const char* kPolicy =
     "default-src 'none'; style-src 'unsafe-inline'; img-src data: blob:; script-src 'unsafe-inline'";
 constexpr const char* kScripts[] = {"numbers", "packed", "result",  "camera", "shapes", "shaders", "painter",
                                     "marks",   "curve",  "picking", "panel",  "main",   "input"};
 
-/// Deflated bytes that scripts of the page read: letters and digits, which the browser does not look at until they are
-/// asked for.
+/// Deflated bytes as a script element in base64, which the browser does not interpret.
 std::string element(const std::string& name, const std::string& bytes) {
   return "<script type=\"application/octet-stream\" id=\"" + xml_escaped(name) + "\">" + base64(bytes) + "</script>\n";
 }
@@ -51,7 +50,7 @@ std::string view_page(const std::vector<fs::path>& files, const std::optional<Sa
       kPolicy + "\"><meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"><title>" +
       xml_escaped(cases.size() == 1 ? cases[0].title : cases[0].scene_name) + "</title><style>" + own("viewer.css") +
       "</style></head><body>\n" + own("page.html") + "\n";
-  constexpr auto kReplace = nlohmann::json::error_handler_t::replace;  // names that are no UTF-8
+  constexpr auto kReplace = nlohmann::json::error_handler_t::replace;  // names may be invalid UTF-8
   page += element("pages", deflated(pages.dump(-1, ' ', false, kReplace)));
   for (std::size_t i = 0; i < cases.size(); ++i)
     for (const auto& [name, bytes] : cases[i].arrays) page += element(std::to_string(i) + "/" + name, bytes);

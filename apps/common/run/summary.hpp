@@ -73,7 +73,7 @@ struct ChosenMesh {
   double wanted = 0.0, estimated = 0.0;
   std::string outcome;           ///< "reached", or why not
   std::vector<Members> members;  ///< grouped by mesh
-  std::vector<Round> rounds;     ///< earlier meshes and the last one
+  std::vector<Round> rounds;     ///< all meshes, in order
 };
 
 /// A requested quantity over the completed steps of a run.
