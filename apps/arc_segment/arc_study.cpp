@@ -57,7 +57,7 @@ const std::vector<std::pair<double, PaperTable>> kTables = {{10,
 struct IndependentValue {
   std::string name;
   double slenderness;
-  double force_factor;  ///< times the force of the paper
+  double force_factor;  ///< relative to the force of the paper
   bool shear_rigid, inextensible;
   std::array<std::string, 3> tip;
 };
@@ -69,10 +69,10 @@ const std::vector<IndependentValue> kIndependentValues = {
     {"rho=100, rigid", 100, 1, true, true, {"-23.559383718350", "-13.604243719187", "53.468598442323"}},
     {"rho=10000", 1e4, 1, false, false, {"-23.559383803932", "-13.604243746950", "53.468599068354"}}};
 
-// The source has its centre at -e2: there u2 has the other sign.
+// The source has its centre at -e2, so that u2 has the other sign.
 const std::string kIndependentSource =
     "shooting on the rod ODE, Runge-Kutta 7(8), step doubling below 1e-10 (u2 mirrored: centre at +e2)";
-/// What the source claims for its values; the mesh has a much smaller error.
+/// Accuracy claimed by the source; the error of the mesh is much smaller.
 constexpr double kIndependentTolerance = 1e-10;
 constexpr int kIndependentElements = 32, kIndependentOrder = 4;
 
@@ -80,12 +80,12 @@ const std::string kGoal = "goal of mixbeam: one load step and at most 11 iterati
 constexpr int kGoalIterations = 11;
 
 constexpr double kRateTolerance = 0.15;
-/// Newton is led to round-off, whose share in a displacement of a quarter of R is about this on fine meshes.
+/// Newton's method is continued to round-off; kRoundOff is its share in a displacement of R/4 on fine meshes.
 constexpr double kResidualTolerance = 1e-13;
 constexpr double kRoundOff = 1e-12;
 constexpr double kRigid = std::numeric_limits<double>::infinity();
 
-/// p(xi) of the least-squares polynomial of degree k of the curve over one element, measured in k + 1 Gauss points.
+/// p(xi) of the least-squares polynomial of degree k of the curve over one element, from k + 1 Gauss points.
 Vec3<double> projected_position(const ReferenceCurve& curve, double start, double h, int order, double xi) {
   std::vector<double> points(order + 1), weights(order + 1), basis(order + 1), basis_at_point(order + 1);
   gauss_rule(order + 1, points.data(), weights.data());
@@ -100,11 +100,11 @@ Vec3<double> projected_position(const ReferenceCurve& curve, double start, doubl
   return sum;
 }
 
-/// What the paper's tables add to the tip displacement u(L) of the arc. The paper measures against an element-wise
+/// Difference of the paper's tables from the tip displacement u(L) of the arc. The paper uses an element-wise
 /// least-squares projection p of the reference curve r0 to polynomials of degree k (with k + 1 Gauss points), and
-/// follows the deformed curve by r' of k Gauss points; neither reaches the end of a curved element:
+/// integrates the deformed curve from r' at k Gauss points; neither is exact at the end of a curved element:
 ///   printed value = u(L) + t - (p(L) - p(0)),   t = sum over elements and k Gauss points of the tangent r0'.
-/// Does not depend on the load; vanishes with the mesh (rate k + 1).
+/// Independent of the load; vanishes with rate k + 1.
 Vec3<double> offset_of_paper(const Simulation& simulation) {
   const Member& member = simulation.scene().members.front();
   const auto whole = simulation.model().whole_mesh();
@@ -130,7 +130,7 @@ double l2_difference(const Simulation& coarse, const Simulation& fine, int point
   });
 }
 
-/// The scene, one circular arc, and what is computed of its variants.
+/// The study: the scene, one circular arc, and its variants.
 class ArcStudy {
  public:
   /// Throws InputError unless the scene is one circular arc.
@@ -149,7 +149,7 @@ class ArcStudy {
   /// independent values, checks Newton's iterations up to the rigid limit, and the rates of convergence
   /// (convergence.csv).
   void run() {
-    constexpr int kSamples = 17;  // of each element
+    constexpr int kSamples = 17;  // per element
     app_.check_expected(app_.solve_and_record(app_.scene, app_.solver, "single", kSamples));
     const Member& member = app_.scene.members.front();
     for (double slenderness : study_list<double>(app_, "Slenderness"))
@@ -162,8 +162,8 @@ class ArcStudy {
   }
 
  private:
-  /// R/a, square section of side a. Stiffnesses follow the side (EA, GA ~ a^2, GIt, EI ~ a^4), and so do the loads
-  /// (~ a^4): the displacement stays about the same.
+  /// Changes the slenderness R/a, square section of side a. Stiffnesses (EA, GA ~ a^2, GIt, EI ~ a^4) and loads (~ a^4)
+  /// follow: the displacement stays about the same.
   Scene variant(double slenderness, int order, int elements, bool shear_rigid = false,
                 bool inextensible = false) const {
     Scene scene = with_mesh(with_side(app_.scene, slenderness_ / slenderness), order, elements);
@@ -229,7 +229,7 @@ class ArcStudy {
     table.print(app_.out());
   }
 
-  /// Newton's iterations in one load step, from thick to rigid.
+  /// Reports Newton's iterations in one load step, from thick to rigid.
   void report_iterations() {
     const int elements = study_number(app_, "Iteration Elements");
     auto slendernesses = study_list<double>(app_, "Iteration Slenderness");
@@ -250,7 +250,7 @@ class ArcStudy {
     }
   }
 
-  /// Error of the displacement along the arc against a much finer mesh.
+  /// Reports the error of the displacement along the arc relative to a much finer mesh.
   void report_convergence() {
     const int reference_order = study_number(app_, "Reference Order");
     const int reference_elements = study_number(app_, "Reference Elements");

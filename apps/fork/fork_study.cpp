@@ -18,8 +18,8 @@ namespace {
 using vector_algebra::distance;
 
 const std::string kTableSource = "Humer, Steinbrecher, Pechstein, table \"Fork structure\"";
-/// Displacement of P1 in configurations (1) and (2), force at P1 and forces at P1 and P2: digits of the manuscript, of
-/// which the table shows 6; elements of a member.
+/// Displacement of P1 in configurations (1) and (2), force at P1 and forces at P1 and P2, by order and elements per
+/// member: digits of the manuscript, of which the table shows 6.
 const std::array<PaperTable, 2> kPaper = {{{kTableSource,
                                             {{1, 3, {"-1.084348", "-0.759430", "1.981360"}},
                                              {2, 3, {"-1.088565", "-0.746239", "1.978099"}},
@@ -42,13 +42,13 @@ const std::array<PaperTable, 2> kPaper = {{{kTableSource,
                                             6}}};
 
 /// From order 3 with 10 elements on, all representations of the semicircle give the same digits. The coarse mesh of
-/// order 4 is converged to about five decimals, so little of its value depends on how the semicircle is represented,
-/// which the paper does not say: with the exact one it is within 3e-6 of the printed value.
+/// order 4 is converged to about five decimals and depends little on the representation, which the paper does not
+/// state: with the exact one it is within 3e-6 of the printed value.
 constexpr double kCoarseTolerance = 3e-6;
 
 const std::string kExact = "exact arc", kPolygon = "polygon";
 
-/// For k = 1 with 3 elements per member, in both configurations, by representation.
+/// Values for k = 1 with 3 elements per member, in both configurations, by representation.
 const std::string kPrototypeSource =
     "stand-alone prototype of the element with all derivatives by automatic differentiation; reference error: half of "
     "the sixth decimal";
@@ -58,20 +58,19 @@ const std::vector<std::pair<std::string, std::array<std::array<std::string, 3>, 
 
 /// Smooth curves in the figures need more samples on long elements.
 constexpr int kSamplesPerElement = 17;
-/// Places of each reference element at which displacements are compared, less one: enough to see the error inside
-/// elements.
+/// Intervals per reference element between compared displacements: enough to resolve the error inside elements.
 constexpr int kIntervalsPerReferenceElement = 16;
-/// Tolerance of an observed rate; the coarsest meshes are left out.
+/// Tolerance of an observed rate, without the coarsest meshes.
 constexpr double kRateTolerance = 0.15;
-/// A rate means something as long as the error is well above what round-off and Newton's tolerance leave.
+/// Least error for rates, well above round-off and Newton's tolerance.
 constexpr double kSmallestError = 1e-11;
-/// Distance by which the second-order extrapolation of the two finest polygons may miss the limit: the rest of fourth
-/// order with 12 sides in a quarter of a circle, (pi/24)^4 = 3e-4, times displacements and constants of order 1.
+/// Error of the second-order extrapolation of the two finest polygons: the fourth-order remainder with 12 sides per
+/// quarter of a circle, (pi/24)^4 = 3e-4, times displacements and constants of order 1.
 constexpr double kPolygonLimitTolerance = 3e-4;
-/// Both paths are solved to 1e-11 of the scaled residual, and lengths of the scene are of order 1.
+/// Both paths are solved to a scaled residual of 1e-11, and lengths of the scene are of order 1.
 constexpr double kMirrorTolerance = 1e-10;
 
-/// Corner `i` of the polygon in place of a member; the ends are points of the scene.
+/// Name of corner `i` of the polygon that replaces a member; the ends are points of the scene.
 std::string corner_name(const Member& member, int i) {
   if (i == 0) return member.start_point;
   return i == member.elements ? member.end_point : member.name + " corner " + std::to_string(i);
@@ -94,8 +93,8 @@ void replace_by_chain(const Member& arc, Scene& scene) {
   }
 }
 
-/// Every circular arc replaced by straight members of one element each, between the vertices that the elements of the
-/// arc have. The corners are kinks of the undeformed structure.
+/// Replaces every circular arc by straight members of one element each, between the vertices of the arc's elements. The
+/// corners are kinks of the undeformed structure.
 Scene with_polygons(const Scene& scene) {
   Scene result = scene;
   result.members.clear();
@@ -108,24 +107,24 @@ Scene with_polygons(const Scene& scene) {
   return result;
 }
 
-/// Displacement at equally spaced places of the whole structure, member after member: `points_per_member` places from
-/// start to end of each. `elements_per_member`: of the members before any of them was replaced by a polygon; it divides
-/// points_per_member - 1. Complete on rank 0, empty on the others. Collective.
+/// Displacement at equally spaced places, member by member: `points_per_member` places from start to end of each.
+/// `elements_per_member`: before members are replaced by polygons; divides points_per_member - 1. Complete on rank 0,
+/// empty on the others. Collective.
 std::vector<Vector3> displacement_field(const Simulation& simulation, int elements_per_member, int points_per_member) {
   const int intervals = (points_per_member - 1) / elements_per_member;
-  std::vector<Vector3> sampled;  // both ends of each element: vertices inside a member twice
+  std::vector<Vector3> sampled;  // both ends of each element: inner vertices twice
   for (const MemberSamples& member : simulation.samples(intervals + 1))
     sampled.insert(sampled.end(), member.displacement.begin(), member.displacement.end());
   std::vector<Vector3> field;
   const int elements = static_cast<int>(sampled.size()) / (intervals + 1);
   for (int element = 0; element < elements; ++element) {
-    const int first = element % elements_per_member == 0 ? 0 : 1;  // a vertex inside a member once
+    const int first = element % elements_per_member == 0 ? 0 : 1;  // inner vertices once
     for (int i = first; i <= intervals; ++i) field.push_back(sampled[element * (intervals + 1) + i]);
   }
   return field;
 }
 
-/// Root of the mean square of the difference over all members, which have about the same length. The same on all ranks.
+/// Root mean square of the difference over all members, which have about the same length. Equal on all ranks.
 double mean_difference(const std::vector<Vector3>& a, const std::vector<Vector3>& b, int points_per_member,
                        const Communicator& communicator) {
   double sum = 0.0, weights = 0.0;
@@ -140,13 +139,13 @@ double mean_difference(const std::vector<Vector3>& a, const std::vector<Vector3>
   return mean;
 }
 
-/// Displacement of P1 under the first force and under both, and what they cost.
+/// Displacement of P1 under the first force and under both, and the cost.
 struct ForkSolution {
   std::array<Vector3, 2> p1;  ///< configurations (1) and (2)
   int steps = 0, iterations = 0;
 };
 
-/// With the program's own choice of load steps.
+/// Solves with the program's own choice of load steps.
 ForkSolution solve_fork(Application& app, const Scene& scene) {
   ForkSolution solution;
   const Simulation simulation =
@@ -159,7 +158,7 @@ ForkSolution solve_fork(Application& app, const Scene& scene) {
   return solution;
 }
 
-/// Values beside those of the paper's table, some of which must agree, see kCoarseTolerance.
+/// Compares values with the paper's table; some must agree, see kCoarseTolerance.
 std::vector<ComparedValue> compared_with_table(Application& app, const std::string& label, int c, int order,
                                                int elements, const Vector3& own) {
   const std::string after = "(" + std::to_string(c + 1) + ")";
@@ -179,7 +178,7 @@ std::vector<ComparedValue> compared_with_table(Application& app, const std::stri
   return values;
 }
 
-/// Orders and meshes beside the paper's table; table.csv.
+/// Compares orders and meshes with the paper's table; writes table.csv.
 void compare_with_table(Application& app) {
   const std::string requirement = "requirement: one load step for each of the two stages";
   const auto table_of = [](const std::string& configuration) {
@@ -231,7 +230,7 @@ Solution solve(Application& app, int order, int elements, const std::string& rep
   return {simulation.displacement("P1"), displacement_field(simulation, elements, points_per_member(app))};
 }
 
-/// All meshes must have places in common with the reference.
+/// Requires all meshes to share places with the reference.
 void check_meshes(Application& app) {
   const int reference = study_number(app, "Reference Elements per Member");
   for (const int elements : study_list<int>(app, "Convergence Elements per Member")) {
@@ -243,7 +242,7 @@ void check_meshes(Application& app) {
   }
 }
 
-/// k = 1 with 3 elements per member is what the prototype computed for both representations.
+/// Compares k = 1, 3 elements per member, with the prototype for both representations.
 void compare_with_prototype(Application& app) {
   TablePrinter table("Fork: displacement of P1, k = 1, 9 elements, beside an independent prototype of the element",
                      {"representation"}, {"u1 / L", "u2 / L", "u3 / L"}, "prototype");
@@ -261,14 +260,13 @@ void compare_with_prototype(Application& app) {
   app.out() << "\n";
 }
 
-/// The exact semicircle converges in the mean with the order of the element; its vertices do better, with 2k. For
-/// polygons the corners, not the elements, set the rate, and their two finest, extrapolated with it, must meet the
-/// limit of the arc.
+/// Checks rates. With the exact semicircle the mean error has rate k + 1, vertices 2k. For polygons the corners, not
+/// the elements, determine the rate, and the extrapolation of the two finest must meet the limit of the arc.
 void check_convergence(Application& app, const std::string& representation, int order,
                        const std::optional<double>& rate, const std::vector<Vector3>& p1, const Vector3& limit) {
   const bool exact = representation == kExact;
   const std::string name = "k=" + std::to_string(order) + ": ";
-  if (rate)  // else nothing but round-off, or a single mesh
+  if (rate)  // otherwise only round-off, or a single mesh
     app.summary.check_absolute(name + "convergence rate with " + representation, *rate, exact ? order + 1 : 2,
                                kRateTolerance,
                                exact ? "approximation order of degree k" : "distance of a polygon from its circle");
@@ -283,8 +281,8 @@ void check_convergence(Application& app, const std::string& representation, int 
                                 "both represent the same structure");
 }
 
-/// Convergence with the exact semicircle and with a polygon in its place; convergence.csv. The limit must be the
-/// paper's, whatever the meshes.
+/// Compares convergence with the exact semicircle and with a polygon; writes convergence.csv. Checks the limit against
+/// the paper.
 void compare_representations(Application& app) {
   check_meshes(app);
   compare_with_prototype(app);
@@ -326,7 +324,7 @@ void compare_representations(Application& app) {
   app.out() << "At vertices the exact arc converges with rate 2k.\n\n";
 }
 
-/// Displacements of P1, P2 and the branching point, which the paper draws.
+/// Displacements of P1, P2 and the branching point, as drawn in the paper.
 using Displacements = std::array<Vector3, 3>;
 
 std::vector<Displacements> follow(Application& app, const Scene& scene, const std::string& path, StudyTable& csv) {
@@ -341,7 +339,7 @@ std::vector<Displacements> follow(Application& app, const Scene& scene, const st
   return found;
 }
 
-/// Turned by half a turn about e1, the axis of the shaft, which exchanges both tines.
+/// Rotates by half a turn about e1, the axis of the shaft, which exchanges the tines.
 Displacements mirrored(const Displacements& of) {
   const auto turned = [](const Vector3& u) { return Vector3{u[0], -u[1], -u[2]}; };
   return {turned(of[1]), turned(of[0]), turned(of[2])};
@@ -358,7 +356,7 @@ double largest_difference(const Displacements& a, const Displacements& b) {
 void compare_load_orders(Application& app) {
   StudyTable csv(app, "load_displacement.csv",
                  words("path,load_factor,p1_u1,p1_u2,p1_u3,p2_u1,p2_u2,p2_u3,pb_u1,pb_u2,pb_u3"));
-  Scene reversed = app.scene;  // the second load first
+  Scene reversed = app.scene;  // applies the second load first
   for (PointLoad& load : reversed.point_loads) load.stage = reversed.stages + 1 - load.stage;
   const auto forward = follow(app, app.scene, "forward", csv), reverse = follow(app, reversed, "reverse", csv);
   double deviation = forward.size() == reverse.size() ? 0.0 : std::nan("");  // paths that cannot be compared
@@ -394,8 +392,8 @@ ListSpec fork_study_spec() {
   return spec;
 }
 
-/// Table, representations, orders of loading, and the scene as it stands in single.h5 with its expected answers in both
-/// configurations.
+/// Runs table, representations, orders of loading, and the scene as it stands (single.h5), with its expected values in
+/// both configurations.
 void run_fork_study(Application& app) {
   for (const char* point : {"P1", "P2", "PB"}) require_point(app, point);
   if (app.scene.stages != 2)

@@ -1,4 +1,4 @@
-// Rod bent to helical shape: ten turns under a moment and a force that keep their directions in space.
+// Rod bent to helical shape: ten turns under a dead moment and a dead force.
 #include "apps/common/studies/study.hpp"
 #include "apps/common/studies/variants.hpp"
 #include "apps/common/studies/vertex_places.hpp"
@@ -24,18 +24,18 @@ const PaperTable kErrors = {kPaperTable,
                              {3, 30, {"5.6e-07", "2.0e-08", "2.4e-05"}},
                              {4, 30, {"9.8e-09", "2.8e-10", "8.7e-08"}}}};
 
-/// Newton stops at a scaled residual of 1e-11; the state of a given load does not depend on the way there beyond that.
+/// Newton's method ends at a scaled residual of 1e-11; the state does not depend on the path beyond that.
 constexpr double kSameState = 1e-10;
 
 constexpr int kMostIterations = 150, kOrderOfGoal = 3, kElementsOfGoal = 30;
-constexpr int kPointsPerElement = 13;  // of shapes: ten turns on 30 elements
-constexpr int kStrainPoints = 9;       // both ends of every element and 7 between, for strains of degree 4
+constexpr int kPointsPerElement = 13;  // for shapes: ten turns on 30 elements
+constexpr int kStrainPoints = 9;       // both ends of each element and 7 between, for strains of degree 4
 
 Vector3 tip_of(const Simulation& simulation) {
   return simulation.position(simulation.scene().members.front().end_point);
 }
 
-/// Samples along the rod of these fields, as s and three columns for each.
+/// Writes samples of these fields along the rod: s, and three columns per field.
 void write_samples(const Application& app, const Simulation& simulation, const std::string& file, int points,
                    const std::string& columns, const std::vector<std::vector<Vector3> MemberSamples::*>& fields) {
   const MemberSamples rod = simulation.samples(points).front();
@@ -52,7 +52,7 @@ struct OrderRun {
   int load_steps = 0, iterations = 0;
 };
 
-/// The rod with every order; shapes and strains along the way.
+/// Solves the rod with every order; writes shapes and strains.
 std::map<int, OrderRun> run_orders(Application& app) {
   const auto strain_orders = study_list<int>(app, "Strain Orders");
   std::map<int, OrderRun> runs;
@@ -67,7 +67,7 @@ std::map<int, OrderRun> run_orders(Application& app) {
   return runs;
 }
 
-/// Tip positions beside the paper's, every printed digit of which counts; then errors against an own fine mesh.
+/// Compares tip positions with the paper's, in all printed digits; then errors relative to a fine mesh.
 void report_tips(Application& app, const std::map<int, OrderRun>& runs, const Vector3& reference) {
   const int elements = study_number(app, "Elements");
   TablePrinter positions("\nRod bent to helical shape: position of the tip, " + std::to_string(elements) + " elements",
@@ -90,8 +90,8 @@ void report_tips(Application& app, const std::map<int, OrderRun>& runs, const Ve
   app.out() << formatted("reference: r(L) = (%.9e, %.9e, %.9e)\n", reference[0], reference[1], reference[2]);
 }
 
-/// The same final state whatever the steps; the last of them small enough for a smooth curve of the tip over the load
-/// factor.
+/// Checks that the final state does not depend on the load steps; the last run has enough steps for a smooth curve of
+/// the tip.
 void report_path_independence(Application& app) {
   const int order = study_number(app, "Evolution Order"), elements = study_number(app, "Elements");
   const Scene scene = with_mesh(app.scene, order, elements);
@@ -107,7 +107,7 @@ void report_path_independence(Application& app) {
   StudyTable table(app, "", {"path", "steps", "iterations", "position / L", "rotation [rad]"}, 5);
   table.add_row({"adaptive", adaptive.result().steps, adaptive.result().newton_iterations, 0.0, 0.0});
   const auto report = [&](const Simulation& simulation) {
-    double distance = 0.0, angle = 0.0;  // of two positions and two rotations of a vertex
+    double distance = 0.0, angle = 0.0;  // largest over the vertices
     const auto places = vertex_places(simulation);
     for (size_t v = 0; v < places.size(); ++v) {
       distance = std::max(distance, length_of(reference[v].position - places[v].position));

@@ -18,25 +18,24 @@ const std::string kGoal =
     "than the tolerance after the third), at any slenderness";
 constexpr int kGoalIterations = 4;
 
-/// "Exact up to the floating point accuracy": what the scene's residual tolerance of 1e-12 leaves, as a share of L.
+/// "Exact up to the floating point accuracy": tolerance over L, set by the scene's residual tolerance of 1e-12.
 constexpr double kExact = 1e-12;
 /// Tolerance of angles up to two full turns, in radians.
 constexpr double kExactRotation = 1e-11;
 
-/// Between vertices no polynomial of degree k can do better than k + 1.
+/// Tolerance of the rate between vertices, which is at most k + 1 for polynomials of degree k.
 constexpr double kRateTolerance = 0.15;
-/// At vertices the rate is 2 k. High orders reach round-off on meshes of few elements for each coil, where it is up to
-/// one more.
+/// Tolerance of the rate 2 k at vertices. High orders reach round-off on coarse meshes, where it is up to one more.
 constexpr double kVertexRateTolerance = 1.0;
-/// Rates are judged where the finer mesh's error stands well above what Newton leaves.
+/// Least error for rates, well above that of Newton's method.
 constexpr double kAboveRoundOff = 1e-11;
-/// Newton may leave this much of the centerline's error to the slenderness.
+/// Largest change of the centerline's error with the slenderness, due to Newton's tolerance.
 constexpr double kSameError = 1e-11;
 
 /// A third of two coils, the longest element of the study, has sines and cosines of 4 pi / 3: 16 points integrate the
 /// square of the error to round-off.
 constexpr int kGaussPoints = 16;
-constexpr int kSmoothSamples = 65;  // of each element in order1.h5 and order3.h5, where an element is most of a coil
+constexpr int kSmoothSamples = 65;  // per element in order1.h5 and order3.h5, where an element is most of a coil
 
 /// r(s) = R0 sin(a) e1 - R0 cos(a) e2 + h0 s / L e3,  a = 2 pi n s / L  (paper, section "Helix experiment").
 struct ExactHelix {
@@ -64,8 +63,8 @@ struct HelixRun {
   double slenderness = 0.0;
   int order = 0, elements = 0, load_steps = 0, iterations = 0;
   double tip_position = 0.0, tip_rotation = 0.0;
-  double vertex_position = 0.0, vertex_rotation = 0.0;  ///< largest of all vertices
-  double centerline = 0.0;                              ///< sqrt(1/L int |r - r_exact|^2 ds) / L, vertices and between
+  double vertex_position = 0.0, vertex_rotation = 0.0;  ///< largest over all vertices
+  double centerline = 0.0;                              ///< sqrt(1/L int |r - r_exact|^2 ds) / L
 
   /// "rho=10 k=1, 3 elements"
   std::string name() const { return formatted("rho=%g k=%d, %d elements", slenderness, order, elements); }
@@ -101,13 +100,13 @@ class HelixStudy {
  private:
   double number(const char* name) const { return app_.study().get<double>(name); }
 
-  /// L / (2 r) of a rod of circular section, for which EI / EA = r^2 / 4.
+  /// L / (2 r) of a circular section, for which EI / EA = r^2 / 4.
   double slenderness() const {
     const Section& section = app_.scene.sections.front();
     return exact_.length() / (4.0 * std::sqrt(section.bending_stiffness[1] / section.axial_stiffness));
   }
 
-  /// Changes the slenderness of the rod: its radius changes, E and G stay, and the moment that winds it grows with EI.
+  /// Changes the slenderness of the rod by its radius; E and G stay, the moment is proportional to EI.
   Scene variant(double of_slenderness, int order, int elements) const {
     return with_mesh(with_side(app_.scene, slenderness() / of_slenderness), order, elements);
   }
@@ -154,8 +153,8 @@ class HelixStudy {
     return run;
   }
 
-  /// The meshes that the paper names, at every slenderness. Then as the paper has the scene: the rod lies along e1 and
-  /// its clamp turns by -arctan(c) about e2 while the moment grows.
+  /// Compares the meshes of the paper at every slenderness. Then the paper's setting: the rod lies along e1, and its
+  /// clamp rotates by -arctan(c) about e2 while the moment grows.
   void compare_with_paper() {
     const std::vector<std::pair<int, int>> meshes = {{1, 3}, {1, 5}, {2, 3}, {3, 3}};  // order, elements
     TablePrinter table(
@@ -225,7 +224,7 @@ class HelixStudy {
       }
   }
 
-  /// Errors over the meshes of the first slenderness; the rates are to be factor k + offset.
+  /// Reports errors over the meshes of the first slenderness; expected rates are factor k + offset.
   void report_convergence(const std::string& name, double HelixRun::*error, int factor, int offset, double tolerance,
                           const std::string& reason) {
     ConvergenceTable table("\n" + name, study_list<int>(app_, "Elements"), kAboveRoundOff);
@@ -241,7 +240,7 @@ class HelixStudy {
     table.print(app_.out());
   }
 
-  /// The centerline's error belongs to the mesh, not to the slenderness: nothing locks.
+  /// Checks that the error of the centerline depends on the mesh only, not on the slenderness: no locking.
   void check_same_at_every_slenderness() {
     double largest = 0.0;
     for (const HelixRun& run : runs_)

@@ -38,9 +38,9 @@ void set_up_batch(Application& app, const CommandLine& line) {
   prepare_output_folder(app.output);
 }
 
-/// Scenes are those of a group, or all where they are kept (CaseScenes). `scene`: of the first case.
+/// Checks the memory of a batch, with the scenes of a group or those that CaseScenes keeps. `scene`: of the first case.
 void require_memory_of_cases(const Application& app, const Scene& scene, std::size_t cases) {
-  constexpr double kBytesOfCase = 600.0;  // values, likeness and result, as measured
+  constexpr double kBytesOfCase = 600.0;  // values, likeness and result, measured
   const double count = static_cast<double>(cases);
   const double together =
       std::clamp(static_cast<double>(kElementsPerGroup) / static_cast<double>(elements_of(scene)), 1.0, count);
@@ -50,7 +50,7 @@ void require_memory_of_cases(const Application& app, const Scene& scene, std::si
                  std::to_string(cases) + " cases");
 }
 
-/// All cases of a batch, from their parameters to their rows.
+/// A batch over the cases of one scene.
 class VariedBatch : public BatchRun {
  public:
   VariedBatch(Application& app, const Batch& batch, const std::string& load_case, const Communicator& ranks)
@@ -86,7 +86,7 @@ class VariedBatch : public BatchRun {
   const CaseQuantities& quantities_of(std::size_t) const override { return quantities_; }
   std::size_t place_of(std::size_t name, std::size_t) const override { return name; }
 
-  /// With those that the table has for them.
+  /// Compares the cases with expected values in columns of the table.
   void check_expected() override {
     for (const CaseScenes::OwnExpectation& own : case_scenes_.own_expectations()) {
       const auto& names = quantities_.names();
@@ -139,7 +139,7 @@ class VariedBatch : public BatchRun {
   CaseGroups groups_;
 };
 
-/// The cases, or those rows of them that the command line names.
+/// All cases, or the rows chosen on the command line.
 Batch chosen_batch(const Application& app, const CommandLine& line) {
   Batch batch = read_batch(app.xml.list->sublist("Batch"), app.xml.source);
   if (!line.rows) return batch;
@@ -158,7 +158,7 @@ int batch_command(const Arguments& arguments) {
   if (!line.scene_file) throw InputError("a scene file is missing: mixbeam batch SCENE.xml");
   if (std::filesystem::is_directory(*line.scene_file)) return structures_batch(line);
   return with_application("mixbeam", [&](Application& app) {
-    const Communicator all = app.communicator;  // of one rank each later
+    const Communicator all = app.communicator;  // later, app has a communicator of one rank
     set_up_batch(app, line);
     const auto read = [&] {
       return std::make_unique<VariedBatch>(app, chosen_batch(app, line), chosen_case(app.scene, line.load_case), all);

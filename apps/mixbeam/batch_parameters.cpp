@@ -17,7 +17,7 @@ namespace mixbeam {
 namespace {
 
 const ParameterPath kList = {"Batch"};
-constexpr int kMostCases = 10'000'000;  ///< as elements of a scene: keeps slips from eating memory
+constexpr int kMostCases = 10'000'000;  ///< as for elements of a scene: bounds memory after typing errors
 
 /// One direction of the grid.
 struct GridAxis {
@@ -56,7 +56,7 @@ GridAxis read_axis(const Teuchos::ParameterList& list, const ParameterSource& so
   return axis;
 }
 
-/// The first list of the file varies slowest.
+/// Reads a grid; the first list of the file varies slowest.
 void read_grid(const Teuchos::ParameterList& list, const ParameterSource& source, Batch& batch) {
   std::vector<GridAxis> axes;
   double cases = 1.0;
@@ -82,7 +82,7 @@ void read_grid(const Teuchos::ParameterList& list, const ParameterSource& source
   }
 }
 
-/// Reads a table record by record: the first names the columns.
+/// Reads a table record by record; the first one names the columns.
 class TableReader {
  public:
   TableReader(std::shared_ptr<const CsvFile> table, Batch& batch) : table_(std::move(table)), batch_(batch) {

@@ -17,14 +17,14 @@ namespace mixbeam {
 
 namespace {
 
-/// 1 for "true", 0 for "false", 0.5 for "neutral", NaN for "unknown": a column of an HDF5 file holds numbers.
+/// 1 for "true", 0 for "false", 0.5 for "neutral", NaN for "unknown": a number for a column of the HDF5 file.
 double number_of_stable(const std::string& stable) {
   if (stable == "true") return 1.0;
   if (stable == "false") return 0.0;
   return stable == "neutral" ? 0.5 : std::numeric_limits<double>::quiet_NaN();
 }
 
-/// "sag; drift": the quantities of a case that are beyond their limits.
+/// "sag; drift": the quantities of a case beyond their limits.
 std::string beyond_limits(const CaseResult& result, const CaseQuantities& quantities, std::size_t index) {
   std::string names;
   for (std::size_t i = 0; i < result.values.limited.size(); ++i)
@@ -33,7 +33,7 @@ std::string beyond_limits(const CaseResult& result, const CaseQuantities& quanti
   return names;
 }
 
-/// A quantity over all cases: not a number where there is no state, the name of a member in its place.
+/// Column of a quantity: NaN without a state; member indices as names in the CSV file.
 CaseColumn column_of_quantity(const BatchRun& run, const std::vector<CaseResult>& results, const std::string& name,
                               std::size_t number) {
   const auto value = [&run, &results, number](std::size_t i) {
@@ -49,7 +49,7 @@ CaseColumn column_of_quantity(const BatchRun& run, const std::vector<CaseResult>
   return {name, cell, value};
 }
 
-/// `table` and `results`, of `run`, must outlive them.
+/// Columns of the table; `run`, `table` and `results` must outlive them.
 std::vector<CaseColumn> columns_of(const BatchRun& run, const BatchTable& table,
                                    const std::vector<CaseResult>& results) {
   std::vector<CaseColumn> columns = {
@@ -102,7 +102,7 @@ void write_batch(const std::filesystem::path& stem, const BatchRun& run, const s
   write_table_file(stem.string() + ".h5", numbers, table.texts);
 }
 
-/// Holds quantities of each case against their limits.
+/// Checks the quantities of each case against their limits.
 void check_limits(Application& app, const BatchRun& run) {
   for (std::size_t i = 0; i < run.results().size(); ++i) {
     const CaseQuantities& quantities = run.quantities_of(i);
@@ -119,7 +119,7 @@ std::string rows_text(const CommandLine& line) {
   return line.rows ? formatted("-%d-%d", (*line.rows)[0], (*line.rows)[1]) : "";
 }
 
-/// Each rank solves by itself from here on; the first one speaks.
+/// Separates the ranks: each solves by itself; only the first one prints.
 void part_ranks(Application& app) {
   static std::ostream silence(nullptr);
   const int rank = app.communicator->getRank();
@@ -132,7 +132,7 @@ void part_ranks(Application& app) {
   app.summary.threads = threads;
 }
 
-constexpr std::size_t kMostNamed = 12;  // the table has them all
+constexpr std::size_t kMostNamed = 12;  // the table has all
 
 void print_failures(std::ostream& out, const BatchRun& batch) {
   std::size_t printed = 0;
@@ -144,7 +144,7 @@ void print_failures(std::ostream& out, const BatchRun& batch) {
   if (printed > kMostNamed) out << "... and " << printed - kMostNamed << " more in the files\n";
 }
 
-/// The last lines.
+/// Prints the last lines.
 void print_ends(std::ostream& out, const BatchRun& batch, const std::map<std::string, int>& stable_cases) {
   std::size_t printed = 0;
   for (std::size_t i = 0; i < batch.results().size(); ++i)
@@ -161,7 +161,7 @@ void print_ends(std::ostream& out, const BatchRun& batch, const std::map<std::st
   out << "\n";
 }
 
-/// See run_batch().
+/// Finishes run_batch().
 int conclude_batch(Application& app, const CommandLine& line, const BatchRun& batch) {
   std::size_t failed = 0;
   for (const CaseResult& result : batch.results()) {
@@ -212,7 +212,7 @@ int run_batch(Application& app, const CommandLine& line, const Communicator& ran
     throw placed(app, error);
   }
   if (ranks->getRank() > 0) return 0;
-  finish_in_order();  // the table is written as a whole
+  finish_in_order();  // the table is written in one piece
   {
     const Stopwatch stopwatch(app, "batch output");
     write_batch(stem, *run, run->results());

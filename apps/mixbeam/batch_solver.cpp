@@ -13,24 +13,24 @@
 
 namespace mixbeam {
 
-// To be sent to another rank.
+// Serialization for other ranks.
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(EstimatedValue, name, value, error, not_estimated)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CaseValues, written, limited)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CaseResult, solved, converged, alone, values, iterations, residual, cause, stable)
 
 namespace {
 
-/// Fewer cases than that are solved one by one when they do not converge together.
+/// Up to this many cases are solved one by one if they do not converge together.
 constexpr std::size_t kFewCases = 4;
 
-/// Forces in a group differ by kLikeness, moments by its square: a residual that is so much smaller over the scales of
-/// the group is small enough over those of each case.
+/// Factor on the residual tolerance of a group: forces differ by kLikeness, moments by its square, so that a residual
+/// below it relative to the scales of the group is small enough for each case.
 constexpr double kGroupTolerance = 1.0 / (kLikeness * kLikeness);
 
-/// Leaves the path of a group as soon as one step of it fails.
+/// Thrown to leave the path of a group after a failed step.
 struct StepFailed {};
 
-/// Whether what is asked of a path can only be found for one structure alone.
+/// Whether the analysis is defined for a single structure only.
 bool has_path_of_its_own(const AnalysisParameters& analysis) {
   return analysis.modes.number > 0 || analysis.control || analysis.trace || analysis.branch != Branch::primary ||
          analysis.snap == Snap::jump;
@@ -42,7 +42,7 @@ double elements_of_longest_member(const Scene& scene) {
   return elements;
 }
 
-/// Where the simulation stands.
+/// Cases in the current state of a simulation.
 SolvedCases solved_cases(const Simulation& simulation, const Scene* scenes, std::size_t count, bool merged) {
   std::vector<int> part_of_member;
   SolvedCases solved{simulation, merged};
@@ -58,7 +58,7 @@ SolvedCases solved_cases(const Simulation& simulation, const Scene* scenes, std:
   return solved;
 }
 
-/// `like`: the same cases in another space.
+/// Likewise in another space; `like`: the same cases.
 SolvedCases solved_cases(const Simulation& simulation, const SolvedCases& like, const std::vector<int>& part_of_member,
                          const std::vector<EndLayer>* layers) {
   const StructureParts parts = structure_parts(simulation.model(), part_of_member);
@@ -71,7 +71,7 @@ SolvedCases solved_cases(const Simulation& simulation, const SolvedCases& like, 
           layers};
 }
 
-/// At the end of the path of a structure alone, by modes where the tangent does not tell and modes are asked for.
+/// Stability at the end of the path of a single structure; by modes, if requested, where the tangent leaves it unknown.
 std::string verdict_of(const Simulation& simulation, const ModesParameters& modes) {
   const std::string& stable = simulation.stability().stable;
   if (stable != "unknown" || modes.number == 0) return stable;
@@ -86,7 +86,7 @@ std::string cause_of(const LoadPathResult& result) {
 
 using Json = nlohmann::json;
 
-/// Texts of all ranks on rank 0.
+/// Gathers the texts of all ranks on rank 0.
 std::vector<std::string> texts_of(const Teuchos::Comm<int>& ranks, const std::string& mine) {
   std::vector<std::string> all(ranks.getSize());
   all[0] = mine;
@@ -136,7 +136,7 @@ bool BatchSolver::solve_all(const CaseGroups& groups, CaseScenes& scenes,
 }
 
 bool CaseResults::gather(const Teuchos::Comm<int>& ranks, Summary& summary, bool all_solved) {
-  constexpr std::size_t kCasesOfMessage = 10'000;  // for memory, of which a result as JSON takes several times its own
+  constexpr std::size_t kCasesOfMessage = 10'000;  // bounds memory: JSON needs several times that of a result
   for (std::size_t first = 0; first < all_.size(); first += kCasesOfMessage) {
     const std::size_t end = std::min(first + kCasesOfMessage, all_.size());
     Json mine = {{"all", all_solved}, {"results", Json::array()}};
@@ -175,7 +175,7 @@ void BatchSolver::solve_range(const Range& range) {
   solve_range({middle, range.second});
 }
 
-/// False when the cases did not converge together.
+/// Solves cases as one structure. False if they do not converge together.
 bool BatchSolver::solve_together(const Range& range) {
   std::vector<const Scene*> scenes;
   for (std::size_t i = range.first; i < range.second; ++i) scenes.push_back(&(*scenes_)[i]);
@@ -198,7 +198,7 @@ bool BatchSolver::solve_together(const Range& range) {
   app_.summary.add_work(simulation.result().steps, simulation.result().newton_iterations, simulation.times());
   if (!simulation.result().finished) return false;
   const std::string& stable = simulation.stability().stable;
-  if (stable == "false" || stable == "neutral") return false;  // of some case: which one, the halves tell
+  if (stable == "false" || stable == "neutral") return false;  // of some case; the halves will show which one
   std::vector<CaseResult> results =
       checked(simulation, &(*scenes_)[range.first], scenes.size(), merged.part_of_member, true, references);
   if (results.empty()) return false;
@@ -207,7 +207,7 @@ bool BatchSolver::solve_together(const Range& range) {
   return true;
 }
 
-/// On a mesh of its own, see accurate_run.hpp.
+/// Solves a case on a mesh of its own, see accurate_run.hpp.
 CaseResult BatchSolver::solved_accurately(const Scene& scene) {
   AccurateRunObserver observer;
   observer.stop = stop_;
@@ -232,7 +232,7 @@ CaseResult BatchSolver::solved_accurately(const Scene& scene) {
   return result;
 }
 
-/// Not solved where it was interrupted.
+/// Solves a single case; result.solved stays false if interrupted.
 CaseResult BatchSolver::solved_alone(const Scene& scene) {
   CaseResult result;
   if (stop_()) return result;
@@ -258,7 +258,7 @@ CaseResult BatchSolver::checked_alone(const Simulation& simulation, const Scene&
   return result;
 }
 
-/// Keeps what limits are relative to.
+/// Returns an observer that stores the reference values of limits.
 RunObserver BatchSolver::taking(References& references, const Scene* scenes, std::size_t count, bool merged) const {
   return [=, &references](const Simulation& simulation, const StepReport& report) {
     if (!quantities_.is_reference(report.load_factor)) return;
@@ -269,8 +269,8 @@ RunObserver BatchSolver::taking(References& references, const Scene* scenes, std
   };
 }
 
-/// Checks every case of a simulation at the end of its path by itself. Empty where errors count and those of some case
-/// among others cannot be estimated.
+/// Checks each case of a simulation at the end of its path. Empty if errors are needed and cannot be estimated for
+/// cases side by side.
 std::vector<CaseResult> BatchSolver::checked(const Simulation& simulation, const Scene* scenes, std::size_t count,
                                              const std::vector<int>& part_of_member, bool merged,
                                              const References& references) {
@@ -296,7 +296,7 @@ std::vector<CaseResult> BatchSolver::checked(const Simulation& simulation, const
     result.iterations = simulation.result().newton_iterations;
     result.residual = check.residual;
     result.stable = stable;
-    // a structure alone has converged by the tests that it was solved with; beside others it has to show it
+    // a single structure has passed the solver's own tests; cases side by side are tested here
     const double allowed =
         balance_tolerance(static_cast<double>(elements_of(scenes[part])), elements_of_longest_member(scenes[part]),
                           check.residual, rounding_of_levers(scenes[part]));

@@ -1,4 +1,4 @@
-// Which cases of a batch are solved side by side.
+// Grouping of the cases of a batch that are solved side by side.
 #include "apps/mixbeam/batch_solver.hpp"
 
 #include "kernels/math/vector_algebra.hpp"
@@ -15,7 +15,7 @@ namespace {
 
 using vector_algebra::largest_component;
 
-/// Diagonal of the box around the points, or the length of what has none (a closed ring: from its centre).
+/// Diagonal of the box around all points, with centres of arcs for structures that have one point (a closed ring).
 double length_of(const Scene& scene) {
   vector_algebra::Box box;
   for (const Point& point : scene.points) box.enclose(point.position);
@@ -35,7 +35,7 @@ double bending_stiffness_of(const Scene& scene) {
   return stiffness > 0.0 ? stiffness : 1.0;
 }
 
-/// Forces, and what moments, motions and strains are in forces.
+/// Largest load as a force; moments, prescribed motions and strains are converted.
 double load_of(const Scene& scene, double length, double stiffness) {
   double load = 0.0;
   const auto raise = [&load](double value) { load = std::max(load, value); };
@@ -51,15 +51,15 @@ double load_of(const Scene& scene, double length, double stiffness) {
   return load;
 }
 
-/// Number of the range of ratio kLikeness in which a size lies.
+/// Index of the range of ratio kLikeness that contains a size.
 long range_of(double size) {
   return size > 0.0 ? std::lround(std::floor(std::log(size) / std::log(kLikeness))) : std::numeric_limits<long>::min();
 }
 
-/// Properties that decide which cases are alike.
+/// Properties that must agree within a group.
 struct CaseLikeness {
-  std::vector<long> structure{};                     ///< stages, and numbers and kinds of all that a scene holds
-  double length = 0.0, load = 0.0, stiffness = 0.0;  ///< load and EI / L^2 are forces
+  std::vector<long> structure{};                     ///< stages, numbers of entities, mesh
+  double length = 0.0, load = 0.0, stiffness = 0.0;  ///< load and EI / L^2 as forces
   int elements = 0;
 };
 
@@ -82,7 +82,7 @@ CaseLikeness likeness_of(const Scene& scene) {
   return result;
 }
 
-/// Order in which cases are put beside each other: first what must agree, then the load.
+/// Ranges that must agree within a group.
 auto key_of(const CaseLikeness& c) {
   return std::make_tuple(range_of(c.length), range_of(c.load), range_of(c.stiffness));
 }

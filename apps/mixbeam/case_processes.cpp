@@ -32,7 +32,7 @@ namespace {
 
 enum class CaseEnd { arrived, interrupted, no_convergence, bad_input, not_written, no_memory, other };
 
-/// What a process tells of a case: "end", and of a failure its "problem"; what was "printed"; the "summary", packed.
+/// Answer of a process: "end", "problem" of a failure, "printed" text, "report", packed "summary".
 using Answer = nlohmann::json;
 
 Answer answer_with(CaseEnd end, const std::string& problem) { return {{"end", end}, {"problem", problem}}; }
@@ -54,12 +54,12 @@ Answer answer_of(Application& app, const std::function<RunEnd()>& action) {
     return answer_with(CaseEnd::not_written, error.what());
   } catch (const std::exception& error) {
     return answer_with(is_out_of_memory(error) ? CaseEnd::no_memory : CaseEnd::other, error.what());
-  } catch (const char* error) {  // NOX and LOCA throw texts
+  } catch (const char* error) {  // NOX and LOCA throw string literals
     return answer_with(CaseEnd::other, error);
   }
 }
 
-/// A failure as answer_of() has caught it.
+/// Throws a failure that answer_of() has caught.
 [[noreturn]] void throw_again(const Answer& failure) {
   const std::string problem = failure["problem"];
   switch (failure["end"].get<CaseEnd>()) {
@@ -76,16 +76,16 @@ Answer answer_of(Application& app, const std::function<RunEnd()>& action) {
   }
 }
 
-/// What cannot be sent to a process that has ended is noticed where its answer is missing.
+/// Sends a message; a process that has ended is noticed by its missing answer.
 void send(FILE* socket, const Answer& answer) {
-  const std::vector<std::uint8_t> bytes = Answer::to_cbor(answer);  // numbers and texts as they are
+  const std::vector<std::uint8_t> bytes = Answer::to_cbor(answer);  // keeps all bits
   const std::size_t size = bytes.size();
   fwrite(&size, sizeof size, 1, socket);
   fwrite(bytes.data(), 1, size, socket);
   fflush(socket);
 }
 
-/// None from a process that has ended.
+/// Receives a message; none if the process has ended.
 std::optional<Answer> received(FILE* socket) {
   std::size_t size = 0;
   if (fread(&size, sizeof size, 1, socket) != 1) return {};
@@ -94,7 +94,7 @@ std::optional<Answer> received(FILE* socket) {
   return Answer::from_cbor(bytes);
 }
 
-/// The case, and of a scene that names no mesh the one that was chosen for all cases.
+/// Index of the case and, if the scene names no mesh, the mesh chosen for all cases.
 Answer question_for(const Application& app, std::size_t number) {
   Answer question = {{"case", number}};
   if (app.mesh_note.empty()) return question;
@@ -103,7 +103,7 @@ Answer question_for(const Application& app, std::size_t number) {
   return question;
 }
 
-/// The life of a process.
+/// Main loop of a process.
 void answer_questions(FILE* socket, const CaseWork& work) {
   std::optional<Answer> question = received(socket);
   if (!question) return;
@@ -113,7 +113,7 @@ void answer_questions(FILE* socket, const CaseWork& work) {
   Application app;
   app.communicator = session.communicator();
   app.reports = &reports;
-  app.asked_to_stop = [socket] {  // while a case is solved nothing comes but the end of the questions
+  app.asked_to_stop = [socket] {  // during a case, only the end of the questions can arrive
     pollfd more{fileno(socket), POLLIN, 0};
     return poll(&more, 1, 0) > 0;
   };
@@ -122,7 +122,7 @@ void answer_questions(FILE* socket, const CaseWork& work) {
       if (is_first) work.set_up(app);
       if (app.mesh_is_free) take_mesh(app, (*question)["mesh"], (*question)["note"]);
       reports.str("");
-      printed.str("");  // who asks has told what belongs to the scene
+      printed.str("");  // the parent has already printed this
       Summary of_case;
       of_case.threads = app.summary.threads;
       app.summary = of_case;
@@ -145,7 +145,7 @@ Answer answer_of_ended(pid_t process, const std::string& load_case) {
 }
 
 void tell(Application& app, const Answer& answer) {
-  if (!answer.contains("summary")) return;  // of a process that was ended
+  if (!answer.contains("summary")) return;  // from a terminated process
   app.out() << answer["printed"].get_ref<const std::string&>() << std::flush;
   if (app.reports != nullptr) *app.reports << answer["report"].get_ref<const std::string&>();
   app.summary.append(answer["summary"]);
@@ -169,7 +169,7 @@ CaseProcesses::CaseProcesses(int count, const CaseWork& work) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(0);
     for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_IGN);
-    for (const Process& other : processes_) close(fileno(other.socket));  // else that one would wait for ever
+    for (const Process& other : processes_) close(fileno(other.socket));  // otherwise that process would wait for ever
     close(ends[0]);
     answer_questions(fdopen(ends[1], "r+"), work);
     _exit(0);
@@ -195,7 +195,7 @@ void CaseProcesses::ask(const Application& app, Process& process, std::size_t nu
 }
 
 RunEnd CaseProcesses::solve(Application& app, const std::vector<std::string>& cases) {
-  constexpr int kLook = 50;  // milliseconds between two looks whether this process is asked to stop
+  constexpr int kLook = 50;  // milliseconds between polls for interrupts
   std::vector<Answer> answers(cases.size());
   std::size_t asked = 0, told = 0, open = 0;
   bool goes_on = true, stopped = false;

@@ -56,7 +56,7 @@ CaseQuantities::CaseQuantities(const Application& app, BatchOutput output, const
   for (std::size_t i = 0; i < names_.size(); ++i) asked_columns_.push_back(i);
 }
 
-/// Motion and reactions of the points that the monitor of a run follows.
+/// Selects motion and reactions of the points that the monitor of a run follows.
 void CaseQuantities::take_followed(const Application& app) {
   std::vector<Quantity> followed;
   for (const std::string& point : followed_points(app.scene))
@@ -78,7 +78,7 @@ void CaseQuantities::take_followed(const Application& app) {
 void CaseQuantities::take_expected(const Application& app, const std::string& load_case) {
   std::vector<Quantity> common;
   for (const ExpectedValue& value : app.expected) {
-    if (value.load_case != load_case || !value.word.empty()) continue;  // every case tells whether it is stable
+    if (value.load_case != load_case || !value.word.empty()) continue;  // stability is a column of every case
     const char* own_place = value.critical_point ? "Critical Point" : "Load Factor";
     if (value.critical_point || value.load_factor.value_or(app.scene.stages) != app.scene.stages)
       throw app.xml.source.error({"Expected", value.name, own_place},

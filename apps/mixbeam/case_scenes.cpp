@@ -22,7 +22,7 @@ InputError refused(const BatchColumn& column, const std::string& problem) {
   return column.refusal("\"" + excerpt(column.parameter) + "\": " + problem);
 }
 
-/// Entries of an array, 0 for a single number, -1 for what is no number.
+/// Number of entries of an array, 0 for a single number, -1 for anything else.
 int components_of(const Teuchos::ParameterEntry& entry) {
   if (entry.isType<double>() || entry.isType<int>()) return 0;
   if (entry.isType<Teuchos::Array<double>>())
@@ -43,7 +43,7 @@ CaseScenes::CaseScenes(Application& app, Batch& batch, std::string load_case)
   evaluate_cells(batch);
 }
 
-/// Formulas outside of the list "Scene" whose numbers a case may have of its own, or must not.
+/// Finds formulas outside the list "Scene", whose values may depend on the case.
 void CaseScenes::find_formulas() {
   const Teuchos::ParameterList& root = *app_.xml.list;
   for (const std::string& name : names_of(root)) {
@@ -61,7 +61,7 @@ void CaseScenes::find_formulas() {
   }
 }
 
-/// Formulas in cells, with the variables and points of their row, which may be formulas themselves.
+/// Evaluates formulas in cells with the variables and points of their row, which may be formulas themselves.
 void CaseScenes::evaluate_cells(Batch& batch) const {
   const auto evaluate_row = [&](auto first, auto end) {
     Teuchos::ParameterList scene = app_.xml.list->sublist("Scene");
@@ -93,7 +93,7 @@ void CaseScenes::evaluate_cells(Batch& batch) const {
   }
 }
 
-/// One solver serves all cases, and one set of quantities; limits and expected values are looked at afterwards.
+/// Evaluates formulas outside the list "Scene". Only limits and expected values may vary: cases share all the rest.
 void CaseScenes::evaluate_formulas(std::size_t index) {
   Teuchos::ParameterList& root = *app_.xml.list;
   const ParameterSource& source = app_.xml.source;

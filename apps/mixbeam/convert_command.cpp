@@ -80,7 +80,7 @@ bool has_comment(const std::string& yaml) {
   return false;
 }
 
-/// Writes the scene as `to`, read again and compared.
+/// Writes the scene as `to`, after reading the text again and comparing it.
 void write_scene(const XmlParameters& scene, const std::string& to) {
   const ListSpec& root = mixbeam_root_spec();
   const std::string text = format_of(to) == FileFormat::yaml ? yaml_text(scene, root, to) : xml_text(*scene.list);
@@ -92,7 +92,7 @@ void write_scene(const XmlParameters& scene, const std::string& to) {
   }
 }
 
-/// Sections of other programs as a scene.
+/// Converts sections of other programs to a scene.
 void convert_blade(const std::vector<std::string>& from, const std::string& to) {
   std::vector<std::string> remarks;
   write_scene(parse_parameters(xml_text(scene_of_blades(from, remarks)), "blade.xml", mixbeam_root_spec()), to);

@@ -87,7 +87,7 @@ void write_envelope_of(Application& app, const std::vector<FollowedQuantity>& qu
   app.out() << "envelope: " << file.string() << ", " << csv.string() << "\n";
 }
 
-/// Of the run that has just ended, or of its file. Throws InputError: why it is not known there.
+/// Quantities of the run that has just ended, or from its file. Throws InputError if they are not available.
 std::vector<FollowedQuantity> quantities_of(const Application& app, const std::filesystem::path& file) {
   std::vector<FollowedQuantity> found;
   for (const FollowedQuantity& quantity : app.summary.quantities)

@@ -13,21 +13,21 @@ namespace mixbeam {
 namespace {
 
 constexpr double kRigid = std::numeric_limits<double>::infinity();
-/// Beside what bends.
+/// Stiffness of suppressed deformations.
 constexpr double kStiff = 1e6;
 /// A body at the end, and a beam with shear and rotary inertia.
 constexpr double kBody = 1.0, kBodyInertia = 0.1, kShear = 100.0, kInertia = 0.005;
-/// Relative errors of omega^2 that rounding leaves; a rate is told of errors above a hundred times this.
+/// Rounding of omega^2, relative; rates are evaluated for errors above a hundred times this.
 constexpr double kRounding = 2e-12;
-/// A rate of 2 k, less what coarse meshes miss.
+/// Largest shortfall of the rate 2 k on coarse meshes.
 constexpr double kMissingRate = 0.5;
-/// omega^2 of rigid motions over the first elastic one.
+/// Limit of omega^2 of rigid motions over the first elastic one.
 constexpr double kRigidMotion = 1e-12;
-/// Most orders of the tables below.
+/// Number of orders in the tables below.
 constexpr int kTabulated = 4;
 
-/// Errors with 8 elements of order 1 to 4, at most twice as large: measured with another program (all unknowns in one
-/// matrix, dense eigenvalues); zero: not tabulated.
+/// Errors with 8 elements of order 1 to 4, of which twice is allowed: from another program (all unknowns in one matrix,
+/// dense eigenvalues); zero: not tabulated.
 using Tabulated = std::array<double, kTabulated>;
 
 struct Reference {
@@ -36,10 +36,10 @@ struct Reference {
   Tabulated tabulated{};
 };
 
-/// A rod, how many of its modes are computed, and those that are compared.
+/// A rod, the number of its modes to compute, and the references.
 struct Case {
   std::string name;
-  int modes = 0, rigid = 0;  ///< the latter: that come first, with omega zero
+  int modes = 0, rigid = 0;  ///< rigid: number of leading modes with omega zero
   bool in_plane = true;
   std::vector<Reference> references{};
   void (*change)(Scene& cantilever) = nullptr;
@@ -65,14 +65,14 @@ std::vector<double> roots(const std::function<double(double)>& f, double from, i
 
 double fourth(double x) { return x * x * x * x; }
 
-/// Both omega^2 of a hinged Timoshenko beam with n half waves, EI = m = L = 1: the roots of a quadratic equation.
+/// Both omega^2 of a hinged Timoshenko beam with n half waves, EI = m = L = 1: roots of a quadratic equation.
 std::array<double, 2> timoshenko(int n, double shear, double inertia) {
   const double b = n * kPi, sum = shear * b * b + (b * b + shear) / inertia, product = shear * fourth(b) / inertia;
   const double larger = 0.5 * (sum + std::sqrt(sum * sum - 4.0 * product));
   return {product / larger, larger};
 }
 
-/// Of a cantilever with a body at its end, the determinant of the conditions there.
+/// Determinant of the end conditions of a cantilever with a body at its end.
 double with_body(double beta, double mass, double inertia) {
   const double c = std::cos(beta), s = std::sin(beta), ch = std::cosh(beta), sh = std::sinh(beta);
   // w = A (cos - cosh) + B (sin - sinh); w'' = J beta^4 w', w''' = -m beta^4 w at the end
@@ -212,20 +212,20 @@ void run_modes_study(Application& app) {
   }
 }
 
-/// A column under loads that follow it, exact load and frequency of flutter, EI = m = L = 1, and errors of the load
-/// with 16 elements of order 2 to 4 of the same program as above (zero: not tabulated).
+/// A column under follower loads, exact flutter load and frequency, EI = m = L = 1, and errors of the load with 16
+/// elements of order 2 to 4 from the same program as above (zero: not tabulated).
 struct FollowerColumn {
   std::string name;
-  double largest = 0.0;  ///< load at the end of its only step
-  std::string along{};   ///< share of the load at each place; empty: at the end alone
+  double largest = 0.0;  ///< load at the end of the only step
+  std::string along{};   ///< distribution of the load; empty: at the end only
   double body = 0.0;     ///< mass at the end
   double load = 0.0, omega = 0.0;
   std::array<double, 3> tabulated{};
   double alpha = 0.0, beta = 0.0;
-  double digits = 0.0;  ///< of a damped one: those of the reference
+  double digits = 0.0;  ///< relative accuracy of the reference, with damping
 };
 
-/// Beck 1952, Leipholz 1962, Hauger 1966, Pflueger 1955 by their determinants to 15 digits; with damping the zero of
+/// Beck 1952, Leipholz 1962, Hauger 1966, Pflueger 1955 by their determinants to 15 digits; with damping, the zero of
 /// the largest real part (Herrmann, Jong 1965 for the limit).
 std::vector<FollowerColumn> follower_columns() {
   constexpr double kEight = 1e-9;  // the reference has ten digits
@@ -260,7 +260,7 @@ Scene scene_of(const Scene& cantilever, const FollowerColumn& column) {
   return scene;
 }
 
-/// The first flutter point of the path, in its only step.
+/// The first flutter point of a path of one step.
 CriticalPoint flutter_of(Application& app, const Scene& scene) {
   SolverParameters parameters = app.solver;
   parameters.threads = 1;
@@ -274,7 +274,7 @@ CriticalPoint flutter_of(Application& app, const Scene& scene) {
 
 void run_flutter(Application& app) {
   constexpr int kElements = 16, kLeastOrder = 2;
-  /// Frequencies carry the rounding of the tangent and of loads at Gauss points, loads of flutter a few times that.
+  /// Frequencies have the rounding of the tangent and of loads at Gauss points, flutter loads a few times that.
   constexpr double kRoundedLoad = 1e-10, kFrequencyDigits = 1e-8;
   StudyTable csv(app, "flutter.csv", words("case,order,load,reference,error,omega,reference omega"));
   app.out() << "flutter: relative error of the load\n";

@@ -1,4 +1,4 @@
-/// How numbers of the library become arrays of NumPy: moved, or copied once.
+/// Conversion of the library's numbers to NumPy arrays: moved, or copied once.
 #pragma once
 
 #include "apps/python/guest.hpp"
@@ -15,7 +15,7 @@ namespace mixbeam {
 
 using Run = std::shared_ptr<SolvedRun>;
 
-/// Of a vector of numbers, or of rows of numbers, which moves into the array.
+/// Moves a vector of numbers, or of rows of numbers, into an array.
 template <class Row>
 pybind11::array numbers(std::vector<Row> values) {
   constexpr std::size_t kColumns = sizeof(Row) / sizeof(double);
@@ -34,7 +34,7 @@ inline pybind11::array table(std::vector<double> values, std::size_t columns) {
   return numbers(std::move(values)).reshape({rows, columns});
 }
 
-/// Calls the library in turn.
+/// Calls the library while holding a Turn.
 template <class Action>
 auto in_turn(const Action& action) {
   const Turn turn;
@@ -44,11 +44,11 @@ auto in_turn(const Action& action) {
 /// Name and entries of a parameter list: {name: [type, value] of a parameter, a dict of a list}.
 pybind11::tuple parameters_of(const XmlParameters& parameters);
 
-/// Adds the class of a run to the module: what it hands out.
+/// Adds the class of a run to the module.
 void bind_run(pybind11::module_& module);
-/// Adds problems whose solutions are judged, see judged_problem.cpp.
+/// Adds problems with judged solutions, see judged_problem.cpp.
 void bind_judged_problem(pybind11::module_& module);
-/// Adds what programs with a study in Python work with, see study.cpp.
+/// Adds the classes for studies in Python, see study.cpp.
 void bind_study(pybind11::module_& module);
 
 }  // namespace mixbeam

@@ -1,5 +1,5 @@
-/// Rules for a library in the process of another program: one call of the library at a time, the interpreter's lock
-/// released meanwhile, its signals heard, its forks survived.
+/// Rules for the library inside a host process: one call of the library at a time, without the interpreter's lock;
+/// signals are handled, forks survived.
 #pragma once
 
 #include "apps/common/session/mpi_session.hpp"
@@ -21,14 +21,14 @@
 
 namespace mixbeam {
 
-/// What the calls of this process share.
+/// State shared by all calls of this process.
 struct Guest {
-  std::recursive_mutex mutex{};     ///< of the library: reference counts of Trilinos and Kokkos are not atomic
-  std::atomic<int> visitors{0};     ///< that hold it or wait for it
-  std::atomic<pid_t> process{0};    ///< that has called last; 0: none so far
-  std::atomic<bool> forked{false};  ///< threads of OpenMP do not live on in a forked child, which works on one
-  std::atomic<int> away{0};         ///< threads that are without the interpreter's lock, and will ask for it
-  std::atomic<bool> ends{false};  ///< the interpreter, in the thread `last`: others must not ask for its lock any more
+  std::recursive_mutex mutex{};     ///< of the library; reference counts of Trilinos and Kokkos are not atomic
+  std::atomic<int> visitors{0};     ///< threads that hold the mutex or wait for it
+  std::atomic<pid_t> process{0};    ///< process of the last call; 0: none so far
+  std::atomic<bool> forked{false};  ///< OpenMP threads do not survive a fork; the child uses one thread
+  std::atomic<int> away{0};         ///< threads that have released the interpreter's lock and will need it
+  std::atomic<bool> ends{false};  ///< the interpreter ends in the thread `last`; others must not take its lock any more
   std::thread::id last{};
 
   static Guest& instance() {
@@ -39,26 +39,26 @@ struct Guest {
 
   bool is_over_for_this_thread() const { return ends && std::this_thread::get_id() != last; }
 
-  /// Before the interpreter ends: daemon threads come out of the library, and stay outside of the interpreter, which
-  /// would end them in the midst of C++.
+  /// Call before the interpreter ends: waits until daemon threads leave the library; they then stay outside the
+  /// interpreter, which would terminate them inside C++.
   void end_of_interpreter() {
     last = std::this_thread::get_id();
     ends = true;
     PyThreadState* const released = PyEval_SaveThread();
-    constexpr int kMostMilliseconds = 30'000;  // a callback may wait for what never comes
+    constexpr int kMostMilliseconds = 30'000;  // a callback may wait for ever
     for (int i = 0; away > 0 && i < kMostMilliseconds; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     PyEval_RestoreThread(released);
   }
 };
 
-/// The right to call the library, for its own life. Throws where it can never be had: in the child of a process that
-/// was forked while another of its threads was inside.
+/// The right to call the library, as a scope guard. Throws in a child that was forked while another thread was in the
+/// library.
 class Turn {
  public:
-  Turn() : Turn(Guest::instance()) { start_as_guest(); }  // should it throw, the turn ends
+  Turn() : Turn(Guest::instance()) { start_as_guest(); }  // if it throws, the turn ends
   ~Turn() {
     Guest& guest = Guest::instance();
-    set_number_of_threads(threads_);  // a run may have chosen a number
+    set_number_of_threads(threads_);  // a run may have changed the number
     guest.mutex.unlock();
     --guest.visitors;
     if (released_ == nullptr) return;
@@ -69,7 +69,7 @@ class Turn {
   Turn(const Turn&) = delete;
   Turn& operator=(const Turn&) = delete;
 
-  /// Threads that a call may use: `wanted`, or one in a forked child.
+  /// Number of threads for a call: `wanted`, or one in a forked child.
   static std::optional<int> threads(std::optional<int> wanted) { return Guest::instance().forked ? 1 : wanted; }
 
  private:
@@ -95,15 +95,15 @@ class Turn {
 
   static bool survives_fork(Guest& guest, pid_t before) {
     if (guest.visitors > 0) {
-      guest.process = before;  // the next call hears the same
+      guest.process = before;  // the next call fails likewise
       return false;
     }
     guest.forked = true;
-    omp_set_num_threads(1);  // for libraries below that use OpenMP on their own
+    omp_set_num_threads(1);  // for other libraries that use OpenMP
     return true;
   }
 
-  /// Until the process ends.
+  /// Waits until the process ends.
   [[noreturn]] static void stay_away(Guest& guest) {
     --guest.away;
     for (;;) pause();
@@ -113,28 +113,28 @@ class Turn {
   int threads_ = 1;  ///< before
 };
 
-/// Deletes what the library has made, in turn.
+/// Deletes objects of the library while holding a Turn.
 struct DeleteInTurn {
   template <class Object>
   void operator()(Object* object) const noexcept {
     try {
       const Turn turn;
       delete object;
-    } catch (const std::runtime_error&) {  // a child without a turn: the end of the process frees it
+    } catch (const std::runtime_error&) {  // no turn in a forked child; the end of the process frees it
     }
   }
 };
 
-/// Listens to the host while a run goes on: Ctrl-C and other signals, and the callback of the user, which stops the run
-/// by returning True. What they raise is kept until the run has come to its end.
+/// Handles signals of the host (Ctrl-C and others) and the user's callback during a run; the callback stops the run by
+/// returning True. Their exceptions are kept until the run has ended.
 class Listener {
  public:
   explicit Listener(pybind11::object callback) : callback_(std::move(callback)) {}
 
-  /// Asked within every iteration.
+  /// Polled in every iteration.
   bool stops() {
     using Clock = std::chrono::steady_clock;
-    constexpr auto kPatience = std::chrono::milliseconds(50);  // nobody notices, and the lock is asked for seldom
+    constexpr auto kPatience = std::chrono::milliseconds(50);  // not noticeable; the lock is taken rarely
     if (stops_ || Clock::now() - heard_ < kPatience) return stops_;
     heard_ = Clock::now();
     if (Guest::instance().is_over_for_this_thread()) return stops_ = true;
@@ -153,7 +153,7 @@ class Listener {
     keep([&] { return pybind11::bool_(callback_(arguments...)).cast<bool>(); });
   }
 
-  /// With the lock of the interpreter.
+  /// Rethrows a kept exception; needs the interpreter's lock.
   void rethrow() {
     if (error_) std::rethrow_exception(std::exchange(error_, nullptr));
   }

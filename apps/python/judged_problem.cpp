@@ -1,4 +1,4 @@
-/// A scene whose solutions on any mesh are judged by one on a far finer mesh, and timed.
+/// A scene whose solutions on any mesh are compared with one on a far finer mesh, and timed.
 #include "apps/common/run/quantity_values.hpp"
 #include "apps/common/run/scene_file.hpp"
 #include "apps/common/studies/phase_costs.hpp"
@@ -20,9 +20,9 @@ namespace mixbeam {
 
 namespace {
 
-/// More than the k + 1 that are exact for what an element can represent: the reference is no such polynomial.
+/// Gauss points beyond the k + 1 that are exact for an element's polynomials: the reference is no such polynomial.
 constexpr int kMoreGaussPoints = 4;
-/// Steps end at load factors that are asked for, but for rounding.
+/// Steps end at requested load factors up to rounding.
 constexpr double kSameTraceLoad = 1e-12;
 
 double energy_of(const Simulation& simulation) {
@@ -32,7 +32,7 @@ double energy_of(const Simulation& simulation) {
 
 int judging_points(const Simulation& simulation) { return simulation.scene().members.front().order + kMoreGaussPoints; }
 
-/// The scenes belong to applications with studies of their own, which do not matter here.
+/// Reads a scene that belongs to another application and ignores its study.
 Application read_other_scene(const Application& app, const std::string& file) {
   ApplicationDefinition definition;
   definition.name = app.name;
@@ -43,10 +43,10 @@ Application read_other_scene(const Application& app, const std::string& file) {
   return read;
 }
 
-/// All relative. Fields over the whole structure in the L2 norm.
+/// Relative errors; of fields, in the L2 norm over the structure.
 enum ErrorOf {
-  kDisplacement,  ///< of the judged point, over its displacement; without such a point the largest of all points of the
-                  ///< scene, over the largest displacement
+  kDisplacement,  ///< of the judged point, over its displacement; without such a point the largest of all points, over
+                  ///< the largest displacement
   kCenterline,    ///< position of the centerline, over the norm of its displacement
   kMoment,        ///< material moment, over its norm
   kEnergy,        ///< strain energy
@@ -54,11 +54,11 @@ enum ErrorOf {
 };
 using Errors = std::array<double, kErrors>;
 
-/// In seconds: from the scene to equilibrium, reading left out; of it, until the first residual; of all threads
-/// together.
+/// Times [s]: from the scene (already read) to equilibrium; its part before the first residual; processor time of all
+/// threads.
 using RunTimes = std::array<double, 3>;
 
-/// What a path met on its way to the end: critical points, and states for which the scene has expected values.
+/// Critical points of a path, and its states with expected values.
 class PathTrace {
  public:
   explicit PathTrace(const std::vector<ExpectedValue>& on_path) {
@@ -66,7 +66,7 @@ class PathTrace {
       if (!value.critical_point && !value.point.empty()) wanted_.push_back(value);
   }
 
-  /// The next step of the path. Collective.
+  /// Adds the next step of the path. Collective.
   void add(const Simulation& simulation, const StepReport& report) {
     for (const CriticalPoint& point : report.critical_points) critical_loads_.push_back(point.load_factor);
     for (const ExpectedValue& value : wanted_)
@@ -74,8 +74,8 @@ class PathTrace {
         displacements_.push_back(simulation.displacement(value.point));
   }
 
-  /// Largest difference of the critical loads, over the largest of them, and of the displacements, over
-  /// `displacement`; not a number where the paths met different things, or nothing.
+  /// Largest difference of critical loads, over the largest of them, and of displacements, over `displacement`; NaN if
+  /// the paths differ in their events, or have none.
   double error_against(const PathTrace& exact, double displacement) const {
     if (critical_loads_.size() != exact.critical_loads_.size() ||
         displacements_.size() != exact.displacements_.size() || (critical_loads_.empty() && displacements_.empty()))
@@ -90,36 +90,36 @@ class PathTrace {
   }
 
  private:
-  std::vector<ExpectedValue> wanted_;   ///< short of the end
+  std::vector<ExpectedValue> wanted_;   ///< before the end
   std::vector<double> critical_loads_;  ///< load factors
   std::vector<Vector3> displacements_;  ///< of the points of `wanted_`, in the order of the path
 };
 
-/// A run, and what it cost.
+/// A run and its cost.
 struct JudgedRun {
   Simulation simulation;
   PathTrace trace;
   RunTimes times{};
-  AccuracyEnd end = AccuracyEnd::reached;  ///< where an accuracy was asked for
+  AccuracyEnd end = AccuracyEnd::reached;  ///< of a run with an accuracy
   std::vector<MeshRound> rounds{};         ///< likewise
 };
 
-/// Which part of a scene file is meant, and how.
+/// The part of a scene file to judge, and options.
 struct JudgedCase {
   std::string load_case;       ///< of the file
   double load_share = 1.0;     ///< of its loads
-  std::string branch;          ///< "positive": where the load is beyond a bifurcation; empty: what the file says
-  std::string point;           ///< whose displacement is judged; empty: the first loaded point
-  bool is_as_in_file = false;  ///< stability and steps as the file says, all points judged, elements of the members in
-                               ///< the proportions of the file
+  std::string branch;          ///< "positive": for loads beyond a bifurcation; empty: as in the file
+  std::string point;           ///< point whose displacement is judged; empty: the first loaded point
+  bool is_as_in_file = false;  ///< stability and steps as in the file, all points judged, elements of members in the
+                               ///< proportions of the file
 };
 
-/// A problem, ready to be solved on any mesh: elements of order `order`, so many of them in each member or, see
+/// A problem to be solved on any mesh: elements of order `order`, `elements` of them in each member or, with
 /// JudgedCase::is_as_in_file, in the finest one.
 class JudgedProblem {
  public:
-  /// `file`: empty for the scene of the application. Stability is determined only where the file counts or a branch is
-  /// to be followed: it would cost as much as the solve, and has no effect on accuracy. Throws InputError.
+  /// `file`: empty for the application's scene. Determines stability only if taken from the file or for a branch: it
+  /// would cost as much as the solve, and does not affect accuracy. Throws InputError.
   JudgedProblem(Application& app, const std::string& file, const JudgedCase& about)
       : app_(app), is_own_scene_(file.empty()), about_(about) {
     const Application read = is_own_scene_ ? app : read_other_scene(app, file);
@@ -138,8 +138,8 @@ class JudgedProblem {
     solver_.analysis.stability = solver_.analysis.branch != Branch::primary;
   }
 
-  /// `most_seconds`: of the processor, after which it stops with the load step; `follows`: with its trace, which costs.
-  /// Throws InputError.
+  /// `most_seconds`: processor time after which it stops with the load step; `follows`: records the trace, which costs
+  /// time. Throws InputError.
   JudgedRun solve(int order, int elements, bool is_full, std::optional<int> threads, double most_seconds,
                   bool follows) const {
     const Scene scene = on(order, elements, is_full);
@@ -159,7 +159,7 @@ class JudgedProblem {
     return {std::move(simulation), std::move(trace), times};
   }
 
-  /// The program's way to an accuracy.
+  /// Solves by the program's own mesh refinement.
   JudgedRun solve_accurately(double wanted, int threads) const {
     Scene scene = scene_;
     scene.accuracy = wanted;
@@ -186,7 +186,7 @@ class JudgedProblem {
     return {std::move(run.simulation), std::move(trace), times, run.end, std::move(run.rounds)};
   }
 
-  /// What a run estimates of its own error; not a number where it does not.
+  /// Errors as estimated by the run itself; NaN if not estimated.
   Errors estimated(const JudgedRun& run) const {
     using vector_algebra::norm;
     const ErrorEstimate estimate = run.simulation.estimate_error();
@@ -196,7 +196,7 @@ class JudgedProblem {
             estimate.moment.relative(), std::abs(estimate.energy.relative())};
   }
 
-  /// Holds a run against the values of the file that belong to the end of the path.
+  /// Compares a run with the expected values at the end of the path.
   void check_expected(const JudgedRun& run, const std::string& name) const {
     if (is_own_scene_) return app_.check_expected(run.simulation);
     for (const ExpectedValue& value : expected_)
@@ -204,7 +204,7 @@ class JudgedProblem {
         app_.summary.check_expected(name + ": " + value.name, *present, value);
   }
 
-  /// Elements of the finest member in the file.
+  /// Number of elements of the finest member in the file.
   int own_elements() const {
     int most = 1;
     for (const Member& member : scene_.members) most = std::max(most, member.elements);
@@ -233,10 +233,10 @@ class JudgedProblem {
   JudgedCase about_;
   Scene scene_;  ///< of one load case
   SolverParameters solver_;
-  std::vector<ExpectedValue> expected_, on_path_;  ///< of the end; others, where the path is that of the file
+  std::vector<ExpectedValue> expected_, on_path_;  ///< at the end; before it, if the path is that of the file
 };
 
-/// What errors are measured against.
+/// Reference solution for errors.
 class JudgedReference {
  public:
   JudgedReference(const JudgedProblem& problem, const JudgedRun& run) : run_(run) {
@@ -254,7 +254,7 @@ class JudgedReference {
     scale_[kEnergy] = energy_of(simulation);
   }
 
-  /// Of a simulation of the same scene on any mesh. Collective.
+  /// Errors of a simulation of the same scene on any mesh. Collective.
   Errors errors_of(const JudgedRun& run) const {
     const Simulation &simulation = run_.simulation, &other = run.simulation;
     const int gauss = judging_points(other);
@@ -282,11 +282,11 @@ class JudgedReference {
 
  private:
   const JudgedRun run_;
-  std::vector<std::string> points_;  ///< whose displacements are judged
-  Errors scale_{};                   ///< what errors are divided by
+  std::vector<std::string> points_;  ///< points whose displacements are judged
+  Errors scale_{};                   ///< divisors of errors
 };
 
-/// Order and elements of the finest member, and whether the whole path was followed.
+/// [(order, elements) of the finest member and whether the whole path was followed], for each mesh.
 py::list meshes_of(const JudgedRun& run) {
   const auto work = [](const MemberMesh& mesh) { return (mesh.order + 1) * mesh.elements; };
   py::list meshes;
@@ -298,8 +298,8 @@ py::list meshes_of(const JudgedRun& run) {
   return meshes;
 }
 
-/// (global unknowns, interior unknowns, floating-point operations of all iterations, as many as an element of a plain
-/// section takes in each)
+/// (global unknowns, interior unknowns, floating-point operations of all iterations, counted as for elements of plain
+/// sections)
 py::tuple sizes_of(const JudgedRun& run) {
   const Model& model = run.simulation.model();
   const Member& member = run.simulation.scene().members.front();

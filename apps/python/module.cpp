@@ -1,5 +1,5 @@
-/// mixbeam._core: the program's own library in the process of Python. What users see is written in Python, in
-/// apps/python/mixbeam; here numbers change hands, and nothing is decided.
+/// mixbeam._core: the program's own library in the process of Python. The user interface is written in Python, in
+/// apps/python/mixbeam; this module only passes data.
 #include "apps/common/run/scene_file.hpp"
 #include "apps/mixbeam/batch_solver.hpp"
 #include "apps/mixbeam/commands.hpp"
@@ -52,7 +52,7 @@ py::dict entries_of(const Teuchos::ParameterList& list) {
   return entries;
 }
 
-/// Text, what messages call it, and whether it was made of an object.
+/// Text, its name in messages, and whether it was made from an object.
 using SceneText = std::tuple<std::string, std::string, bool>;
 
 XmlParameters parsed(const SceneText& scene) {
@@ -62,7 +62,7 @@ XmlParameters parsed(const SceneText& scene) {
 py::tuple parse(const std::string& text, const std::string& file) {
   return parameters_of(in_turn([&] {
     XmlParameters scene = parsed_scene(text, file);
-    scene.source.collect([] {});  // throws what is wrong
+    scene.source.collect([] {});  // throws collected mistakes
     return scene;
   }));
 }
@@ -96,13 +96,13 @@ void undeformed(const std::string& text, const std::string& file, const std::opt
   });
 }
 
-/// The run, and why it failed to converge.
+/// The run, and the reason if it did not converge.
 struct Outcome {
   Run run;
   std::optional<std::string> failure{};
 };
 
-/// Solves what `prepare` gives, while the listener hears of its steps.
+/// Solves the run that `prepare` returns; calls the listener for its steps.
 template <class Prepare, class Solve>
 py::tuple watched(py::object callback, const Prepare& prepare, const Solve& solve) {
   Listener listener(std::move(callback));
@@ -189,7 +189,7 @@ py::dict batch(const SceneText& scene, const std::optional<std::string>& load_ca
     const Turn turn;
     SolvedRun base(parsed(scene), Turn::threads(threads), false);
     const std::string name = meant_case(base.app().scene, load_case);
-    base.app().solver.analysis.error_estimate = ErrorEstimation::off;  // nobody asks for limits here
+    base.app().solver.analysis.error_estimate = ErrorEstimation::off;  // limits are not checked here
     const CaseQuantities quantities(base.app(), cases.output, name);
     CaseScenes scenes(base.app(), cases, name);
     CaseResults solved_cases;
@@ -228,7 +228,7 @@ void set_error(const char* name, const std::exception& error) {
   PyErr_SetString(py::module_::import("mixbeam.errors").attr(name).ptr(), error.what());
 }
 
-/// Exit code 2 of the program, and what it leaves to Python.
+/// Translates exceptions: exit code 2 becomes InputError; unforeseen ones are left to pybind11.
 void translate(const std::exception_ptr& thrown) {
   try {
     if (thrown) std::rethrow_exception(thrown);
@@ -249,7 +249,7 @@ void translate(const std::exception_ptr& thrown) {
       PyErr_SetString(PyExc_MemoryError, reason_of(error).c_str());
     else
       throw;
-  } catch (const char* text) {  // NOX and LOCA throw texts
+  } catch (const char* text) {  // NOX and LOCA throw string literals
     PyErr_SetString(PyExc_RuntimeError, text);
   }
 }

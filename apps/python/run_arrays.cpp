@@ -1,4 +1,4 @@
-/// What a run hands out: paths, quantities, fields, modes.
+/// Arrays of a run: paths, quantities, fields, modes.
 #include "apps/common/run/quantity_values.hpp"
 #include "apps/python/arrays.hpp"
 #include "discretization/reading/variables.hpp"
@@ -41,7 +41,7 @@ py::dict path_of(const SolvedRun& run) {
   return path;
 }
 
-/// Of a list "Quantities" in a text, with the variables of the scene.
+/// Quantities of a list "Quantities" in XML, with the variables of the scene.
 QuantitySet quantities_in(const SolvedRun& run, const std::string& xml) {
   const XmlParameters parameters = parse_xml(xml, "quantity");
   Variables(run.app().xml.list->sublist("Scene"), parameters.source).resolve(*parameters.list, quantities_spec(), {});
@@ -65,7 +65,7 @@ py::tuple evaluate(const SolvedRun& run, const std::string& xml, const std::vect
   return py::make_tuple(std::move(names), table(std::move(values), columns));
 }
 
-/// Of each column: where an extreme over several places is.
+/// Place of an extreme over several places, for each column.
 std::vector<std::string> places(const SolvedRun& run, const std::string& xml, int step) {
   return in_turn([&] { return places_of(quantities_in(run, xml), run.at(step)); });
 }
@@ -131,7 +131,7 @@ py::dict state_of(const SolvedRun& run, int step) {
   return arrays;
 }
 
-/// Every field of a record that is known; fields at samples are moved.
+/// Known fields of a record; fields at samples are moved.
 template <class Record>
 py::dict dict_of(Record& record) {
   py::dict dict;
@@ -162,7 +162,7 @@ py::list buckling_modes_of(const SolvedRun& run, int count, int step) {
   return result;
 }
 
-/// `tracks`: of the states that were asked for before.
+/// `tracks`: of the states searched before.
 py::list natural_modes_of(const SolvedRun& run, int count, int step, bool in_plane, ModeTracks* tracks) {
   py::list result;
   for (RecordedVibrationMode& mode :
@@ -237,7 +237,7 @@ py::list found_numbers_of(const SolvedRun& run) {
   return found;
 }
 
-/// Stiffness matrices of all sections by name, imported ones and profiles among them; infinite where rigid.
+/// Stiffness matrices of all sections by name, including imported ones and profiles; infinite where rigid.
 std::map<std::string, Matrix6> sections_of(const SolvedRun& run) {
   std::map<std::string, Matrix6> found;
   for (const Section& section : run.app().scene.sections) {

@@ -27,7 +27,7 @@ void prepare(Application& app, std::ostream& report, bool force) {
   app.force = force;
 }
 
-/// Runs that differ in their loads alone share a mesh: what the rest of the scene says, in print.
+/// Hash of a scene without its loads; scenes that differ only in these share a mesh.
 std::size_t key_without_loads(const XmlParameters& xml) {
   Teuchos::ParameterList rest(*xml.list);
   for (const char* name : {"Quantities", "Expected"}) rest.remove(name, false);
@@ -43,13 +43,13 @@ struct KnownMesh {
   MeshChoice mesh{};
   std::string note{};
 };
-/// By key_without_loads(), of this process.
+/// Meshes chosen in this process, by key_without_loads().
 std::map<std::size_t, KnownMesh>& known_meshes() {
   static std::map<std::size_t, KnownMesh> meshes;
   return meshes;
 }
 
-/// For as long as the estimated errors of runs stay small enough.
+/// Reuses a known mesh, as long as estimated errors stay small enough.
 void choose_mesh_once(Application& app) {
   if (!app.mesh_is_free) return;
   KnownMesh& known = known_meshes()[key_without_loads(app.xml)];
@@ -69,7 +69,7 @@ void forget_poor_mesh(const Application& app) {
 
 XmlParameters parsed_scene(const std::string& text, const std::string& file, bool is_object) {
   if (format_of("", text) != FileFormat::xml) return parse_parameters(text, file, mixbeam_root_spec(), Mistakes::kept);
-  XmlParameters scene = parse_xml(text, file, Mistakes::kept);  // whatever the file it comes from
+  XmlParameters scene = parse_xml(text, file, Mistakes::kept);  // regardless of the file name
   if (is_object) scene.source.set_language(InputLanguage::python);
   return scene;
 }
@@ -146,7 +146,7 @@ void SolvedRun::solve(const std::string& load_case, const std::filesystem::path&
 
 void SolvedRun::keep(const Simulation& simulation, const StepReport& report) {
   const bool is_same_mesh = simulation_ && &simulation_->model() == &simulation.model();
-  if (!is_same_mesh) {  // a scene with an accuracy goes on with another mesh
+  if (!is_same_mesh) {  // a scene with an accuracy continues on another mesh
     steps_.clear();
     stored_.reset();
   }
@@ -176,7 +176,7 @@ std::size_t SolvedRun::place_of(int step) const {
 
 Simulation SolvedRun::at(int step) const {
   const std::size_t place = place_of(step);
-  // as the run: a second thread costs a small structure far more than all that it is asked
+  // as in the run: a second thread costs a small structure far more than the evaluation
   set_number_of_threads(std::min(number_of_threads(), app_.threads_for(simulation_->scene(), app_.solver)));
   const KeptStep& kept = steps_[place];
   if (!stored_) return simulation_->at(kept.state, kept.report.load_factor, kept.stability);

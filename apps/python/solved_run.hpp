@@ -1,4 +1,4 @@
-/// A run that is over, or under way: its scene, its steps, and what can be asked of them. Nothing here knows Python.
+/// A completed or ongoing run: its scene, steps, and evaluations. Independent of Python.
 #pragma once
 
 #include "apps/common/run/application.hpp"
@@ -20,34 +20,34 @@ class SolvedRun {
   /// Reads a scene. Throws InputError.
   SolvedRun(XmlParameters parameters, const std::optional<int>& threads, bool force);
 
-  /// A run from a result file of `mixbeam run`. Throws InputError.
+  /// Opens a result file of `mixbeam run`. Throws InputError.
   static std::unique_ptr<SolvedRun> from_file(const std::filesystem::path& file, const std::optional<int>& threads);
 
   /// Solves a case of the scene ("": a scene without cases) into `file`, or without one. Throws InputError,
-  /// ConvergenceError; the steps that were done are there in any case.
+  /// ConvergenceError; completed steps are kept in any case.
   void solve(const std::string& load_case, const std::filesystem::path& file, const WritingOptions& writing,
              const StoredRun* resume = nullptr);
 
-  /// Writes the result file that the run would have left. Throws ResultFileError, InputError.
+  /// Writes the result file that the run would have written. Throws ResultFileError, InputError.
   void write(const std::filesystem::path& file) const;
 
-  /// Called after each step of solve(), which at(-1) is then.
+  /// Sets a function that solve() calls after each step, which at(-1) then returns.
   void on_step(std::function<void()> action) { on_step_ = std::move(action); }
 
   Application& app() { return app_; }
   const Application& app() const { return app_; }
   const std::vector<KeptStep>& steps() const { return steps_; }
   bool interrupted() const { return interrupted_; }
-  /// What the program would have printed.
+  /// Output of the program.
   std::string report() const { return report_.str(); }
 
-  /// The structure in the state of a step, counted from 0, or from the end from -1 on. Throws InputError.
+  /// The structure in the state of a step, counted from 0, or from the end as -1, -2, ... Throws InputError.
   Simulation at(int step) const;
-  /// Those of all steps, in the order of the path.
+  /// Critical points of all steps, in the order of the path.
   std::vector<CriticalPoint> critical_points() const;
-  /// Throws InputError where the result file of the run has been replaced.
+  /// Throws InputError if the result file of the run has been replaced.
   void require_same_file() const;
-  /// That step with its critical points. Throws InputError.
+  /// A step; its critical points too, unless it is from a file. Throws InputError.
   const KeptStep& step(int step) const { return steps_[place_of(step)]; }
 
  private:
@@ -56,21 +56,20 @@ class SolvedRun {
 
   std::ostringstream report_;
   Application app_;
-  std::optional<Simulation> simulation_;  ///< of the last step
+  std::optional<Simulation> simulation_;  ///< in the last step
   std::vector<KeptStep> steps_;
-  std::optional<StoredRun> stored_;  ///< holds the states of the steps, where they come from a file
-  std::filesystem::path file_{};     ///< of the results, as it was:
+  std::optional<StoredRun> stored_;  ///< states of the steps, if they are from a file
+  std::filesystem::path file_{};     ///< result file, and its status when read:
   struct stat opened_ {};
   std::function<void()> on_step_{};
   bool interrupted_ = false;
 };
 
-/// The text of a scene in XML or YAML; `file` stands in messages, and what the scene imports lies in its folder. Throws
-/// InputError.
-/// `is_object`: the text was made of an object, and messages tell the place of an entry in that.
+/// Parses a scene in XML or YAML; `file`: name in messages, relative to whose folder files are imported. Throws
+/// InputError. `is_object`: the text was made from an object, whose entries messages name.
 XmlParameters parsed_scene(const std::string& text, const std::string& file, bool is_object = false);
 
-/// The case of a scene that is meant. Throws InputError where it has several and none is named.
+/// The chosen case of a scene. Throws InputError if it has several and none is named.
 std::string meant_case(const Scene& scene, const std::optional<std::string>& wanted);
 
 }  // namespace mixbeam

@@ -1,5 +1,5 @@
-/// Programs with a study whose steps are written in Python: everything else (command line, scene file, tables, checks,
-/// summary, exit code) is that of the other programs. Nothing here waits for a turn: the process is the program's own.
+/// Programs with a study written in Python: everything else (command line, scene file, tables, checks, summary, exit
+/// code) is shared with the other programs. Takes no Turn: the process belongs to the program.
 #include "apps/common/studies/study.hpp"
 #include "apps/common/run/scene_file.hpp"
 #include "apps/common/studies/variants.hpp"
@@ -28,14 +28,14 @@ void add_row(StudyTable& table, const py::iterable& row) {
   table.add_row(cells);
 }
 
-/// A scene that was solved, or why it was not.
+/// A solved scene, or the reason of the failure.
 struct Trial {
   std::optional<Simulation> simulation;
   LoadPathResult result;
-  double seconds = 0.0, processor_seconds = 0.0;               ///< from the scene to the answer, reading left out
+  double seconds = 0.0, processor_seconds = 0.0;               ///< from the scene (already read) to the result
   double residual = std::numeric_limits<double>::quiet_NaN();  ///< of the last step
-  std::vector<int> negative;                                   ///< eigenvalues in each step; -1: not counted
-  bool symmetric = true;               ///< the tangent of the last step; else `negative` has no meaning
+  std::vector<int> negative;                                   ///< negative eigenvalues in each step; -1: not counted
+  bool symmetric = true;               ///< tangent of the last step; otherwise `negative` is meaningless
   std::vector<double> critical_loads;  ///< load factors
 
   void observe(const StepReport& report) {
@@ -47,13 +47,13 @@ struct Trial {
 };
 
 enum class Follow {
-  counted,   ///< its costs are those of the study
-  recorded,  ///< likewise, with a result file, which is of no further use
-  path,      ///< costs do not count
-  at_once    ///< likewise: by Newton's method for the whole load, without any check
+  counted,   ///< its costs are added to the study
+  recorded,  ///< likewise, with a result file, which is not used
+  path,      ///< costs are not added
+  at_once    ///< likewise, by Newton's method for the whole load, without checks
 };
 
-/// The scene of a text, in `way`. `estimates`: the discretization error too.
+/// Solves a scene. `estimates`: estimates the discretization error too.
 Trial solve(Application& app, const std::string& text, Follow way, bool estimates) {
   std::ostringstream unread;
   Application read;
@@ -105,9 +105,8 @@ bool is_list_of(const py::handle& value) {
   return py::isinstance<py::list>(value) && py::isinstance<Kind>(value.cast<py::list>()[0]);
 }
 
-/// (name, default, least, most, meaning); a default of words is all that may be chosen from. Real numbers are larger
-/// than their least one unless it is whole, those of a list smaller than their largest one too. A tuple has a fixed
-/// length.
+/// Declares (name, default, least, most, meaning); default words are the set to choose from. A real number must exceed
+/// `least` unless that is an integer; those of a list must also be below `most`. A tuple has a fixed length.
 void add_parameter(ListSpec& spec, const py::tuple& declared) {
   const auto name = declared[0].cast<std::string>(), meaning = declared[4].cast<std::string>();
   const py::handle value = declared[1], least = declared[2], most = declared[3];
@@ -135,7 +134,7 @@ void add_parameter(ListSpec& spec, const py::tuple& declared) {
   }
 }
 
-/// What Python raises of bad input becomes it again; the rest is unforeseen.
+/// Rethrows mixbeam's Python exceptions as their C++ originals; others are unforeseen.
 template <class Action>
 void with_errors_of_the_program(const Action& action) {
   try {
@@ -167,7 +166,7 @@ int run_python_study(const std::vector<std::string>& arguments, const std::strin
   return run_application(static_cast<int>(argv.size()), argv.data(), definition);
 }
 
-/// A check of the summary as a method of the application.
+/// Makes a check of the summary a method of the application.
 template <class... Arguments>
 auto check_by(bool (Summary::*check)(Arguments...)) {
   return [check](Application& app, Arguments... arguments) { (app.summary.*check)(arguments...); };

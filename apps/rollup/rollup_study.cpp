@@ -18,23 +18,23 @@ const std::string kClosedForm = "closed form: constant curvature M/EI, no force 
 const std::string kGoal = "goal of mixbeam: pure bending in 3 iterations of one load step, at any slenderness";
 constexpr int kGoalIterations = 3;
 
-/// Exact but for the roundings of some hundred operations; positions divided by L, rotations in radians.
+/// Tolerance of exact values: rounding of some hundred operations; positions divided by L, rotations in radians.
 constexpr double kExact = 1e-12;
-/// The figures go down to round-off: what Newton leaves with the default of 1e-11 would be seen on fine meshes.
+/// The figures show errors down to round-off; the default of 1e-11 would be visible on fine meshes.
 constexpr double kResidualTolerance = 1e-13;
-/// Round-off of stiffer rods alone is more than that: strains of 1e-16 times a stiffness far above that of bending.
+/// Stiffer rods have larger round-off: strains of 1e-16 times a stiffness far above that of bending.
 constexpr double kStiff = 1e2, kResidualToleranceOfStiff = 3e-12;
-constexpr double kRoundOff = 1e-12;  // of the centerline's error at slenderness 1000: what Newton's tolerance lets pass
+constexpr double kRoundOff = 1e-12;  // of the centerline's error at slenderness 1000, set by Newton's tolerance
 constexpr double kRateTolerance = 0.15;
 
-/// An element locks when its error is this many times the one that both reduced integrations give. At slenderness 1000
-/// and 16 elements the ratios are below 1.1 or above 100, so that any number between separates them.
+/// An element locks if its error is this many times that with both parts reduced. At slenderness 1000 and 16 elements
+/// the ratios are below 1.1 or above 100, so any number between separates them.
 constexpr double kLocked = 10.0;
 constexpr int kLockingElements = 16;
 constexpr double kLockingSlenderness = 1000.0;
 
-constexpr int kSmoothSamples = 33;   // of each element in single.h5, where an element is a quarter of a circle
-constexpr int kMoreGaussPoints = 3;  // than the k + 1 that a polynomial of degree k needs: the exact circle is none
+constexpr int kSmoothSamples = 33;   // per element in single.h5, where an element is a quarter of a circle
+constexpr int kMoreGaussPoints = 3;  // beyond the k + 1 of polynomials of degree k: the exact circle is none
 
 constexpr int kPrototypeElements = 32;
 const std::vector<const char*> kPrototypeErrors = {"8.59e-04", "2.77e-05", "6.28e-07",
@@ -43,7 +43,7 @@ const std::vector<const char*> kPrototypeErrors = {"8.59e-04", "2.77e-05", "6.28
 struct NamedIntegration {
   ForceIntegration integration;
   const char* name;
-  std::vector<int> locking_orders;  ///< that the paper's figures show at slenderness 1000, of k = 1..4
+  std::vector<int> locking_orders;  ///< orders k = 1..4 that lock in the paper's figures, slenderness 1000
 };
 const std::vector<NamedIntegration> kIntegrations = {{ForceIntegration::full, "full", {2, 3, 4}},
                                                      {ForceIntegration::axial_reduced, "axial reduced", {3}},
@@ -51,17 +51,17 @@ const std::vector<NamedIntegration> kIntegrations = {{ForceIntegration::full, "f
                                                      {ForceIntegration::both_reduced, "both reduced", {}}};
 const NamedIntegration& kBothReduced = kIntegrations.back();
 
-/// One computed rod, and how far it is from where it should be: positions divided by L, rotations in radians.
+/// One computed rod and its errors; positions divided by L, rotations in radians.
 struct RollupRun {
   const NamedIntegration* how = nullptr;
   double slenderness = 0.0;  ///< L/a, square section of side a
   int order = 1, elements = 1;
   int load_steps = 0, iterations = 0;
-  double l2_error = 0.0;    ///< the paper's: 1/L sqrt(1/L int |r - r_exact|^2 ds)
+  double l2_error = 0.0;    ///< as in the paper: 1/L sqrt(1/L int |r - r_exact|^2 ds)
   double tip = 0.0;         ///< distance of the last vertex from the end of the circle
-  double circle = 0.0;      ///< largest distance of any vertex from its place on the circle
-  double quadrature = 0.0;  ///< the same from where quadrature_positions() puts it
-  double rotation = 0.0;    ///< largest angle between any vertex's rotation and the exact one
+  double circle = 0.0;      ///< largest distance of a vertex from its exact place
+  double quadrature = 0.0;  ///< largest distance from quadrature_positions()
+  double rotation = 0.0;    ///< largest angle between a vertex rotation and the exact one
 
   bool is(const NamedIntegration& integration, double of_slenderness, int k, int count) const {
     return how == &integration && slenderness == of_slenderness && order == k && elements == count;
@@ -89,7 +89,7 @@ class RollupStudy {
     curvature_ = load.moment[2] / bending_stiffness_;
   }
 
-  /// Records the scene as it stands (single.h5); checks what pure bending gives exactly, and in how many iterations;
+  /// Records the scene as it stands (single.h5); checks the values that are exact in pure bending, and the iterations;
   /// writes convergence.csv, prints the errors of the centerline, checks their rates and which elements lock.
   void run() {
     app_.check_expected(app_.solve_and_record(app_.scene, app_.solver, "single", kSmoothSamples));
@@ -106,10 +106,10 @@ class RollupStudy {
     return {{std::sin(angle) / curvature_, 2.0 * half_sine * half_sine / curvature_, 0.0}};  // 1 - cos, no cancellation
   }
 
-  /// Exact positions of all vertices of the discrete solution when both parts of the force-strain energy are reduced:
-  /// rotations are exact and force strains vanish at k Gauss points in each element, so r' is the exact tangent there,
-  /// and a vertex is where the Gauss rule for the integral of the tangent puts it. That is on the circle up to
-  /// O(h^2k), and exactly on it wherever whole elements add up to a full turn, at the tip for one.
+  /// Vertex positions of the discrete solution if both parts of the force-strain energy are reduced: rotations are
+  /// exact and force strains vanish at k Gauss points per element, so r' is the exact tangent there, and the Gauss rule
+  /// for its integral gives the vertices. They are on the circle up to O(h^2k), and exactly after each full turn, such
+  /// as at the tip.
   std::vector<Vec3<double>> quadrature_positions(int order, int elements) const {
     std::vector<double> points(order), weights(order);
     gauss_rule(order, points.data(), weights.data());
@@ -126,7 +126,7 @@ class RollupStudy {
     return positions;
   }
 
-  /// With the force stiffness of a square section: EA = 12 slenderness^2 EI/L^2, GA = EA/2. Collective.
+  /// Solves with the force stiffness of a square section: EA = 12 slenderness^2 EI/L^2, GA = EA/2. Collective.
   RollupRun compute(const NamedIntegration& how, double slenderness, int order, int elements,
                     const SolverParameters& solver) {
     Scene scene = with_mesh(app_.scene, order, elements);
@@ -224,14 +224,14 @@ class RollupStudy {
     table.print(app_.out());
   }
 
-  /// Null where the user's lists do not hold it.
+  /// Finds a run; null if the user's lists do not contain it.
   const RollupRun* find(const NamedIntegration& how, double slenderness, int order, int elements) const {
     for (const RollupRun& run : runs_)
       if (run.is(how, slenderness, order, elements)) return &run;
     return nullptr;
   }
 
-  /// Error over that of both reduced integrations: printed, and checked against what the paper's figures show.
+  /// Prints the errors relative to those with both parts reduced, and checks them against the paper's figures.
   void report_locking() {
     app_.out() << "\nLocking at slenderness " << kLockingSlenderness << " with " << kLockingElements
                << " elements: more than " << kLocked << " times the error with both parts reduced";

@@ -1,4 +1,4 @@
-// Gradients of the elastica against derivatives of elliptic integrals, over orders and meshes, and what gradients cost.
+// Gradients of the elastica against derivatives of elliptic integrals, over orders and meshes, and their cost.
 #include "apps/common/studies/study.hpp"
 #include "apps/common/studies/variants.hpp"
 #include "apps/common/tables/formatted.hpp"
@@ -10,16 +10,16 @@ namespace mixbeam {
 
 namespace {
 
-/// A rate of 2 k, less what coarse meshes miss, and the error from which on one is seen.
+/// Largest shortfall of the rate 2 k on coarse meshes, and the least error for rates.
 constexpr double kMissingRate = 0.5, kSeenRate = 1e-12;
 constexpr int kTabulated = 4, kTabulatedElements = 16;
-/// Largest errors of all derivatives by alpha with 16 elements of order 1 to 4: a prototype with all unknowns in one
+/// Largest errors of derivatives by alpha with 16 elements of order 1 to 4, from a prototype with all unknowns in one
 /// matrix.
 constexpr double kOfPrototype[kTabulated] = {1e-4, 2e-7, 2e-10, 2e-13};
-/// Step of the force, over it, for differences of the equations.
+/// Relative step of the force for differences of the equations.
 constexpr double kStep = 0.0005;
 
-/// Of deflection, shortening and rotation of the end by alpha = P L^2 / EI: elliptic integrals.
+/// Derivatives of deflection, shortening and rotation of the end by alpha = P L^2 / EI, from elliptic integrals.
 struct Elastica {
   double alpha;
   std::array<double, 3> derivative;
@@ -60,7 +60,7 @@ Simulation solved(Application& app, const Scene& scene) {
   return simulation;
 }
 
-/// Largest error of the derivatives by alpha, by the force and by the compliances of all elements together.
+/// Largest errors of the derivatives by alpha, computed by the force and by the compliances of all elements together.
 std::array<double, 2> errors_of(Application& app, const Scene& scene, const Elastica& exact) {
   const QuantitySet quantities = motions_of_end(scene);
   const Simulation simulation = solved(app, scene);
@@ -103,7 +103,7 @@ void run_convergence(Application& app) {
   table.print(app.out());
 }
 
-/// Processor time of gradients of one quantity beside that of the run.
+/// Measures the processor time of gradients of one quantity beside that of the run.
 void run_costs(Application& app) {
   app.out() << "\nProcessor time of the gradient of one quantity, order 2\n";
   StudyTable csv(app, "costs.csv", words("elements,numbers by path,numbers by element,run seconds,gradient seconds"),

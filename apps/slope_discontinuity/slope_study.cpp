@@ -11,7 +11,7 @@ namespace {
 
 const std::string kTip = "tip";
 
-/// Digits of the manuscript, some more than its table of tip displacements shows; elements of a member.
+/// Tip displacement by order and elements per member: digits of the manuscript, some more than in its table.
 const PaperTable kPaper = {"Humer, Steinbrecher, Pechstein, table \"Structure with slope discontinuity\"",
                            {{1, 1, {"-1.519637", "-0.1870366", "-2.607832"}},
                             {2, 1, {"-1.528034", "-0.1713543", "-2.470063"}},
@@ -23,14 +23,14 @@ const PaperTable kPaper = {"Humer, Steinbrecher, Pechstein, table \"Structure wi
                             {4, 8, {"-1.535072", "-0.1758755", "-2.484219"}}},
                            6};
 
-/// One load step and five end in the same state up to what Newton's method leaves over: 1e-11 of the scaled residual,
-/// here about 1e-11 of a member's length.
+/// Difference of the end states of one and five load steps: Newton's method ends at a scaled residual of 1e-11, here
+/// about 1e-11 of a member's length.
 constexpr double kPathTolerance = 1e-10;
 
 /// Smooth curves in the figures need more samples on long elements.
 constexpr int kSamplesPerElement = 17;
 
-/// One row of the table: solved, checked, and ready to print.
+/// Solves and checks one row of the table.
 void add_table_row(Application& app, int order, int elements, TablePrinter& table, StudyTable& csv) {
   const std::string requirement = "requirement: the whole load in one step";
   const int total = elements * static_cast<int>(app.scene.members.size());
@@ -59,8 +59,8 @@ void compare_with_table(Application& app) {
   table.print(app.out());
 }
 
-/// Displacement of the tip along the load path, from the unloaded state on. The largest component of the force at the
-/// tip is what the paper calls F.
+/// Writes the displacement of the tip along the load path. The paper's F is the largest component of the force at the
+/// tip.
 Vector3 trace_load_displacement(Application& app, int steps) {
   StudyTable csv(app, "load_displacement.csv", {"force", "u1", "u2", "u3"});
   double force = 0.0;
@@ -73,9 +73,9 @@ Vector3 trace_load_displacement(Application& app, int steps) {
   return solve_in_steps(app, app.scene, steps, add_row).displacement(kTip);
 }
 
-/// Table of orders and meshes beside the paper's; the scene as it stands with a shape for each of the paper's loads
-/// (single.h5); load-displacement curve (load_displacement.csv); the fully loaded state must not depend on the number
-/// of load steps.
+/// Compares orders and meshes with the paper's table; records the scene as it stands with a shape for each of the
+/// paper's loads (single.h5); writes the load-displacement curve (load_displacement.csv); checks that the fully loaded
+/// state does not depend on the number of load steps.
 void run_slope_study(Application& app) {
   require_point(app, kTip);
   compare_with_table(app);

@@ -1,4 +1,4 @@
-// Superimposed rotation of a deformed cantilever: strains and energy of a bent rod must not notice ten turns of its
+// Superimposed rotation of a deformed cantilever: strains and energy of a bent rod must not change in ten turns of its
 // clamp.
 #include "apps/common/studies/study.hpp"
 #include "apps/common/studies/variants.hpp"
@@ -15,19 +15,19 @@ namespace {
 const std::string kPaper =
     "Humer, Steinbrecher, Pechstein, section \"Superimposed rotation of deformed cantilever\": preserved up to double "
     "precision";
-/// Round-off of some hundred operations on numbers of size one.
+/// Tolerance of invariants: round-off of some hundred operations on numbers of size one.
 constexpr double kPreserved = 1e-12;
 /// The same for configurations turned back by up to 63 radians, whose sine and cosine carry the rounding of that angle.
 constexpr double kSameConfiguration = 1e-11;
 constexpr int kPointsPerElement = 9;
 
-/// How a turned configuration differs from the one before the rotation, after turning it back.
+/// Difference of a rotated configuration, rotated back, from the one before the rotation.
 struct Deviation {
   double rotation = 0.0;         ///< prescribed so far [rad]
-  double relative_u3 = 0.0;      ///< displacement of the tip along the axis of rotation, change over L
-  double relative_energy = 0.0;  ///< moment energy, change over its value
-  double position = 0.0;         ///< farthest vertex, distance over L
-  double triad = 0.0;            ///< vertex whose triad differs most, angle [rad]
+  double relative_u3 = 0.0;      ///< change of the tip displacement along the axis of rotation, over L
+  double relative_energy = 0.0;  ///< relative change of the moment energy
+  double position = 0.0;         ///< largest distance of a vertex, over L
+  double triad = 0.0;            ///< largest angle between triads of a vertex [rad]
   int iterations = 0;            ///< Newton's, for this increment
 
   std::vector<CsvCell> cells(const CsvCell& first) const {
@@ -38,7 +38,7 @@ struct Deviation {
 /// Follows a run: keeps the state at the start of the prescribed rotation and compares every later one with it.
 class TurnedRod {
  public:
-  /// The support with a prescribed rotation says axis, centre and stage.
+  /// Takes axis, centre and stage from the support with a prescribed rotation.
   explicit TurnedRod(const Scene& scene) {
     const auto turns = [](const Support& s) { return length_of(to_vec(s.prescribed_rotation)) > 0.0; };
     const auto support = std::find_if(scene.supports.begin(), scene.supports.end(), turns);
@@ -51,7 +51,7 @@ class TurnedRod {
     axis_ = (1.0 / whole_rotation_) * to_vec(support->prescribed_rotation);
   }
 
-  /// Collective; to be called after every converged step.
+  /// Adds a step; call after every converged one. Collective.
   void observe(const Simulation& simulation, const StepReport& report) {
     const double amplitude = report.load_factor - (stage_ - 1);
     if (amplitude < -kSameLoadFactor * stage_) return;
@@ -67,7 +67,7 @@ class TurnedRod {
     return [this](const Simulation& running, const StepReport& report) { observe(running, report); };
   }
 
-  /// The state before the rotation first (no deviation, no iterations), then every increment.
+  /// First the state before the rotation (no deviation, no iterations), then every increment.
   const std::vector<Deviation>& deviations() const { return deviations_; }
 
   /// Checks the largest absolute values of all increments, and returns them with the largest number of iterations.
@@ -92,7 +92,7 @@ class TurnedRod {
 
  private:
   struct Configuration {
-    double along_axis = 0.0;  ///< of the tip's displacement
+    double along_axis = 0.0;  ///< tip displacement along the axis
     double moment_energy = 0.0;
     std::vector<VertexPlace> vertices;
   };
@@ -131,9 +131,9 @@ void run_rotation(Application& app) {
   rod.checked(app.summary, "scene");
 }
 
-/// That, and the other element orders.
+/// Runs the scene, then the other element orders.
 void run_rotation_study(Application& app) {
-  app.quiet = true;  // the table of increments says it all
+  app.quiet = true;  // the table of increments is complete
   run_rotation(app);
   app.out() << "\nLargest change of all increments, by order, and the most iterations of one\n";
   StudyTable table(app, "", {"k", "u3(L) / L", "moment energy", "vertices / L", "triads [rad]", "iterations"}, 6);

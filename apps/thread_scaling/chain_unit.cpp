@@ -17,14 +17,14 @@ namespace mixbeam {
 namespace {
 
 constexpr int kBlock = 6;                       ///< unknowns of a vertex
-constexpr int kDiagonals = 2 * kBlock - 1;      ///< on either side of the main one
-constexpr int kBandRows = 3 * kDiagonals + 1;   ///< of LAPACK's band storage, with room for exchanged rows
-constexpr int kMainRow = 2 * kDiagonals;        ///< that of the main diagonal
-constexpr double kAxial = 100.0, kTwist = 1.0;  ///< stiffness over that of bending, in units of the element's length
-/// Stiffness of the foundation over that of bending: without it the condition of a clamped chain grows with the fourth
-/// power of its length, and the solution could not be checked.
+constexpr int kDiagonals = 2 * kBlock - 1;      ///< on either side of the main diagonal
+constexpr int kBandRows = 3 * kDiagonals + 1;   ///< of LAPACK's band storage, with fill-in of row exchanges
+constexpr int kMainRow = 2 * kDiagonals;        ///< row of the main diagonal
+constexpr double kAxial = 100.0, kTwist = 1.0;  ///< stiffness over bending stiffness; element length is one
+/// Stiffness of the foundation over that of bending. Without it, the condition number of a clamped chain grows with the
+/// fourth power of its length, and the solution could not be checked.
 constexpr double kFoundation = 0.1;
-/// Condition times rounding is 1e-12.
+/// Tolerance of the solution; condition times rounding is 1e-12.
 constexpr double kUnitTolerance = 1e-9;
 
 using ElementStiffness = std::array<std::array<double, 2 * kBlock>, 2 * kBlock>;
@@ -50,14 +50,14 @@ ElementStiffness element_stiffness() {
   return k;
 }
 
-/// The exact solution: different at neighbours, of size one.
+/// The exact solution: of size one, varying from row to row.
 double known_solution(int row) { return 1.0 + 0.5 * ((row * 7) % 11) / 11.0; }
 
 namespace fs = std::filesystem;
 
-/// LAPACK's band solver. B is a unit of time only if it does not depend on the BLAS that the system has chosen: where
-/// Debian's reference libraries lie beside the chosen ones they are loaded, in a name space of their own because the
-/// program has the others already.
+/// LAPACK's band solver. B is a unit of time only if it does not depend on the BLAS chosen in the system. So Debian's
+/// reference libraries are loaded if present, in a separate namespace because the program has loaded the chosen ones
+/// already.
 struct BandSolver {
   using Factorize = void (*)(const int* m, const int* n, const int* kl, const int* ku, double* ab, const int* ldab,
                              int* ipiv, int* info);
@@ -105,7 +105,7 @@ struct BandSolver {
   }
 };
 
-/// Processor time of this thread: threads of earlier kernels may still be waiting actively.
+/// Processor time of this thread only: threads of earlier kernels may still be spinning.
 double processor_seconds() {
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
@@ -132,7 +132,7 @@ void ChainUnit::fill() {
   };
   for (int v = 0; v < vertices_; ++v)
     for (int i = 0; i < kBlock; ++i) add(kBlock * v + i, kBlock * v + i, kFoundation);
-  for (int i = 0; i < kBlock; ++i)  // the element between the clamp and the first vertex
+  for (int i = 0; i < kBlock; ++i)  // element between the clamp and the first vertex
     for (int j = 0; j < kBlock; ++j) add(i, j, stiffness[kBlock + i][kBlock + j]);
   for (int e = 0; e + 1 < vertices_; ++e)
     for (int i = 0; i < 2 * kBlock; ++i)

@@ -1,4 +1,4 @@
-/// The unit of time B: how long LAPACK takes on one thread for a linear system of the same size as a chain's.
+/// The unit of time B: time of LAPACK on one thread for a linear system of the same size as a chain's.
 #pragma once
 
 #include <string>
@@ -7,8 +7,8 @@
 namespace mixbeam {
 
 /// A clamped chain of beam elements on a soft foundation: symmetric positive definite, block-tridiagonal with 6 x 6
-/// blocks, stored and solved as a band matrix with 11 diagonals on either side (dgbtrf and dgbtrs). A library that has
-/// threads of its own is told to use one.
+/// blocks, stored and solved as a band matrix with 11 diagonals on either side (dgbtrf and dgbtrs). A BLAS with its own
+/// threads is limited to one.
 class ChainUnit {
  public:
   explicit ChainUnit(int vertices);
@@ -18,7 +18,7 @@ class ChainUnit {
     double processor = 0.0;               ///< processor time of both
     double sum() const { return factorize + solve; }
   };
-  /// Factorises and solves once; std::runtime_error unless the solution is the known one.
+  /// Factorises and solves once; throws std::runtime_error if the solution is wrong.
   Seconds time();
 
  private:
@@ -29,8 +29,8 @@ class ChainUnit {
   std::vector<int> pivots_;
 };
 
-/// Path of the BLAS that LAPACK uses here; "unknown" where the system does not tell. The reference BLAS wherever it is
-/// installed, whatever the program itself uses.
+/// Path of the BLAS that LAPACK uses here: the reference BLAS if installed, independent of the program's own; "unknown"
+/// if it cannot be determined.
 std::string blas_library();
 
 }  // namespace mixbeam

@@ -13,19 +13,19 @@ namespace {
 
 using Register = Pack<kLanes>;
 
-/// Sums that do not wait for each other: latency (4 cycles) times units (2) of present processors is 8, and with two
-/// constants they must fit into 16 registers.
+/// Number of independent sums: latency (4 cycles) times units (2) of present processors is 8, and with two constants
+/// they must fit into 16 registers.
 constexpr int kIndependentSums = 10;
-constexpr long kMultiplyAdds = 2'000'000;  ///< of each sum: some ten milliseconds
+constexpr long kMultiplyAdds = 2'000'000;  ///< per sum: some ten milliseconds
 /// Of each of three arrays, 64 MB: together several times the last cache of a desktop or a server's core complex.
 constexpr long kTriadNumbers = 8L << 20;
-constexpr int kTriadBlock = 512;  ///< numbers of one index, so that the loop over indices costs nothing
-/// Other work on the machine disturbs many attempts: one that it leaves alone is waited for.
+constexpr int kTriadBlock = 512;  ///< numbers per index, so that the outer loop costs nothing
+/// Duration of the attempts: long enough for one that other processes do not disturb.
 constexpr double kSecondsOfAttempts = 0.7;
 
-/// Each index keeps one thread busy. Values stay near one: x <- x f + (1 - f).
+/// Kernel with one index per thread. Values stay near one: x <- x f + (1 - f).
 struct MultiplyAddLoop {
-  KernelView<double*> value;  ///< (thread): read and written, so that nothing is computed beforehand or left out
+  KernelView<double*> value;  ///< (thread): read and written, so that the compiler cannot remove the work
   double factor, summand;
 
   void operator()(int thread) const {
@@ -73,7 +73,7 @@ double triad_peak() {
   const auto a = array("mixbeam::ceiling::a"), b = array("mixbeam::ceiling::b"), c = array("mixbeam::ceiling::c");
   const Range blocks(0, kTriadNumbers / kTriadBlock);
   Kokkos::parallel_for(
-      "mixbeam::ceiling::fill", blocks, KOKKOS_LAMBDA(long block) {  // first touched by the threads that use them
+      "mixbeam::ceiling::fill", blocks, KOKKOS_LAMBDA(long block) {  // first touch by the threads that use them
         for (long i = block * kTriadBlock; i < (block + 1) * kTriadBlock; ++i) a(i) = b(i) = c(i) = 1.0;
       });
   const double seconds = shortest_seconds([&] {

@@ -17,18 +17,18 @@ namespace mixbeam {
 
 namespace {
 
-/// A median of fewer rounds is none.
+/// Least number of rounds for a median.
 constexpr int kLeastRounds = 3;
 
 constexpr std::array<const char*, 4> kPhasesOfElements = {"residual", "element tangent", "recover", "update"};
-/// Length of an increment, there and back in turn. Small against one, so that every iteration is the same work; and not
-/// zero: factors of the same numbers are not made twice.
+/// Length of an increment, alternating in sign. Small compared with one, so that all iterations do the same work; not
+/// zero, since an unchanged matrix is not factorised again.
 constexpr double kStep = 1e-3;
 
-/// One Newton iteration as the nonlinear solver makes it, timed phase by phase.
+/// Times one Newton iteration of the nonlinear solver, phase by phase.
 class IterationTimer {
  public:
-  /// With the linear solver of `parameters`.
+  /// Uses the linear solver of `parameters`.
   IterationTimer(const Scene& scene, const SolverParameters& parameters, const Communicator& communicator)
       : problem_(scene, communicator, parameters),
         state_(problem_.model.reference_state()),
@@ -36,8 +36,8 @@ class IterationTimer {
         increment_(problem_.model.create_vector()),
         tolerance_(parameters.linear.residual_tolerance) {}
 
-  /// Residual, tangent, its factors, solve, recovery of the interior and update at the undeformed state, or the one
-  /// next to it, under the full load, with the present number of threads.
+  /// Times residual, tangent, factorisation, solve, recovery of the interior and update at the undeformed state, or the
+  /// one next to it, under the full load, with the current number of threads.
   PhaseSeconds time() {
     const Model& model = problem_.model;
     const PhaseTimes before = model.times();
@@ -71,8 +71,8 @@ class IterationTimer {
     return phases;
   }
 
-  /// Times KLU2 alone, which gathers, factorises, solves and checks the matrix of the same iteration, and which is
-  /// built when it is first asked for (memory).
+  /// Times KLU2 alone, which gathers, factorises, solves and checks the matrix of the same iteration; created at the
+  /// first call, to save memory.
   double time_sparse_solver() {
     if (sparse_solver_ == nullptr) sparse_solver_ = make_direct_tangent_solver(problem_.model, kKlu, tolerance_);
     DofVector x(problem_.model.map());
@@ -86,14 +86,14 @@ class IterationTimer {
  private:
   BeamProblem problem_;
   State state_;
-  bool is_beside_ = false;  ///< the state is the one next to the undeformed one
+  bool is_beside_ = false;  ///< the state is next to the undeformed one
   MixedVector residual_, increment_;
   std::optional<Tangent> tangent_;  ///< of the last time()
   double tolerance_;
   std::unique_ptr<TangentSolver> sparse_solver_;
 };
 
-/// One sample for each number of threads; `phases` runs what is measured.
+/// Takes one sample for each number of threads; `phases` runs the measured work.
 template <class Phases>
 Round take_round(const std::vector<int>& threads, ChainUnit& unit, const Phases& phases) {
   Round round;
@@ -117,7 +117,7 @@ void take_rounds(const MeasuringPlan& plan, int least, int most, ChainUnit& unit
     rounds.push_back(take_round(plan.threads, unit, phases));
 }
 
-/// Newton iterations as a user's run has them: NOX and LOCA included, from the straight rod to equilibrium.
+/// Times the Newton iterations of a user's run, including NOX and LOCA, from the straight rod to equilibrium.
 PhaseSeconds time_run(const Scene& scene, SolverParameters parameters, const Communicator& communicator, int threads) {
   parameters.threads = threads;
   Simulation simulation(scene, parameters, communicator);
@@ -134,7 +134,7 @@ int vertices_of(const Scene& scene) {
   return vertices;
 }
 
-/// Builds the problem, takes all rounds of iterations and gives its memory back.
+/// Builds the problem, takes all rounds of iterations and releases its memory.
 void measure_iterations(const Scene& scene, const SolverParameters& parameters, const Communicator& communicator,
                         const MeasuringPlan& plan, Measurement& measurement) {
   const double at_start = resident_memory();

@@ -32,7 +32,7 @@ constexpr std::array<const char*, 15> kOrderOfPhases = {"residual",
                                                         kLinearSolverSparse,
                                                         kWholeIteration};
 
-/// Not a number where the round has no such phase.
+/// Seconds of a phase; NaN if the round does not have it.
 double seconds_of(const Round& round, int threads, const std::string& phase) {
   const auto sample = round.find(threads);
   if (sample == round.end() || sample->second.phases.count(phase) == 0) return std::nan("");

@@ -20,10 +20,10 @@ namespace {
 constexpr const char* kPlanar = "planar";
 constexpr const char* kSpatial = "spatial";
 constexpr double kLargestCount = 1e7;
-/// Share of the processor from which on times in seconds are those of the program alone.
+/// Least share of the processor at which times in seconds are reliable.
 constexpr double kIdleMachine = 0.95;
 
-/// A process of its own for each measurement; MPI ranks stay together.
+/// Measures in a separate process, unless there are several MPI ranks.
 std::string measured_apart(const Application& app, const std::function<std::string()>& work) {
   return app.communicator->getSize() == 1 ? in_separate_process(work) : work();
 }
@@ -45,7 +45,7 @@ CeilingsByThreads ceilings_of(const Application& app, const std::vector<int>& th
   return ceilings;
 }
 
-/// Work of others on the machine while this was measured.
+/// Load average: work of other processes on the machine.
 std::string load_average() {
   double load = 0.0;
   return getloadavg(&load, 1) == 1 ? CsvCell(load).text : "unknown";
@@ -53,11 +53,11 @@ std::string load_average() {
 
 constexpr int kElementsOfStrut = 2;
 constexpr double kSlenderness = 20.0;  ///< length over radius of gyration
-/// Over EI / l^2: strains stay below a percent in cubes of a hundred cells.
+/// Force over EI / l^2: strains stay below a percent in cubes of a hundred cells.
 constexpr double kForce = 1e-4;
 
-/// Junctions are the places of a grid whose coordinates have an even sum, or all of them; struts lead from each along
-/// these steps.
+/// Junctions are all places of a grid, or those with an even sum of coordinates; struts run from each along these
+/// steps.
 struct LatticeKind {
   std::vector<std::array<int, 3>> steps;
   bool even = false, flat = false;
@@ -107,9 +107,9 @@ const std::vector<std::string>& lattice_kinds() {
   return names;
 }
 
-/// Makes a lattice of equal struts, whose junctions stay when chains are gone, with about as many elements as asked
-/// for, two for each strut. Struts have the first section of `scene` and a slenderness of 20; junctions on one side are
-/// clamped, a small force across pulls at each of those on the opposite one.
+/// Makes a lattice of equal struts, whose junctions remain after the chains are eliminated, with about `elements`
+/// elements, two per strut. Struts have the first section of `scene` and a slenderness of 20. Junctions on one side are
+/// clamped; each on the opposite side carries a small transverse force.
 Scene lattice_scene(const Scene& scene, const std::string& name, int elements, int order) {
   const LatticeKind& kind = kinds().at(name);
   const double places = elements / (kElementsOfStrut * kind.struts_per_place);
@@ -146,7 +146,7 @@ bool is_lattice(const std::string& kind) {
   return std::find(kinds.begin(), kinds.end(), kind) != kinds.end();
 }
 
-/// Writes the tables of the study, case by case; unknown values are not numbers.
+/// Writes the tables of the study, case by case; unknown values are NaN.
 class ScalingTables {
  public:
   ScalingTables(const Application& app, CeilingsByThreads ceilings)
@@ -177,7 +177,7 @@ class ScalingTables {
     done_.emplace_back(of, measurement);
   }
 
-  /// One line for each case and number of threads.
+  /// Prints one line per case and number of threads.
   void print_summary() const {
     StudyTable table(app_, "",
                      {"", "elements", "k", "threads", "iteration [s]", "t / B", "speed-up", "chains [s]", "t / B",
@@ -218,7 +218,7 @@ class ScalingTables {
   std::vector<std::pair<ScalingCase, Measurement>> done_;
 };
 
-/// The scene in that size, or a lattice of its section; planar: loads keep what acts in the plane of x and y.
+/// The scene in the size of a case, or a lattice of its section; planar: keeps only loads in the plane of x and y.
 Scene scene_of_case(const Scene& scene, const ScalingCase& of) {
   if (is_lattice(of.kind)) return lattice_scene(scene, of.kind, of.elements, of.order);
   Scene changed = with_mesh(scene, of.order, of.elements);
@@ -260,9 +260,9 @@ ListSpec scaling_spec() {
   return spec;
 }
 
-/// For each kind, size, order and number of threads: median wall time of the phases of an iteration, as a multiple of
-/// the unit of time (see ChainUnit), against the machine's ceilings, and memory. Each case has a process of its own.
-/// Writes machine.csv, ceilings.csv, thread_scaling.csv and cases.csv, prints the tables.
+/// Measures, for each kind, size, order and number of threads, the median wall time of the phases of an iteration, in
+/// units of time (see ChainUnit) and relative to the machine's ceilings, and memory. Each case runs in its own process.
+/// Writes machine.csv, ceilings.csv, thread_scaling.csv and cases.csv, and prints the tables.
 void run_scaling_study(Application& app) {
   Teuchos::ParameterList& study = app.study();
   MeasuringPlan plan;

@@ -14,12 +14,12 @@ namespace mixbeam {
 
 namespace {
 
-constexpr char kDone = '+', kFailed = '-';  ///< first character of what comes through the pipe
+constexpr char kDone = '+', kFailed = '-';  ///< first character sent through the pipe
 
 void write_all(int file, const std::string& text) {
   for (size_t done = 0; done < text.size();) {
     const ssize_t count = write(file, text.data() + done, text.size() - done);
-    if (count <= 0) return;  // the reader sees that the text is cut short
+    if (count <= 0) return;  // the reader detects the truncated text
     done += static_cast<size_t>(count);
   }
 }

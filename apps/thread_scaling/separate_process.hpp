@@ -1,4 +1,4 @@
-/// Work in a process of its own: what it takes of memory and leaves in caches and heap is its own.
+/// Work in a separate process, with its own memory, heap and caches.
 #pragma once
 
 #include <functional>
@@ -6,11 +6,11 @@
 
 namespace mixbeam {
 
-/// The text that `work` returns in a copy of this process; what it throws is thrown here as std::runtime_error with its
-/// message. The copy has no threads: call it only while this process has started none. Not among several MPI ranks.
+/// Returns the text of `work`, called in a copy of this process; exceptions are rethrown as std::runtime_error with
+/// their message. The copy has no threads: call it before this process starts any, and not with several MPI ranks.
 std::string in_separate_process(const std::function<std::string()>& work);
 
-// Memory of this process, in bytes; not a number where the system does not tell.
+// Memory of this process [bytes]; NaN if unavailable.
 double resident_memory();
 double peak_resident_memory();
 
