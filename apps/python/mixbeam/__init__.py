@@ -12,7 +12,7 @@
     run = mixbeam.run(scene)
     run.displacement("tip")
 
-Ten short examples: apps/docs/python.md. Not for several threads at once: calls wait for each other.
+Examples: apps/docs/python.md. Calls from several threads are serialised.
 """
 
 from . import _core, scene as _scene

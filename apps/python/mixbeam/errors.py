@@ -1,4 +1,4 @@
-"""Errors, with the messages of the program."""
+"""Exceptions, with the messages of the program."""
 
 from . import _core
 
@@ -6,11 +6,11 @@ MOST_NAMES = 24  # in a message
 
 
 class InputError(ValueError):
-    """What was given cannot be used (exit code 2 of the program); the message says where, what was seen, what is allowed."""
+    """The input cannot be used (exit code 2 of the program); the message gives the place, the value seen and what is allowed."""
 
 
 class UnknownName(InputError, AttributeError, KeyError):
-    """A name that the scene or the declarations of its parameters do not have; the message names the nearest one."""
+    """A name that neither the scene nor the declared parameters have; the message gives the nearest one."""
 
     def __str__(self):
         return str(self.args[0])
@@ -19,7 +19,7 @@ class UnknownName(InputError, AttributeError, KeyError):
 class ConvergenceError(RuntimeError):
     """No equilibrium was found (exit code 3 of the program).
 
-    `run`: the Run as far as it came, whose last step is the last converged state.
+    `run`: the Run up to its last converged state.
     """
 
     def __init__(self, message, run=None):
@@ -28,7 +28,7 @@ class ConvergenceError(RuntimeError):
 
 
 def unknown(what, name, known):
-    """An UnknownName that says what was looked for and which known names are near."""
+    """Returns an UnknownName that names `name` and the nearest of the known names."""
     near = _core.did_you_mean(name, known).replace('"', "'")
     hint = near or (f"; allowed: {', '.join(known[:MOST_NAMES])}" if known else "")
     return UnknownName(f"{what}: nothing of the name {name!r}{hint}")

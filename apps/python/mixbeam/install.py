@@ -1,4 +1,4 @@
-"""Installs the package into the environment of the Python that runs this, without network: python -m mixbeam.install."""
+"""Installs the package into the environment of the running Python, without network: python -m mixbeam.install."""
 
 import shutil
 import sysconfig

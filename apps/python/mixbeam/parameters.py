@@ -1,4 +1,4 @@
-"""Parameter lists as objects. What a list may hold, and how it is called, comes from the declarations of the program."""
+"""Parameter lists as objects. Names and types of their entries come from the declarations of the program."""
 
 import copy
 import json
@@ -16,7 +16,7 @@ KINDS_OF_XML = {bool: "bool", int: "int", float: "double", str: "string"}
 
 
 class Declaration:
-    """Of one list: its parameters, lists and free names, by the names of the program and by those of Python."""
+    """Declaration of one list: its parameters, sublists and free names, by the names of the program and of Python."""
 
     def __init__(self, data):
         self.name = data.get("name", "")
@@ -34,28 +34,28 @@ class Declaration:
         self.words = data.get("forms", {})
 
     def xml_name(self, name):
-        """The name in XML of what Python calls `name` (either is understood), None for neither."""
+        """Returns the XML name of `name`, which may be given as in Python or as in XML; None if it is not declared."""
         return self.xml_names.get(name) or (name if name in self.parameters or name in self.lists else None)
 
     def parameter(self, xml_name):
-        """The declaration of a parameter of this name, fixed or free; None."""
+        """Returns the declaration of the parameter of this name, fixed or free, or None."""
         return self.parameters.get(xml_name) or (self.free_parameter if xml_name not in self.lists else None)
 
     def inner(self, xml_name):
-        """The Declaration of a list of this name, fixed or free; None."""
+        """Returns the Declaration of the list of this name, fixed or free, or None."""
         return self.lists.get(xml_name) or (self.free_list if xml_name not in self.parameters else None)
 
     def contents(self):
         return ", ".join(self.xml_names) or f"one entry per {self.placeholder}"
 
     def places(self, name):
-        """Paths of the fixed lists below this one that have `name`."""
+        """Returns the paths of the fixed lists, this one or below it, that have `name`."""
         if self.xml_name(name):
             return [()]
         return [(xml, *rest) for xml, inner in self.lists.items() for rest in inner.places(name)]
 
     def class_name(self, inside):
-        """Of its objects: that of a list `Point Loads` of free names is PointLoad."""
+        """Returns the class name of the entries of the list `inside`: PointLoad for `Point Loads`."""
         words = inside.name.split()
         last = words[-1]
         singular = self.name.strip("<>")
@@ -68,18 +68,18 @@ class Declaration:
 
 @cache
 def root():
-    """Declaration of a whole scene file."""
+    """Returns the Declaration of a whole scene file."""
     return Declaration(json.loads(_core.declarations()))
 
 
 class Parameters(MutableMapping):
     """A parameter list: fixed names are attributes, names of your own are keys.
 
-    `scene.members["beam"].elements = 20`. Numbers, texts, sequences and arrays are converted to the declared type; a name
-    that is not declared raises UnknownName, with the nearest one. A parameter that was not given is its default, or None;
-    one that is set to None is given no longer. Arrays of numbers are arrays of NumPy, whose entries may be changed. A text
-    that begins with = stands for a number as a formula of `scene.variables`: "=2*L"; it is read back as it was given, and
-    an array with formulas in it as a list.
+    `scene.members["beam"].elements = 20`. Numbers, texts, sequences and arrays are converted to the declared type; an
+    undeclared name raises UnknownName, with the nearest one. Reading a parameter that was not given returns its default,
+    or None; setting one to None removes it. Arrays of doubles are NumPy arrays, whose entries may be changed. A text
+    that begins with = replaces a number by a formula of `scene.variables`: "=2*L"; it reads back as given, and
+    an array that contains formulas as a list.
     """
 
     __slots__ = ("_declaration", "_parent", "_key", "_entries", "_kinds")
@@ -100,7 +100,7 @@ class Parameters(MutableMapping):
         if xml in self._entries:
             return self[xml]
         if xml in declaration.lists:
-            return Parameters(declaration.lists[xml], self, xml)  # joins the list once it holds something
+            return Parameters(declaration.lists[xml], self, xml)  # joins this list with its first entry
         default = declaration.parameters[xml].get("default")
         return tuple(default) if isinstance(default, list) else default
 
@@ -117,7 +117,7 @@ class Parameters(MutableMapping):
         return [*super().__dir__(), *self._declaration.xml_names]
 
     def update_by_name(self, given):
-        """Sets the parameters in `given` {name: value}; a name of the lists below is that of the first which has it: E of Material."""
+        """Sets the parameters in `given` {name: value}; a name of a sublist sets the first one that has it: E of Material."""
         for name, value in given.items():
             places = self._declaration.places(name)
             if not places and not self._takes(name):
@@ -158,7 +158,7 @@ class Parameters(MutableMapping):
                 child._copy(value)
             else:
                 child.update_by_name(value)
-            object.__setattr__(child, "_parent", self)  # now that it is complete
+            object.__setattr__(child, "_parent", self)  # only now: an error above leaves this list unchanged
             object.__setattr__(child, "_key", xml)
             self._kinds.pop(xml, None)
             self._entries[xml] = child
@@ -185,7 +185,7 @@ class Parameters(MutableMapping):
         return len(self._entries)
 
     def __eq__(self, other):
-        """The same entries of the same types in the same order."""
+        """Compares entries, their types and their order."""
         if not isinstance(other, Parameters):
             return NotImplemented
         return list(self._entries) == list(other._entries) and self._kinds == other._kinds and all(
@@ -198,7 +198,7 @@ class Parameters(MutableMapping):
 
     # --- inside --------------------------------------------------------------------------------------------------------
     def _takes(self, name):
-        """Whether `name` may be a key that is no attribute."""
+        """Returns whether `name` may be a key without being an attribute."""
         free = self._declaration.placeholder is not None or self._declaration.unchecked
         return free and self._declaration.xml_name(name) is None
 
@@ -209,7 +209,7 @@ class Parameters(MutableMapping):
         return self._key if before == "scene" else f"{before} / {self._key}"
 
     def _join(self):
-        """The list above holds this one from its first entry on."""
+        """Adds this list, which now has an entry, to the lists above it."""
         if self._parent is not None and self._parent._entries.get(self._key) is not self:
             self._parent._entries[self._key] = self
             self._parent._join()
@@ -225,7 +225,7 @@ class Parameters(MutableMapping):
                 self._kinds[name] = other._kinds[name]
 
     def _fill(self, entries):
-        """From the library: {name: (type, value), or a dict of a list}."""
+        """Fills the list from the library's {name: (type, value), or the dict of a list}."""
         for name, entry in entries.items():
             if isinstance(entry, dict):
                 child = Parameters(self._declaration.inner(name) or Declaration({"unchecked": True}), self, name)
@@ -242,7 +242,7 @@ class Parameters(MutableMapping):
         return self
 
     def _xml(self, name, indent):
-        """Lines of a list called `name`."""
+        """Yields the XML lines of this list under the name `name`."""
         yield f"{indent}<ParameterList name={quoted(name)}>\n"
         for key, value in self._entries.items():
             if isinstance(value, Parameters):
@@ -254,12 +254,12 @@ class Parameters(MutableMapping):
 
 
 def same(one, other):
-    """Of values, arrays and lists."""
+    """Compares two values, arrays or lists."""
     return np.array_equal(one, other) if isinstance(one, np.ndarray) else one == other
 
 
 def convert(value, parameter, place):
-    """(type in XML, value) of what was given for a declared parameter; None: of one that nobody declares."""
+    """Returns (XML type, converted value) for a declared parameter; `parameter` is None for an undeclared one."""
     kind = parameter["type"] if parameter else undeclared_kind(value)
     for one in _entries(value) or [value]:
         if isinstance(one, str) and not is_text(one):
@@ -279,18 +279,18 @@ def convert(value, parameter, place):
 
 
 def is_text(value):
-    """Whether files of scenes can hold it."""
+    """Returns whether a scene file can hold this text."""
     return not any(ord(c) < 32 and c not in "\t\n\r" or 0xD800 <= ord(c) < 0xE000 or c in "\ufffe\uffff" for c in value)
 
 
 def is_formula(value, parameter):
-    """Whether a text stands in place of a number: "=2*L"; as a variable it needs no =."""
+    """Returns whether `value` is a formula in place of a number: "=2*L"; variables need no =."""
     return isinstance(value, str) and parameter["type"] in ("double", "int") and (
         value.lstrip().startswith("=") or "or_other" in parameter)
 
 
 def _read_numbers(texts, number):
-    """Entries of an array with formulas in it come as texts."""
+    """Converts the entries of an array to numbers, except formulas, which stay texts."""
     return [one if isinstance(one, str) and one.lstrip().startswith("=") else number(one) for one in texts]
 
 
@@ -299,7 +299,7 @@ def _entries(value):
 
 
 def _with_formulas(value, kind, place):
-    """Numbers and formulas of an array, as a list."""
+    """Returns the numbers and formulas of an array as a list."""
     try:
         return _read_numbers(value, CONVERSIONS[kind[6:-1]])
     except (TypeError, ValueError, OverflowError):
@@ -347,14 +347,14 @@ CONVERSIONS = {"bool": lambda value: _only(value, bool, np.bool_), "int": _integ
 
 
 def text_of(value, kind):
-    """As XML holds it: numbers in the fewest digits that give the same bits."""
+    """Returns the XML text of a value; numbers have the fewest digits that give the same bits."""
     if kind.startswith("Array"):
         return "{" + ", ".join(text_of(one, kind[6:-1]) for one in (value.tolist() if isinstance(value, np.ndarray) else value)) + "}"
-    if isinstance(value, str):  # formulas in place of numbers too
+    if isinstance(value, str):  # includes formulas in place of numbers
         return value
     return str(value).lower() if kind == "bool" else repr(value) if kind == "double" else str(value)
 
 
 def quoted(text):
-    """As the value of an attribute; white space inside stays what it is."""
+    """Returns `text` as a quoted attribute value that keeps its white space."""
     return quoteattr(text, {"\n": "&#10;", "\t": "&#9;", "\r": "&#13;"})

@@ -1,4 +1,4 @@
-"""Pictures of runs, by the code of `mixbeam plot` (apps/plots), whose modules stand beside this one in the folder plots."""
+"""Pictures of runs, by the modules of `mixbeam plot` (apps/plots), which are installed in the folder plots beside this one."""
 
 import contextlib
 import html
@@ -14,11 +14,11 @@ from .errors import InputError, unknown
 FOLDER = Path(__file__).parent / "plots"
 VIEW_HEIGHT = 620  # pixels
 _lock = threading.RLock()
-_loaded = {}  # modules of the folder, which nobody else sees: their names are those of scripts ("style", "view")
+_loaded = {}  # modules of the folder, hidden from the host: their names ("style", "view") could clash with its own
 
 
 class _Plots:
-    """The modules, while they are in reach."""
+    """Access to the modules while they can be imported."""
 
     @staticmethod
     def load(name):
@@ -26,7 +26,7 @@ class _Plots:
 
     @staticmethod
     def call(function, *arguments):
-        """Errors of input as those of this package."""
+        """Calls a function of the modules; converts its errors to InputError of this package."""
         try:
             return function(*arguments)
         except sys.modules["results"].InputError as error:
@@ -37,8 +37,8 @@ class _Plots:
 
 @contextlib.contextmanager
 def modules():
-    """Puts the folder in reach, and its style; that of the host is back afterwards."""
-    import matplotlib.pyplot  # before the modules: they leave the back end alone then
+    """Makes the modules importable and sets their style; restores modules and style of the host on exit."""
+    import matplotlib.pyplot  # before the modules, which then keep the host's back end
 
     names = {file.stem for file in FOLDER.glob("*.py")}
     with _lock:
@@ -57,13 +57,13 @@ def modules():
 
 
 class Picture:
-    """A figure of matplotlib that notebooks show."""
+    """A matplotlib figure that notebooks show."""
 
     def __init__(self, name, figure):
         self.name, self.figure = name, figure
 
     def save(self, file):
-        """Writes it in the format that the ending says: .png, .svg, .pdf."""
+        """Writes the figure in the format of the file name: .png, .svg or .pdf."""
         file = Path(file)
         with modules() as plots:
             plots.call(plots.load("style").save_all, self.figure, file.with_suffix(""), [file.suffix[1:]])
@@ -76,7 +76,7 @@ class Picture:
 
 
 def picture(results, kind, given):
-    """One Picture of an open result file, or {name: Picture} where it takes several."""
+    """Returns the Picture of an open result file, or {name: Picture} if there are several."""
     with modules() as plots:
         script = plots.load("plot_result")
         if kind not in script.KINDS:
@@ -97,13 +97,13 @@ def picture(results, kind, given):
 
 
 class View:
-    """A page to turn and to ask, shown inline by notebooks."""
+    """An interactive page of mixbeam view, shown inline by notebooks."""
 
     def __init__(self, page):
         self._page = page
 
     def save(self, file):
-        """Writes the HTML file, which needs no network."""
+        """Writes a self-contained HTML file."""
         _core.write_page(str(file), self._page)
 
     def _repr_html_(self):
@@ -111,5 +111,5 @@ class View:
 
 
 def view(files, refusal="", warnings=None):
-    """The View of result files; of a scene that is not solved with what is said of it."""
+    """Returns the View of result files; for an unsolved scene with its refusal and warnings."""
     return View(_core.view_page([str(file) for file in files], str(FOLDER / "viewer"), refusal, warnings))

@@ -1,4 +1,4 @@
-"""Runs: solving scenes, and asking for what came out."""
+"""Runs: solves scenes and evaluates their results."""
 
 import html
 import operator
@@ -24,15 +24,15 @@ FoundNumber = namedtuple("FoundNumber", "number start value deviation covariance
 Extreme = namedtuple("Extreme", "value member arc_length side")  # member: its name
 SceneCheck = namedtuple("SceneCheck", "text warnings")
 MOST_THREADS = 1024  # as of the program
-AT_ENDS = 1e-12  # an arc length may be rounded so far, over the length of its member, and belongs to it still
+AT_ENDS = 1e-12  # rounding allowed in an arc length at the ends, over the length of the member
 
 
 def run(scene, case=None, *, output=None, threads=None, durable=False, force=False, progress=False, on_step=None):
     """Solves a scene (a Scene, an XML text or the path of a file), in this process.
 
-    case: of a scene with load cases; output: result file, else nothing is written; durable: each step waits for the
-    disk; force: also what seems not to fit into memory; progress: a line with the progress of the run; on_step: called
-    with the Run as far as it is, after each step, and stops it by returning True.
+    case: name of the load case, if the scene has any; output: result file (None: nothing is written); durable: each step
+    is synced to disk; force: runs even if memory seems too small; progress: prints a progress line; on_step: called
+    with the Run so far after each step; returning True stops the run.
 
     Returns a Run. Raises InputError, ConvergenceError.
     """
@@ -42,7 +42,7 @@ def run(scene, case=None, *, output=None, threads=None, durable=False, force=Fal
 
 
 def resume(file, *, threads=None, durable=False, progress=False, on_step=None):
-    """Continues after the last step of a result file, in that file, to the bits of a run that was never stopped."""
+    """Continues a result file after its last step. The result is bit-identical to that of an uninterrupted run."""
     rest = _watched(lambda listener: _core.resume(os.fspath(file), _threads(threads), durable, listener), file, progress, on_step)
     whole = open_results(file)
     whole._told = rest._core
@@ -50,7 +50,7 @@ def resume(file, *, threads=None, durable=False, progress=False, on_step=None):
 
 
 def check(scene, case=None):
-    """Reads and measures a scene, solves nothing: what `mixbeam check` prints, and its warnings. Raises InputError."""
+    """Checks a scene without solving it. Returns the output of `mixbeam check` and its warnings. Raises InputError."""
     return SceneCheck(*_core.check(scene_text(scene), case))
 
 
@@ -68,21 +68,21 @@ def view(scene, case=None):
 
 
 def open_results(file):
-    """The Run in a result file. Raises InputError."""
+    """Opens a result file as a Run. Raises InputError."""
     return Run(_core.open(os.fspath(file)), file)
 
 
 def batch(scene, table=None, case=None, *, output="followed", threads=None, progress=False, client=None):
-    """Solves a scene once for each row of a table, by the program's solver for many cases at once; or many scenes.
+    """Solves a scene once for each row of a table, like cases together as one structure; or solves several scenes.
 
     table: {parameter: values}, or a structured array; parameters by their paths, "point_loads/tip/force[1]". output:
     "followed" (motion of supported or loaded points, reactions), "expected" or "quantities" of the scene. client: a
-    Dask client whose workers, with mixbeam installed, share the rows (a file that the scene names must lie there too).
+    Dask client whose workers, with mixbeam installed, share the rows (files named in the scene must exist there too).
 
-    Without a table, scene is a list or a generator of scenes, each of which is solved as it stands and let go.
+    Without a table, scene is a list or a generator of scenes, which are solved one after the other and not kept.
 
-    Returns a structured array: the columns of the table, those of the output (nan where a scene has none of the name),
-    and of each case iterations, residual, converged, stable and, where it is not converged, its cause.
+    Returns a structured array: the columns of the table, those of the output (nan if a scene does not have one),
+    and for each case iterations, residual, converged, stable and, if it did not converge, the cause.
     """
     outputs = root().lists["Batch"].parameters["Output"]["choices"]
     if output not in outputs:
@@ -115,7 +115,7 @@ def _solved_rows(columns, before, scene, case, paths, output, threads, say=None)
 
 
 def _structured(followed, found):
-    """The array of a batch: numbers of each case, and how it was solved."""
+    """Returns the array of a batch: numbers of each case, and how it was solved."""
     numbers = {**followed, "residual": found["residual"]}
     causes = np.array(found["cause"], dtype=str)
     kinds = [(name, float) for name in numbers]
@@ -157,7 +157,7 @@ def _batch_of_scenes(scenes, case, output, threads, progress, client):
 
 
 def _shared_batch(client, solve, columns):
-    """Solves the rows in pieces, a few for each worker: one that is done early takes another."""
+    """Solves the rows in pieces, a few for each worker, to balance the load."""
     pieces_of_worker = 4
     rows = len(next(iter(columns.values())))
     count = min(rows, pieces_of_worker * max(1, len(client.scheduler_info()["workers"])))
@@ -167,11 +167,11 @@ def _shared_batch(client, solve, columns):
     try:
         return np.concatenate(client.gather(futures))
     finally:
-        client.cancel(futures)  # what an interrupt or a failure leaves
+        client.cancel(futures)  # those still pending after an interrupt or a failure
 
 
 def _watched(start, output, progress, on_step):
-    """Runs, and reports its steps to callback and progress line."""
+    """Calls `start` and reports its steps to callback and progress line."""
 
     def listener(core):
         path = core.path()
@@ -195,36 +195,36 @@ def _threads(number):
 
 
 def _say(text):
-    """One line that changes, in a terminal as in a notebook."""
+    """Rewrites one line, in a terminal or a notebook."""
     print(f"\rmixbeam: {text}   ", end="", file=sys.stdout, flush=True)
 
 
 @cache
 def kinds_of_quantities():
-    """{name in Python: name in scenes}: reaction_force, von_mises_stress, ..."""
+    """Returns {name in Python: name in scenes}: reaction_force, von_mises_stress, ..."""
     return {word.lower().replace(" ", "_"): word for word in root().lists["Quantities"].free_list.parameters["Quantity"]["choices"]}
 
 
 class Run:
-    """What a run has found. `steps` are counted from 0; -1 is the last one, None all of them (a leading axis of arrays).
+    """Results of a run. Argument `step`: counted from 0, -1 for the last one, None for all (leading axis of arrays).
 
-    Every quantity of the list Quantities is a method of its name: displacement("tip"), reaction_force("wall"),
+    Every quantity of the list Quantities is a method: displacement("tip"), reaction_force("wall"),
     material_moment("beam@50%"), von_mises_stress(member="beam", take="largest"), strain_energy(), ... with the place as
-    first argument and the other parameters of that list by name. Numbers, arrays of three components, {place: ...} for a
-    pattern, an Extreme for the largest along members.
+    first argument and the other parameters of that list by name. They return numbers, arrays of three components,
+    {place: ...} for a pattern, an Extreme for the largest along members.
     """
 
     def __init__(self, core, file=None):
-        self._core = self._told = core  # what the states are asked for, and what the program has said of the run
+        self._core = self._told = core  # sources of the states, and of the program's messages of the run
         self.file = Path(file) if file else None  # result file; None: nothing was written
         self._results = self._file = None
         for name, values in core.path().items():
-            setattr(self, f"{name}s" if name == "load_factor" else name, values)  # of each step
+            setattr(self, f"{name}s" if name == "load_factor" else name, values)  # one value for each step
         self.step_numbers = self.__dict__.pop("step")
         self.stable = np.array(self.stable)
 
     def __len__(self):
-        """Number of steps, the state at the start of the path included."""
+        """Number of steps, including the state at the start of the path."""
         return len(self.load_factors)
 
     def __repr__(self):
@@ -232,7 +232,7 @@ class Run:
         return f"<mixbeam.Run {self.scene.name}: {len(self)} steps, {end}>"
 
     def _repr_html_(self):
-        """For notebooks: how it ended, and what the scene asks for with its estimated error."""
+        """Returns the notebook display: the end of the run, and quantities with their estimated errors."""
         errors = self.value_errors() if len(self) else {}
         errors = {} if isinstance(errors, str) else errors
         rows = [(name, f"{value:.6g}", error if isinstance(error, str) else f"± {error:.1e}") for name, (error, value) in errors.items()]
@@ -241,8 +241,8 @@ class Run:
         return f"<b>{html.escape(repr(self)[1:-1])}</b><table>{cells}</table>"
 
     def to_dataframe(self):
-        """The path as a pandas DataFrame: a row for each step (index `step`), with load factor, iterations, stability and
-        every number that the scene asks for; vectors as name.x, name.y, name.z. Raises InputError without pandas."""
+        """Returns the path as a pandas DataFrame: a row for each step (index `step`), with load factor, iterations, stability
+        and the quantities of the scene; vectors as name.x, name.y, name.z. Raises InputError without pandas."""
         try:
             from pandas import DataFrame
         except ImportError as error:
@@ -275,12 +275,12 @@ class Run:
 
     @property
     def report(self):
-        """The text that the program prints of a run."""
+        """Output of the program for this run."""
         return self._told.report()
 
     @property
     def warnings(self):
-        """What should be known of scene and results, a list of texts."""
+        """Warnings on scene and results, a list of texts."""
         return self._told.warnings()
 
     @property
@@ -290,8 +290,8 @@ class Run:
 
     @property
     def found(self):
-        """What Identification or Design has found, {parameter: path, start, value, standard deviation, row of the covariance};
-        the scene of the run has these numbers."""
+        """Numbers found by Identification or Design, {parameter: FoundNumber}: path, start, value, standard deviation, row of
+        the covariance. The scene of the run contains the values."""
         return {one[0]: FoundNumber(*one[1:]) for one in self._told.found_numbers()}
 
     @property
@@ -301,24 +301,24 @@ class Run:
 
     @property
     def interrupted(self):
-        """Whether on_step stopped it before its end."""
+        """Whether on_step stopped the run before its end."""
         return self._told.interrupted()
 
     # --- quantities ----------------------------------------------------------------------------------------------------
     def quantity(self, kind, point=None, *, step=-1, **parameters):
-        """A quantity by its name in the list Quantities ("reaction force"); see Run."""
+        """Evaluates a quantity by its name in the list Quantities ("reaction force"); see Run."""
         given = {"quantity": kind, "point": point, **parameters}
         return _valued("q", *self._evaluate({"q": given}, step), step, list(self.members))
 
     def quantities(self, step=-1):
-        """{name: value} of all quantities that the scene asks for."""
+        """Returns {name: value} of the quantities of the scene."""
         asked = self.scene.quantities
         names, rows = self._evaluate(asked, step)
         return {name: _valued(name, names, rows, step, list(self.members)) for name in asked}
 
     def places(self, step=-1):
-        """{name: where} of the largest and smallest that the scene asks for: "deck 3@50%" or "pier 2" of several places,
-        "deck at s = 1.25" along members."""
+        """Returns {name: place} of the extremes among the quantities of the scene: "deck 3@50%" or "pier 2" for several
+        places, "deck at s = 1.25" along members."""
         asked = self.scene.quantities
         names, _ = self._evaluate(asked, step)
         found = dict(zip(names, self._core.places(self._as_xml(asked), operator.index(step))))
@@ -339,29 +339,29 @@ class Run:
         return "".join(wanted._xml("quantities", ""))
 
     def sections(self):
-        """{name: (6, 6) stiffness in the order EA, GA2, GA3, GIt, EI2, EI3} of all sections: imported ones and profiles, too."""
+        """Returns {name: (6, 6) stiffness, order EA, GA2, GA3, GIt, EI2, EI3} of all sections, including imports and profiles."""
         return {name: np.array(stiffness) for name, stiffness in self._core.sections().items()}
 
     # --- along members -------------------------------------------------------------------------------------------------
     @cached_property
     def members(self):
-        """{name: MemberResults}, in the order of the scene."""
+        """MemberResults by name, in the order of the scene."""
         return {name: MemberResults(self, name, *mesh) for name, mesh in self._core.members().items()}
 
     def member(self, name):
-        """Results along a member."""
+        """Returns the MemberResults of a member."""
         if name not in self.members:
             raise unknown("members of the run", name, list(self.members))
         return self.members[name]
 
     # --- the path ------------------------------------------------------------------------------------------------------
     def limit_points(self):
-        """The limit points among critical_points()."""
+        """Returns the limit points among critical_points."""
         return [point for point in self.critical_points if point.kind == "limit point"]
 
     @cached_property
     def critical_points(self):
-        """Limit points and bifurcations, in the order of the path: kind, load_factor, load_factor_error, modes (how many
+        """Critical points in the order of the path: kind, load_factor, load_factor_error, modes (number of eigenvalues that
         vanish together), negative_before, negative_after; (samples, 3) arrays position, displacement, mode."""
         found = [SimpleNamespace(**one) for step in range(len(self)) for one in self._core.critical_points(step)]
         if found or not self.file:
@@ -372,19 +372,19 @@ class Run:
                 for point in self.results.critical_points()]
 
     def buckling_modes(self, count=1, step=0):
-        """The first modes of linear buckling: load_factor, mode (samples, 3), residual, confirmed. Of the undeformed structure, or,
-        where `step` is the end of a stage that another one follows, about the state there: factors of the loads of the next one."""
+        """Returns the first linear buckling modes: load_factor, mode (samples, 3), residual, confirmed. By default of the
+        undeformed structure; if `step` ends a stage but the last, about that state: factors of the loads of the next stage."""
         return [SimpleNamespace(**one) for one in self._core.buckling_modes(_counted("buckling modes", count), self._number(step))]
 
     def modes(self, count=10, step=-1, in_plane=False):
-        """The lowest natural modes about the state of a step: omega, frequency (omega / (2 pi)), eigenvalue (omega^2, negative
-        where the state is not stable), mode (samples, 3), modal_mass, participation_x, ..._y, ..._z, residual, confirmed.
-        `in_plane`: of a scene in a plane, without the modes that leave it."""
+        """Returns the lowest natural modes about the state of a step: omega, frequency (omega / (2 pi)), eigenvalue (omega^2,
+        negative if the state is unstable), mode (samples, 3), modal_mass, participation_x, ..._y, ..._z, residual, confirmed.
+        `in_plane`: only the modes in the plane of a planar scene."""
         return [SimpleNamespace(**one) for one in self._core.natural_modes(_counted("natural modes", count), self._number(step), in_plane, None)]
 
     def frequencies(self, count=10, in_plane=False, follow=False):
-        """Natural frequencies over the path: (load factors, omega (steps, columns)), NaN where there is none. `follow`: a column
-        for each motion, which modes continue by their shape where frequencies cross; else the lowest ones in their order."""
+        """Returns natural frequencies over the path: (load factors, omega (steps, columns)), NaN where there is none. `follow`:
+        a column for each motion, tracked by mode shape where frequencies cross; else the lowest ones in order."""
         tracks, rows = _core.ModeTracks(), []
         for step in range(len(self)):
             modes = self._core.natural_modes(_counted("natural modes", count), step, in_plane, tracks)
@@ -395,27 +395,27 @@ class Run:
         return self.load_factors, table
 
     def gradient(self, of, by=(), step=-1, by_element=False):
-        """Gradients of quantities in a step, at its load factor: {name: value, by, stiffness, compliance, natural, note}. `of`: names or
-        patterns of numbers of the scene's quantities; `by`: paths of numbers of the scene, or patterns ("Sections/*/EI2",
-        "Points/tip[0]"), of which `by` tells the derivatives {path: derivative}. `by_element`: arrays (elements, 6) of derivatives
-        by EA, GA2, GA3, GIt, EI2, EI3 of each element, by their inverses, by natural strains. "load factor at critical point 1":
-        wherever that is on the path; where a derivative is nan, `note` tells why."""
+        """Returns gradients of quantities in a step, at its load factor: {name: value, by, stiffness, compliance, natural, note}.
+        `of`: names or patterns of the scene's quantities, or "load factor at critical point 1", wherever that is on the path;
+        `by`: paths of numbers in the scene, or patterns ("Sections/*/EI2", "Points/tip[0]"); the result `by` is
+        {path: derivative}. `by_element`: arrays (elements, 6) of derivatives by EA, GA2, GA3, GIt, EI2, EI3 of each element,
+        by their inverses, by natural strains. If a derivative is nan, `note` gives the reason."""
         texts = [[one] if isinstance(one, str) else list(one) for one in (of, by)]
         found = self._core.gradients(*texts, by_element, self._number(step))
         names = ("value", "by", "stiffness", "compliance", "natural", "note")
         return {quantity: SimpleNamespace(**dict(zip(names, numbers))) for quantity, numbers in found.items()}
 
     def error_estimate(self, step=-1):
-        """Estimated discretization errors: {name: (error, size of the quantity)}; a text: why there are none."""
+        """Returns estimated discretization errors, {name: (error, size of the quantity)}, or the reason (a text) for none."""
         return self._core.error_estimate(self._number(step))
 
     def value_errors(self, step=-1):
-        """Estimated errors of the quantities that the scene asks for, and, in a step with stresses, of the largest section
-        forces, stress and utilisation: {name: (error, value)}; a text in place of both: why there is none."""
+        """Returns estimated errors of the quantities of the scene and, in a step with stresses, of the largest section
+        forces, stress and utilisation: {name: (error, value)}; a text in place of an error, or of all: why there is none."""
         return self._core.value_errors(self._number(step))
 
     def state(self, step=-1):
-        """The solver's own numbers: {name: array}."""
+        """Returns the complete state of the solver: {name: array}."""
         return self._core.state(self._number(step))
 
     def _number(self, step):
@@ -428,8 +428,8 @@ class Run:
 
     @property
     def results(self):
-        """The result file as apps/plots reads it; of a run without one, a file that goes away with this object. Raises InputError
-        where the file is no longer that of this run."""
+        """The result file as read by apps/plots; without one, a temporary file that lives as long as this object. Raises
+        InputError if the file no longer belongs to this run."""
         file = self._result_file()
         if self._results is None:
             with plotting.modules() as plots:
@@ -448,12 +448,12 @@ class Run:
         return self._file
 
     def plot(self, picture="shape", **options):
-        """A picture, shown by notebooks, with save(file): shape, fields, section_forces, diagrams, along, curve,
-        load_path, critical_modes, iterations, steps. Options: those of `mixbeam plot`, as field="axial_force", view="xy"."""
+        """Draws a picture, shown by notebooks, with save(file): shape, fields, section_forces, diagrams, along, curve,
+        load_path, critical_modes, frequencies, iterations, steps. Options of `mixbeam plot`: field="axial_force", view="xy"."""
         return plotting.picture(self.results, picture, options)
 
     def view(self):
-        """The page of `mixbeam view`, shown inline by notebooks, with save(file)."""
+        """Returns the page of `mixbeam view`, shown inline by notebooks, with save(file)."""
         return plotting.view([self._result_file()])
 
 
@@ -469,25 +469,25 @@ class MemberResults:
         self.name, self.length, self.order, self.elements = name, length, order, elements
 
     def field(self, name, s, step=-1, before_vertex=False):
-        """(3,) for a number s, (n, 3) for an array; triad: unit quaternions w, x, y, z. At a vertex between two elements
-        the one after it counts, or the one before it."""
+        """Returns (3,) for a number s, (n, 3) for an array; triad: unit quaternions w, x, y, z. At a vertex between two
+        elements the value of the following one, or of the one before if `before_vertex`."""
         s = np.asarray(s, dtype=float)
         found = self._run._core.sample(self.name, self._shares(s).tolist(), operator.index(step), before_vertex)
         return found[name].reshape(*s.shape, -1) if s.size else np.empty((*s.shape, 4 if name == "triad" else 3))
 
     def _shares(self, s):
-        """Arc lengths over that of the member, in one row."""
+        """Returns the arc lengths, flattened, over the length of the member."""
         share = s.ravel() / self.length
         if not np.all((share >= -AT_ENDS) & (share <= 1 + AT_ENDS)):
             raise InputError(f"member {self.name!r}: arc length {s}; allowed: 0 to {self.length:.10g}")
         return np.clip(share, 0.0, 1.0)
 
     def stress(self, s, step=-1):
-        """Von Mises stress, largest over the section; nan where the section has neither a shape nor stress points. s: a number or an array."""
+        """Returns the largest von Mises stress over the section; nan for a section with neither shape nor stress points."""
         return self._along("von Mises stress", s, step)
 
     def utilisation(self, s, step=-1):
-        """Von Mises stress over the strength of the material, largest over the section. s: a number or an array."""
+        """Returns the largest von Mises stress over the section, divided by the strength of the material."""
         return self._along("utilisation", s, step)
 
     def _along(self, kind, s, step):
@@ -513,7 +513,7 @@ def _counted(what, count):
 
 
 def _valued(name, names, rows, step, members):
-    """What the columns of a quantity say: see Run."""
+    """Returns the value of a quantity from its columns: see Run."""
     rows = rows[0] if step is not None else rows.T
     places = {}
     for column, values in zip(names, rows):

@@ -26,18 +26,18 @@ class Scene(Parameters):
         if not isinstance(name, str):
             raise InputError(f"name of a scene: {name!r}; allowed: a text")
         object.__setattr__(self, "name", name)  # of the structure, and of files
-        object.__setattr__(self, "file", None)  # from which it was read; what it imports lies in its folder
+        object.__setattr__(self, "file", None)  # source file; imported tables are relative to its folder
         super().__init__(root())
         self.update_by_name(given)
 
     @classmethod
     def read(cls, file):
-        """The scene of a file, word for word but for its comments. Raises InputError with file, line and place."""
+        """Reads a scene file, verbatim except for comments. Raises InputError with file, line and place."""
         return cls._of(_core.read(os.fspath(file)), Path(file))
 
     @classmethod
     def from_text(cls, text, file=None):
-        """The scene of a text in XML or YAML; `file`: what messages call it."""
+        """Reads a scene from XML or YAML text; `file`: its name in messages."""
         return cls._of(_core.parse(text, str(file or "scene")), Path(file) if file else None)
 
     @classmethod
@@ -49,27 +49,27 @@ class Scene(Parameters):
         return scene
 
     def copy(self):
-        """Another scene with the same entries."""
+        """Returns a deep copy."""
         other = Scene(self.name)
         object.__setattr__(other, "file", self.file)
         other._copy(self)
         return other
 
     def to_xml(self):
-        """The scene as a text: read again, it is the same list."""
+        """Returns the scene as XML text, which reads back as an equal scene."""
         if not is_text(self.name):
             raise InputError(f"name of a scene: {self.name!r}; allowed: a text without control characters")
         return '<?xml version="1.0"?>\n' + "".join(self._xml(self.name, ""))
 
     def write(self, file):
-        """Writes the file of the scene, in YAML where its name says so (.yaml, .yml), else in XML."""
+        """Writes a scene file: YAML if its name ends in .yaml or .yml, else XML."""
         text = self.to_xml()
         if Path(file).suffix.lower() in (".yaml", ".yml"):
             text = _core.yaml_of(text, os.fspath(file))
         Path(file).write_text(text, encoding="utf-8")
 
     def _repr_html_(self):
-        """For notebooks: its name, and how many entries each list has."""
+        """Returns the notebook display: name, and number of entries of each list."""
         inner = self._entries.get("Scene")
         lists = {**(inner._entries if inner is not None else {}), **{title: one for title, one in self._entries.items() if title != "Scene"}}
         counts = [(title, len(one)) for title, one in lists.items() if isinstance(one, Parameters)]
@@ -77,14 +77,14 @@ class Scene(Parameters):
         return f"<b>mixbeam.Scene {html.escape(self.name)}</b><table>{cells}</table>"
 
     def view(self, case=None):
-        """Draws the scene without solving it, also one that check refuses: a page that notebooks show inline, with
-        save(file). Raises InputError where nothing can be drawn."""
+        """Draws the scene without solving it, even if check refuses it. Returns a page that notebooks show inline, with
+        save(file). Raises InputError if nothing can be drawn."""
         from .runs import view
 
         return view(self, case)
 
     def add_points(self, name, coordinates):
-        """Points from an array (..., 3): returns their names, name0, name1, ... or name0_0, ..., in its shape (...)."""
+        """Adds points from an array (..., 3). Returns their names, name0, name1, ... or name0_0, ..., in the shape (...)."""
         coordinates = np.asarray(coordinates, dtype=float)
         if coordinates.shape[-1:] != (3,):
             raise InputError(f"coordinates of {name}: an array of shape {coordinates.shape}; allowed: (..., 3)")
@@ -94,7 +94,7 @@ class Scene(Parameters):
         return names
 
     def add_members(self, name, start, end, **parameters):
-        """Members from arrays of names of points, each parameter one value or an array: returns their names, name0, ..."""
+        """Adds members from arrays of point names; each parameter is one value or an array. Returns their names, name0, ..."""
         arrays = {key: np.asarray(value, dtype=object) if _is_array(value, np.shape(start)) else value
                   for key, value in {"start": start, "end": end, **parameters}.items()}
         shape = np.broadcast_shapes(*(np.shape(value) for value in (start, end)))
@@ -105,7 +105,7 @@ class Scene(Parameters):
             self.members[names[place]] = {key: _plain(value) for key, value in one.items()}
         return names
 
-    # The list Scene is not in the way: its names are those of the whole.
+    # Names of the list Scene are attributes of the whole scene.
     def __getattr__(self, name):
         return getattr(self._home(name), name) if self._is_inside(name) else super().__getattr__(name)
 
@@ -120,7 +120,7 @@ class Scene(Parameters):
     def __dir__(self):
         return [*super().__dir__(), *self._declaration.lists["Scene"].xml_names]
 
-    def __reduce__(self):  # to other processes, as its text
+    def __reduce__(self):  # pickles the scene as its text
         return Scene.from_text, (self.to_xml(), self.file)
 
     def _is_inside(self, name):
@@ -153,7 +153,7 @@ def _new_names(name, shape, there):
 
 
 def scene_text(scene):
-    """(text, what messages call it, whether it is an object) of a Scene, of an XML text or of the path of a file."""
+    """Returns (text, name in messages, whether it is a Scene) of a Scene, an XML text or the path of a file."""
     if isinstance(scene, Scene):
         return scene.to_xml(), str(scene.file or scene.name), True
     if isinstance(scene, str) and scene.lstrip().startswith("<"):
@@ -166,7 +166,7 @@ def scene_text(scene):
 
 
 def xml_path(path):
-    """Of a parameter of a batch: "point_loads/tip/force[1]" and "Point Loads/tip/Force[1]" are the same."""
+    """Returns the XML path of a batch parameter: "point_loads/tip/force[1]" becomes "Point Loads/tip/Force[1]"."""
     parts, declaration = [], root().lists["Scene"]
     for part in path.split("/"):
         name, bracket, component = part.partition("[")
@@ -179,11 +179,11 @@ def xml_path(path):
 
 @cache
 def classes():
-    """{name: function that makes such a list}: Section, Member, Support, PointLoad, ..., and Circle, Arc, ... of shapes."""
+    """Returns {name: function that makes such a list}: Section, Member, PointLoad, ..., and shapes: Circle, Arc, ..."""
     found = {}
 
     def collect(declaration):
-        for word in declaration.parameters.get("Shape", {}).get("choices", ()):  # before those of Drawn As within it
+        for word in declaration.parameters.get("Shape", {}).get("choices", ()):  # takes precedence over Drawn As below
             found.setdefault(word.capitalize(), (declaration, {"Shape": word}))
         for inner in declaration.lists.values():
             if inner.free_list:

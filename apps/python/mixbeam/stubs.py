@@ -1,4 +1,4 @@
-"""Type stubs of the package, from the declarations of the parameters: python3 -m mixbeam.stubs FILE.pyi."""
+"""Writes type stubs of the package from the declarations of the parameters: python3 -m mixbeam.stubs FILE.pyi."""
 
 import inspect
 import sys
@@ -39,7 +39,7 @@ def type_of(parameter):
 
 
 def given_type(parameter):
-    """What may be given, formulas like "=2*L" in place of numbers too."""
+    """Returns the type of an assigned value, which includes formulas like "=2*L" in place of numbers."""
     kind = type_of(parameter)
     if parameter["type"] in ("double", "int"):
         return kind if "| str" in kind else kind + " | str"
@@ -47,13 +47,13 @@ def given_type(parameter):
 
 
 class Stubs:
-    """Text of classes, one for each kind of list."""
+    """Builds the text of the stub classes, one for each kind of list."""
 
     def __init__(self):
         self.text, self.names = [], {}
 
     def name_of(self, declaration):
-        """Of the class of a list, which is written when it is first asked for."""
+        """Returns the class name of a list; the first call writes the class."""
         if declaration.path not in self.names:
             words = declaration.path.replace("<", "").replace(">", "").split(" / ")
             self.names[declaration.path] = "_" + "".join(w.title().replace(" ", "") for w in words)
@@ -82,7 +82,7 @@ class Stubs:
         self.text.append("\n".join(lines))
 
     def maker(self, name, declaration, shape):
-        """A function that makes a list, with all of its names as keywords."""
+        """Writes a function that makes a list, with all of its names as keywords."""
         keywords = {}
 
         def collect(inner):
