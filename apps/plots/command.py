@@ -1,4 +1,4 @@
-"""What plot, report and view share: how they end, and how their files appear."""
+"""Exit codes, error messages and atomic writing of files, shared by plot, report and view."""
 
 import os
 import secrets
@@ -7,19 +7,19 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 BAD_INPUT = 2   # exit code, as of all programs of mixbeam
-inputs = set()  # paths that were read: nothing is written over them
+inputs = set()  # paths that were read, which must not be overwritten
 
 
 class InputError(Exception):
-    """An input file is missing or is not what a figure needs; the message names file and reason."""
+    """An input file is missing or unsuitable; the message names file and reason."""
 
 
 class NothingToDraw(InputError):
-    """The input of a figure is not there, or is as it should be and does not have what the figure shows."""
+    """The input of a figure is missing, or is valid but has no data for the figure."""
 
 
 def finish(name, result, work):
-    """Exit code of `mixbeam NAME` about a result file. Prints the paths of the files that `work()` yields."""
+    """Runs `mixbeam NAME` on a result file: prints the paths of the files that `work()` yields, returns the exit code."""
     try:
         for path in work():
             print(path, flush=True)
@@ -29,14 +29,14 @@ def finish(name, result, work):
                   "are not looked at)")
     except (InputError, OSError) as error:
         reason = str(error)
-    except Exception as error:  # of a file that holds what no run writes
+    except Exception as error:  # from a file with content that no run writes
         reason = f"unexpected content ({type(error).__name__}: {error})"
     print(f"mixbeam {name}: " + (reason if str(result) in reason else f"{result}: {reason}"), file=sys.stderr)
     return BAD_INPUT
 
 
 def replace_part(page, name, text):
-    """Writes a text between two lines of a page, <!-- NAME:begin --> and <!-- NAME:end -->. Raises InputError."""
+    """Replaces the text between the lines <!-- NAME:begin --> and <!-- NAME:end --> of a page. Raises InputError."""
     begin, end = f"<!-- {name}:begin -->", f"<!-- {name}:end -->"
     try:
         old = page.read_text(encoding="utf-8")
@@ -53,8 +53,8 @@ def replace_part(page, name, text):
 
 @contextmanager
 def whole_file(path):
-    """The stream of a file that appears under its name once it is whole. What was read is not replaced, nor what is no file,
-    and links are not followed. Raises InputError."""
+    """Opens a stream to a file that appears under its name once it is complete. Raises InputError rather than replace an
+    input or anything but a file; links are not followed."""
     path = Path(path)
     for other in inputs:
         with suppress(OSError):
@@ -64,7 +64,7 @@ def whole_file(path):
         raise InputError(f"{path}: is there and is no file; allowed: the name of a file")
     hidden = path.with_name(f".mixbeam-{secrets.token_hex(8)}")
     try:
-        with open(hidden, "xb") as stream:  # O_EXCL: of no link either
+        with open(hidden, "xb") as stream:  # O_EXCL does not follow links
             yield stream
         os.replace(hidden, path)
     except OSError as error:

@@ -14,8 +14,8 @@ COLORS = (style.BLUE, style.RED, style.GREEN, style.ORANGE, style.PURPLE, style.
 
 
 class Envelope:
-    """What `mixbeam run` leaves for a scene with load cases: its quantities in every run. `path`: SCENE.h5, beside which
-    the runs have their files."""
+    """Quantities of all runs of a scene with load cases, as `mixbeam run` writes them. `path`: SCENE.h5, beside the files of
+    the runs."""
 
     def __init__(self, path):
         self.path = path
@@ -30,16 +30,16 @@ class Envelope:
             self.values = np.array([values.read(str(i), shape) for i in range(len(self.runs))])
 
     def case(self, run):
-        """The name of the load case of a run, by its number."""
+        """Returns the name of the load case of a run, by its number."""
         return self.runs[int(run)][len(self.path.stem) + 1:]
 
     def rows(self):
-        """(quantity, smallest, in, largest, in)."""
+        """Returns rows (quantity, smallest, in case, largest, in case)."""
         return [(name, float(low), self.case(low_in), float(high), self.case(high_in)) for name, low, low_in, high, high_in in
                 zip(self.names, self.smallest, self.smallest_in, self.largest, self.largest_in)]
 
     def units(self):
-        """{name: unit} of the quantities, as the file of a run says it; nothing where none is there."""
+        """Returns {name: unit} of the quantities from the file of a run; {} if there is no such file."""
         file = next((file for file in self.files() if file.exists()), None)
         if file is None:
             return {}
@@ -51,7 +51,7 @@ class Envelope:
 
 
 def is_envelope(path):
-    """Whether a file holds an envelope and no run."""
+    """Returns whether a file holds an envelope and no run."""
     if not path.is_file():
         return False
     with open_file(path) as file:
@@ -59,7 +59,7 @@ def is_envelope(path):
 
 
 def envelope_beside(run):
-    """The Envelope to which a run belongs; None where there is none, or one of other values, made before or after it."""
+    """Returns the Envelope to which a run belongs; None if there is none, or if its values are not those of this run."""
     ending = f"-{run.case}"
     path = run.path.with_name(run.path.stem[:-len(ending)] + run.path.suffix)
     if not run.case or not run.path.stem.endswith(ending) or not is_envelope(path):
@@ -72,7 +72,7 @@ def envelope_beside(run):
 
 
 def ranges_figure(envelope):
-    """A bar from the smallest to the largest value of each quantity, each in the scale of its own, and a mark for every run."""
+    """Draws a bar from the smallest to the largest value of each quantity, each in its own scale, and a mark for every run."""
     shown = range(min(MOST_SHOWN, len(envelope.names)))
     canvas, axes = style.figure(10.5, 1.5 + 0.36 * len(shown))
     scale = np.maximum(np.abs(envelope.largest), np.abs(envelope.smallest))
@@ -101,7 +101,7 @@ def ranges_figure(envelope):
 
 
 def along_figure(envelope, patterns, look):
-    """Section forces over the running length of members in a row: the range over all runs, and each of them in grey."""
+    """Draws section forces along consecutive members: the range over all runs, and each run in grey."""
     from view import View
 
     found = []  # (places, {name: values}) of each run
@@ -114,7 +114,7 @@ def along_figure(envelope, patterns, look):
                                    for name, field in fields.SECTION_FORCES.items()}))
     exponent = fields.power_of_ten(borders[-1])
     common = found[0][0]
-    same = all(len(places) == len(common) for places, _ in found)  # runs with an Accuracy have meshes of their own
+    same = all(len(places) == len(common) for places, _ in found)  # with an Accuracy each run has its own mesh
     if not same:
         common = np.unique(np.concatenate([places for places, _ in found]))
     canvas, panels = style.figure(12.4, 7.6, 3, 2, sharex=True)

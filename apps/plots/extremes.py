@@ -1,4 +1,4 @@
-"""Figure of the sweeps to the limits, and the page on them and on random imperfect structures."""
+"""Figure of the sweeps of parameters to their limits, and page on them and on random imperfect structures."""
 
 import numpy as np
 
@@ -7,14 +7,14 @@ import style
 from tables import read_table
 
 COLUMNS = 4
-LOWEST_ERROR = 1e-17  # where an error of zero is drawn
+LOWEST_ERROR = 1e-17  # drawn in place of an error of zero
 LINEAR = ("order", "element_turn", "element_turn_k1", "thrust")  # sweeps that do not span decades
 
 RIGID = "Inextensible and shear rigid"
 MOMENT = f"{RIGID}, dead tip moment."
 SLENDER = "Slenderness 100, dead tip force F L^2 / EI = 10."
 UNITS = "Residuals and tolerances have no dimension."
-# name: label of the panel, scene, what is swept, why errors grow or runs end
+# name: label of the panel, scene, swept parameter, reason why errors grow or runs end
 SWEEPS = {
     "slenderness": ("slenderness $L/a$", "Dead tip force F L^2 / EI = 10.", "slenderness L/a of a square section, EA = GA = 12 "
         "(L/a)^2 EI / L^2; inf: inextensible and shear rigid", "The force is an unknown of its own and the compliance "
@@ -69,7 +69,7 @@ SWEEPS = {
 
 
 def extremes_figure(folder):
-    """A panel for each sweep: error, what is promised, condition number times rounding, iterations (right)."""
+    """Draws a panel for each sweep: error, promised error, condition number times rounding, iterations (right)."""
     table = read_table(folder / "extremes.csv")
     sweeps = list(dict.fromkeys(table["sweep"]))  # in the order of the file
     rows = -(-len(sweeps) // COLUMNS)
@@ -115,8 +115,8 @@ def _panel(axes, table, sweep):
 
 
 def _places(values, sweep):
-    """Where values are drawn, and ticks with labels where the axis is not one of plain numbers: infinity stands one
-    decade beyond the largest value, and an angle of zero or 1e-300 would leave no room for the others."""
+    """Returns abscissas, and ticks with labels if the axis does not show plain numbers: infinity is drawn one
+    decade beyond the largest value; angles are evenly spaced, since zero and 1e-300 would leave no room for the others."""
     if sweep == "angle":
         places = np.arange(len(values), dtype=float)
         return places, (places[::2], [f"{value:.0e}" if 0 < value < 0.01 else f"{value:.2g}" for value in values[::2]])
@@ -160,7 +160,7 @@ def _overview(sweeps):
 
 
 def _ends(sweeps):
-    """Runs that end early, and errors above what is allowed, each with the reason of its sweep."""
+    """Lists runs that end early and errors above the allowed one, each with the reason of its sweep."""
     text = ""
     for name, rows in sweeps.items():
         allowed = np.nanmax([row["allowed"] for row in rows] + [0.0])

@@ -6,13 +6,13 @@ import style
 from results import InputError
 
 STRESSES = ("von_mises_stress", "largest_normal_stress", "largest_shear_stress")
-MEGAPASCALS = {("m", "N"): 1e-6, ("m", "kN"): 1e-3, ("m", "MN"): 1.0}  # of a stress in these units
+MEGAPASCALS = {("m", "N"): 1e-6, ("m", "kN"): 1e-3, ("m", "MN"): 1.0}  # factor from a stress in these units
 NOISE = 1e-9  # section forces below this share of the largest one in the structure are round-off, drawn as zero
-NO_LOAD = 1e-12  # and so are moments below this share of EI / size, when nothing in the structure is larger
+NO_LOAD = 1e-12  # the same for moments below this share of EI / size, if nothing in the structure is larger
 
 
 class Field:
-    """How to get a scalar at every sample: `components` of the dataset `source`; several components give a magnitude."""
+    """Scalar at every sample: `components` of the dataset `source`; several components give their norm."""
 
     def __init__(self, label, source, components):
         self.label, self.source, self.components = label, source, components
@@ -22,7 +22,7 @@ class Field:
         return len(self.components) == 1
 
     def unit(self, units):
-        """Of its values, `units` being those of length and force; empty where they are not known or there is none."""
+        """Returns the unit of the values from `units` of length and force; empty if unknown or dimensionless."""
         length, force = units
         stress = "MPa" if units in MEGAPASCALS else f"{force}/{length}\u00b2"
         kinds = {"material_force": force, "material_moment": f"{force} {length}", "moment_strain": f"1/{length}",
@@ -30,32 +30,32 @@ class Field:
         return kinds.get(self.source, "") if length else ""
 
     def values(self, step, size):
-        """(n,) values of a step; round-off becomes zero. `size` of the structure turns forces into moments."""
+        """Returns the values of a step (n,), round-off set to zero. `size` of the structure is the lever of forces."""
         columns = step.field(self.source)[:, self.components]
         values = columns[:, 0] if self.signed else np.linalg.norm(columns, axis=1)
         values = np.where(np.isfinite(values), values, 0.0)
         return values if np.abs(values).max(initial=0.0) > self.floor(step, size) else np.zeros_like(values)
 
     def values_at(self, step, size, samples):
-        """Those of some samples, as zero where they are round-off though others are not."""
+        """Returns the values at some samples, set to zero if these are all round-off."""
         values = self.values(step, size)[samples]
         return values if np.abs(values).max(initial=0.0) > self.floor(step, size) else np.zeros_like(values)
 
     def floor(self, step, size):
-        """Numbers of its source up to this one are round-off."""
+        """Returns the magnitude up to which values of the source are round-off."""
         force, moment = (_largest(step.field(name)) for name in ("material_force", "material_moment"))
         moment = max(moment, NO_LOAD / NOISE * _bending_stiffness(step) / size)
         if self.source == "material_force":
             return NOISE * max(force, moment / size)
         if self.source == "material_moment":
             return NOISE * max(moment, force * size)
-        if self.source == "moment_strain":  # a force strain does not say what curvature is small, the size does
+        if self.source == "moment_strain":  # small curvatures are judged by the size of the structure
             return NOISE * max(_largest(step.field(self.source)), 1e-3 / size)
         return NOISE * max(_largest(step.field(self.source)), 1e-6)
 
 
 class StressField(Field):
-    """A stress over the section at every sample: nan, which is drawn grey, where the section has no shape."""
+    """Largest stress over the section at every sample; nan, drawn grey, if the section has no shape."""
 
     def __init__(self, label, source, signed=False):
         super().__init__(label, source, [0] if signed else [])
@@ -69,7 +69,7 @@ class StressField(Field):
 
 
 class GradientField(Field):
-    """Of a quantity by a stiffness of every element, at the end of the path."""
+    """Gradient of a quantity by a stiffness of every element, at the end of the path."""
 
     def __init__(self, run, quantity, stiffness, values):
         super().__init__(f"gradient of {style.literal(quantity)} by ${stiffness}$: share of it, per length", "gradients", [0])
@@ -88,7 +88,7 @@ STIFFNESSES = {"EA": "EA", "GA2": "GA_2", "GA3": "GA_3", "GIt": "GI_t", "EI2": "
 
 
 def fields_of(run):
-    """FIELDS, and "tip.y by EI3" of gradients by element."""
+    """Returns FIELDS and the gradients by element, "tip.y by EI3"."""
     gradients = {f"{quantity} by {name}": GradientField(run, quantity, symbol, values[:, i])
                  for quantity, values in run.gradients() for i, (name, symbol) in enumerate(STIFFNESSES.items())}
     return {**FIELDS, **gradients}
@@ -119,37 +119,37 @@ FIELDS = {
     "shear_stress": StressField(r"shear stress $|\tau|$, largest of the section", "largest_shear_stress"),
 }
 OVERVIEW = ("bending", "torsion", "axial_force", "shear", "curvature", "axial_strain")
-STRESS_OVERVIEW = ("von_mises",) + OVERVIEW[:-1]  # where a step has stresses
+STRESS_OVERVIEW = ("von_mises",) + OVERVIEW[:-1]  # of steps with stresses
 
 
 def power_of_ten(largest):
-    """Exponent by which numbers up to `largest` are divided so that ticks stay short: 0 for everyday numbers."""
+    """Returns the exponent of ten to divide by so that tick labels stay short: 0 for numbers from 0.01 to 1e4."""
     if not np.isfinite(largest) or largest == 0.0 or 1e-2 <= largest < 1e4:
         return 0
     return int(3 * np.floor(np.log10(largest) / 3))
 
 
 def scaled(values):
-    """(exponent of the power of ten, values over that power)."""
+    """Returns (exponent of the power of ten, values over that power)."""
     exponent = power_of_ten(np.nanmax(np.abs(values), initial=0.0))
     return exponent, values / 10.0 ** exponent
 
 
 def number_text(value):
-    """Four digits, without a power of ten where it can be read without."""
+    """Returns four digits, with a power of ten only for very small or large numbers."""
     if value == 0.0 or 1e-3 <= abs(value) < 1e6:
         return np.format_float_positional(value, precision=4, fractional=False, trim="-")
     return f"{value:.4g}"
 
 
 def times(exponent, unit=""):
-    """Words behind an axis label for numbers in a unit that were divided by 10^exponent."""
+    """Returns the suffix of an axis label for numbers in a unit that were divided by 10^exponent."""
     words = [rf"$10^{{{exponent}}}$"] * bool(exponent) + [style.literal(unit)] * bool(unit)
     return f"  [{' '.join(words)}]" if words else ""
 
 
 def color_scale(field, values):
-    """Colour map and norm: signed fields are symmetric about a grey zero, magnitudes start at zero."""
+    """Returns colour map and norm: signed fields are symmetric about a grey zero, magnitudes start at zero."""
     from matplotlib.colors import LinearSegmentedColormap, Normalize
 
     largest = _largest(values) or 1.0
@@ -163,7 +163,7 @@ def color_scale(field, values):
 
 
 def _bending_stiffness(step):
-    """A typical ratio of moment to curvature; 0 where nothing bends."""
+    """Returns the median ratio of moment to curvature; 0 if nothing bends."""
     moment, strain = (np.abs(step.field(name)).ravel() for name in ("material_moment", "moment_strain"))
     bent = strain > 0
     return float(np.median(moment[bent] / strain[bent])) if bent.any() else 0.0

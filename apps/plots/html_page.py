@@ -1,4 +1,4 @@
-"""The writer of HTML pages but that of `mixbeam view`: what comes from a scene is data, never markup."""
+"""Writer of HTML pages other than that of `mixbeam view`: text from a scene is data, never markup."""
 
 import base64
 import html
@@ -18,25 +18,25 @@ STYLE = ("body{font:15px/1.45 system-ui,sans-serif;max-width:62em;margin:2em aut
          "i.bar{max-width:5em}}td{vertical-align:top;max-width:34em}nav a{margin-right:1em}@page{margin:18mm 15mm}"
          "@media print{body{font-size:10pt;margin:0;max-width:none}nav,details{display:none}h2{break-after:avoid}"
          "tr,img,svg{break-inside:avoid}thead{display:table-header-group}}")
-# A page asks no server for anything, whatever is in it, and runs no script but its own.
+# The policy forbids any request to a server and any script, whatever the page contains.
 BEGIN = "<!doctype html>"
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data: blob:"
 
 
 class Cell:
-    """Of a table: markup of this program, and the text for those who do not see it."""
+    """Cell of a table: markup of this program, with an alternative text for screen readers."""
 
     def __init__(self, text, markup):
         self.markup = f"<span role=\"img\" aria-label=\"{html.escape(text, quote=True)}\">{markup}</span>"
 
 
 def bar(share, is_bad=False):
-    """A Cell as long as `share` of the longest one."""
+    """Returns a Cell with a bar of `share` (0 to 1) of the full length."""
     return Cell(f"{share:.3g}", f"<i class=\"bar{' bad' if is_bad else ''}\" style=\"width:{12 * min(max(share, 0.0), 1.0):.3g}em\"></i>")
 
 
 class Page:
-    """One HTML file without network and without scripts. All texts are plain."""
+    """One self-contained HTML file without scripts. All texts are plain."""
 
     def __init__(self, title):
         self._parts = [f"{BEGIN}<html lang=\"en\"><head><meta charset=\"utf-8\">"
@@ -49,7 +49,7 @@ class Page:
         self._parts.append(f"<h1>{html.escape(text)}</h1>")
 
     def contents(self):
-        """Links to all headings, here."""
+        """Inserts links to all headings here."""
         self._contents = len(self._parts)
         self._parts.append("")
 
@@ -61,11 +61,11 @@ class Page:
         self._parts.append(f"<p{' class=bad' if bad else ''}>{html.escape(text)}</p>")
 
     def link(self, words, file_name):
-        """To a file in the same folder."""
+        """Adds a link to a file in the same folder."""
         self._parts.append(f"<p><a href=\"./{html.escape(quote(file_name), quote=True)}\">{html.escape(words)}</a></p>")
 
     def table(self, head, rows):
-        """The first MOST_ROWS rows; entries are texts, numbers or Cells."""
+        """Adds a table of the first MOST_ROWS rows; entries are texts, numbers or Cells."""
         words = [any(isinstance(row[i], (str, Cell)) and row[i] for row in rows[:MOST_ROWS]) for i in range(len(head))]
 
         def cells(tag, row):
@@ -89,14 +89,14 @@ class Page:
         self._parts.append(f"<details><summary>{html.escape(title)}</summary><pre>{html.escape(text)}</pre></details>")
 
     def markup(self):
-        """The whole page as a text."""
+        """Returns the whole page as text."""
         if self._contents is not None:
             self._parts[self._contents] = "<nav>" + "".join(
                 f"<a href=\"#part{i}\">{html.escape(text)}</a>" for i, text in enumerate(self._headings, 1)) + "</nav>"
         return "\n".join(self._parts) + "\n</body></html>\n"
 
     def write(self, path):
-        """Only whole pages appear under the name, and replace nothing but pages."""
+        """Writes the page atomically. Raises InputError if the name belongs to a file that is not a page."""
         if path.is_file() and path.stat().st_size and path.open("rb").read(len(BEGIN)) != BEGIN.encode():
             raise InputError(f"{path}: is there and is no page, and is not written over; allowed: another name")
         with whole_file(path) as stream:
@@ -104,7 +104,7 @@ class Page:
 
 
 def page_beside(file, kind):
-    """Where a page (view, report) of a result file or a scene is written: `mine-view.html`."""
+    """Returns the path of a page (view, report) of a result file or a scene: `mine-view.html`."""
     return file.with_name(f"{file.stem}-{kind}.html")
 
 

@@ -1,4 +1,4 @@
-"""The page on mixbeam beside other programs, and its figure, from the tables of the study peers."""
+"""Page and figure that compare mixbeam with other programs, from the tables of the study peers."""
 
 import page
 import style
@@ -6,11 +6,11 @@ from tables import read_table
 
 LEVELS = (1e-2, 1e-4, 1e-6, 1e-8)
 SHOWN = {"roll_up_1000": "two full circles, slenderness 1000", "arc_1000": "eighth of a circle, across its plane",
-         "elastica": "elastica, $F L^2 / EI = 10$"}  # those of slenderness 100 look the same
+         "elastica": "elastica, $F L^2 / EI = 10$"}  # figures for slenderness 100 look the same
 LOOKS = {"mixbeam": (style.BLUE, "o", "-"), "mixbeam, all answers": (style.SKY, "s", "-"), "FEniCSx": (style.RED, "v", "-"),
          "FEniCSx, load steps alone": (style.RED, "v", ":"), "CalculiX": (style.PURPLE, "D", "-"),
          "CalculiX, defaults": (style.PURPLE, "D", ":")}
-LOWEST = 1e-13  # errors below are those of rounding and of the truths
+LOWEST = 1e-13  # errors below are those of rounding and of the references
 INTRODUCTION = """The same cantilevers by mixbeam and by programs that Debian has: a straight rod wound up to two full circles by a moment and an
 eighth of a circle under a force across its plane, at slenderness 100 and 1000, and the elastica. The truths are closed forms,
 elliptic integrals and shooting. Time is user and system time of one thread in a process that has solved before, from the
@@ -58,7 +58,7 @@ def cheapest(rows, level):
 
 
 def front(rows):
-    """Times and errors of what no cheaper solution reaches."""
+    """Returns times and errors of the Pareto front: solutions that are more accurate than all cheaper ones."""
     times, errors = [], []
     for row in sorted(rows, key=lambda row: row["seconds"]):
         error = max(row["error"], LOWEST)
@@ -83,7 +83,7 @@ def peers_figure(folder):
 
 
 def digits(value, count):
-    """So many significant ones, without an exponent."""
+    """Returns `count` significant digits, without an exponent where possible."""
     return f"{float(f'{value:.{count}g}'):g}"
 
 
@@ -93,7 +93,7 @@ def cell(row):
 
 
 def ratios(rows, problems, others):
-    """Time of a program over that of mixbeam for each level, smallest and largest of the problems that it reaches."""
+    """Returns the time of a program over that of mixbeam for each error level: smallest and largest over the problems."""
     lines = []
     for other in others:
         line = [other]
@@ -108,7 +108,7 @@ def ratios(rows, problems, others):
 
 
 def defaults(rows, problems, names):
-    """The cheapest solution with a hundredth of error, or the most accurate one, as a program comes."""
+    """Returns rows with default settings: the cheapest solution with an error of 1e-2, or the most accurate one."""
     lines = []
     for problem in problems:
         for name in names:

@@ -1,4 +1,4 @@
-"""The inputs of a run in words and tables, as its result file holds them: sections, members, supports, joints, loads."""
+"""Tables of the inputs of a run, from its result file: sections, members, supports, joints, loads."""
 
 from collections import defaultdict
 
@@ -8,8 +8,8 @@ from html_page import Cell
 from results import DRAWN_AS
 
 SIDE = 64          # pixels of a drawing
-FEW = 6            # names that a row of the table shows
-ROUNDING = 1e-12   # of the largest component: what resolving patterns and angles leaves of zero
+FEW = 6            # names shown in a row of the table
+ROUNDING = 1e-12   # of the largest component: components below this are zero
 AXES = "xyz"
 SIZES = {"circle": ("diameter",), "tube": ("diameter", "", "wall"), "rectangle": ("width", "height"), "ellipse": ("width", "height"),
          "box": ("width", "height", "wall"), "I": ("width", "height", "flange", "web"), "T": ("width", "height", "flange", "web"),
@@ -22,7 +22,7 @@ def write_sections(page, run):
 
 
 def write_inputs(page, run, of_case=False):
-    """Tables with a row for each different input; equal ones of several places share a row. Of one case among several: its loads."""
+    """Writes tables in which equal inputs at several places share a row. `of_case`: only supports and loads of one case."""
     acting = run.acting()
     length, force = run.units
     units = {"force": force, "moment": f"{force} {length}", "force per length": f"{force}/{length}", "couple per length": force,
@@ -92,7 +92,7 @@ def _supports(page, run, supports, length):
 
 
 def _along(page, run, table, names, columns, title, units):
-    """Vectors at the start, in the middle and at the end of members."""
+    """Writes vectors at the start, in the middle and at the end of members."""
     if not table:
         return
     rows = defaultdict(list)
@@ -118,7 +118,7 @@ def _letters(held):
 
 
 def _vector(values):
-    """Four digits of each component; nothing where all are zero."""
+    """Returns four digits of each component; empty if all are zero."""
     values = np.where(np.abs(values) < ROUNDING * np.abs(values).max(), 0.0, values)
     return "(" + ", ".join(f"{value:.4g}" for value in values) + ")" if values.any() else ""
 
@@ -134,7 +134,7 @@ def _names(names):
 
 
 def _drawing(shape, width, height, wall, web):
-    """Of a section: axis 2 to the right, axis 3 upwards."""
+    """Draws a section, axis 2 to the right, axis 3 upwards."""
     from solid import outline
 
     if shape not in SIZES:

@@ -1,4 +1,4 @@
-"""What acts on a structure, as the result file holds it: supports by their kind, joints, point and line loads."""
+"""Marks of supports, joints, point and line loads, prescribed motions and eigenstrains, from the result file."""
 
 import numpy as np
 from matplotlib.path import Path as Shape
@@ -6,18 +6,18 @@ from matplotlib.path import Path as Shape
 import style
 from structure import add_lines
 
-SAME_PLACE = 1e-6   # of the extent: farther from a point than this, a sample is another place
+SAME_PLACE = 1e-6   # of the extent: a sample farther from a point than this is not at the point
 MARK_SHARE = 0.12   # length of an arrow over the size of the structure
-LINE_SHARE = 0.08   # of the arrows of the largest line load
+LINE_SHARE = 0.08   # the same for the largest line load
 MOST_ARROWS = 240   # of all line loads together
-MANY_SUPPORTS = 20  # get small signs
-CROWD = 300         # and more of them none: they would cover the structure
+MANY_SUPPORTS = 20  # from this number on signs are small
+CROWD = 300         # from this number on there are none, as they would cover the structure
 ARROW_WIDTH = 0.012  # of a line load [inch]
-MOST_MARKS = 20      # of loads: of more, one is drawn for all that are alike
+MOST_MARKS = 20      # beyond this number of loads one represents all like ones
 COLORS = {"force": style.RED, "moment": style.PURPLE, "shift": style.GREEN, "turn": style.GREEN, "line load": style.RED}
-FACING = 0.2        # a direction whose share in the picture is smaller points at the reader
+FACING = 0.2        # a unit vector shorter than this in the picture points at the reader
 
-# Signs below the point, which is at the origin, in sizes of a marker.
+# Signs below the point at the origin, in marker sizes.
 SIGNS = {
     "clamp": Shape([(-1, 0), (1, 0), (-1, 0), (-1.3, -0.5), (-0.3, 0), (-0.6, -0.5), (0.3, 0), (0.0, -0.5), (1, 0), (0.7, -0.5)],
                    [1, 2, 1, 2, 1, 2, 1, 2, 1, 2]),
@@ -30,7 +30,7 @@ JOINT_SIGNS = {"hinge": "o", "ball": "o", "slider": "D"}
 
 
 def kind_of_support(fixed, stiffness):
-    """Word for `fixed` (6) displacements and rotations; springs count only where nothing is fixed."""
+    """Returns the word for `fixed` (6) displacements and rotations; "spring" if nothing is fixed."""
     displacements, rotations = int(np.sum(fixed[:3])), int(np.sum(fixed[3:]))
     if displacements + rotations == 0:
         return "spring"
@@ -40,15 +40,15 @@ def kind_of_support(fixed, stiffness):
 
 
 class Marks:
-    """What acts at a step, by numbers of samples; vectors are spatial.
+    """Supports, joints and loads at a step, by sample numbers; vectors are spatial.
 
     supports [(sample, kind)]; joints [(sample, kind)]; forces, moments, and prescribed shifts and turns
-    [(sample, direction of length 1)]; line_loads [(samples, forces per length (places, 3))]; strained: members with an
+    [(sample, unit vector)]; line_loads [(samples, forces per length (places, 3))]; strained: members with an
     eigenstrain.
     """
 
     def __init__(self, run, step, reference, is_whole=False):
-        """`is_whole`: of all stages, whatever the step."""
+        """Collects what acts at `step`; with `is_whole`, the loads of all stages."""
         self._run, self._step, self._reference, self._is_whole = run, step, reference, is_whole
         self._near = SAME_PLACE * (np.ptp(reference, axis=0).max() or 1.0)
         self.supports, self.joints, self.forces, self.moments, self.line_loads = [], [], [], [], []
@@ -96,7 +96,7 @@ class Marks:
                 self.strained.append(member)
 
     def groups(self):
-        """[(kind, marks that are alike)] of all that acts: of one entry of the scene, as a rule."""
+        """Returns [(kind, equal marks)] of all loads; a group is usually one entry of the scene."""
         found = {}
         for kind, own in (("force", self.forces), ("moment", self.moments), ("shift", self.shifts), ("turn", self.turns), ("line load", self.line_loads)):
             for mark in own:
@@ -107,14 +107,14 @@ class Marks:
         return self._is_whole or not np.isfinite(begins) or begins < self._step.load_factor
 
     def _placed(self, table, *names):
-        """(sample, entries of these columns) of the rows that are shown."""
+        """Yields (sample, entries of these columns) of the rows that are shown."""
         for place, position, *entries in zip(*(table[name] for name in ("place", "position", *names))):
             sample = self._sample(place, position)
             if sample is not None:
                 yield sample, *entries
 
     def _sample(self, place, position):
-        """Of a place (member, arc length); of its position where that member is not shown."""
+        """Returns the sample at a place (member, arc length), or nearest to its position if that member is not shown."""
         member = self._run.member_of_index(int(place[0]))
         if member is not None and place[1] == 0.0:
             return member.samples.start
@@ -124,7 +124,7 @@ class Marks:
         return int(distance.argmin()) if distance.min() <= self._near else None
 
     def _turned(self, vectors, follows, samples):
-        """Components in the triads of samples become spatial ones where the load follows them."""
+        """Returns spatial vectors; those of follower loads are given in the triads of the samples."""
         vectors = np.atleast_2d(vectors)
         if not follows:
             return vectors
@@ -134,8 +134,8 @@ class Marks:
 
 
 def draw_marks(axes, marks, points, projection, length):
-    """Draws into plane axes; `points` (n, 2) of all samples; `length` of an arrow. Returns words for the caption and the ends of
-    arrows."""
+    """Draws marks into 2-D axes; `points` (n, 2) of all samples; `length` of an arrow. Returns words for the caption and the
+    ends of arrows."""
     words, tips = [], []
     _draw_supports(axes, marks.supports, points, words)
     for kind in sorted({kind for _, kind in marks.joints}):
@@ -198,7 +198,7 @@ def _arrow(axes, point, direction, projection, length, color, gid):
 
 
 def _turn(axes, point, direction, projection, length, color, gid):
-    """A moment or rotation: an arrow along its axis, a turning arrow where that points at the reader."""
+    """Draws a moment or rotation: an arrow along its axis, a circular arrow if that points at the reader."""
     if np.linalg.norm(projection @ direction) >= FACING:
         return _arrow(axes, point, direction, projection, length, color, gid)
     toward = np.cross(projection[0], projection[1]) @ direction > 0
@@ -207,7 +207,7 @@ def _turn(axes, point, direction, projection, length, color, gid):
 
 
 def _draw_line_loads(axes, line_loads, points, projection, length):
-    """Behind the members. Returns the ends of the combs."""
+    """Draws combs of line loads behind the members. Returns the ends of the combs."""
     largest = max((np.linalg.norm(forces, axis=1).max() for _, forces in line_loads), default=0.0)
     if not largest > 0.0:
         return []
@@ -220,5 +220,5 @@ def _draw_line_loads(axes, line_loads, points, projection, length):
     ends_of_backs = heads - arrows
     drawn = axes.quiver(*ends_of_backs[chosen].T, *arrows[chosen].T, color=style.RED, angles="xy", scale_units="xy", scale=1, units="inches",
                         width=ARROW_WIDTH, headwidth=5, headlength=6, headaxislength=6, zorder=2, clip_on=False, gid="line load arrows")
-    drawn.set_in_layout(False)  # its extent is measured wrongly; the backs of the combs reach as far
+    drawn.set_in_layout(False)  # matplotlib measures its extent wrongly; the backs of the combs reach as far
     return list(ends_of_backs)

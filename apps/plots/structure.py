@@ -1,4 +1,4 @@
-"""A whole structure as line pieces: smooth, coloured, in space or in a plane, for one member or ten thousand."""
+"""Structures as smooth, coloured line pieces, in space or in a plane, for one member or ten thousand."""
 
 import numpy as np
 from matplotlib.collections import LineCollection
@@ -6,16 +6,16 @@ from mpl_toolkits.mplot3d.art3d import Line3DCollection
 
 import style
 
-MOST_PIECES = 12000      # more are thinned out: a picture has no more room, and a figure should take seconds
+MOST_PIECES = 12000      # more are thinned out: a picture shows no more, and a figure should take seconds
 RASTER_PIECES = 4000     # above this an SVG holds the lines as pixels, else it would take minutes to open
-SMOOTH_ANGLE = 0.06      # radians between neighbouring pieces that no eye sees
-SMOOTH_COLORS = 150      # pieces in which no eye sees steps of colour
+SMOOTH_ANGLE = 0.06      # radians between neighbouring pieces, too small to see
+SMOOTH_COLORS = 150      # pieces with which steps of colour are too small to see
 MOST_PARTS = 12          # of one piece
-FEW_SAMPLES = 20000      # refinement by a cubic is for structures up to this size
+FEW_SAMPLES = 20000      # larger structures are not refined by cubics
 
 
 class Structure:
-    """The pieces between neighbouring samples of all members; sample numbers refer to the fields of a step."""
+    """Line pieces between neighbouring samples of all members; sample numbers refer to the fields of a step."""
 
     def __init__(self, run):
         starts = np.array([member.samples.start for member in run.members])
@@ -26,7 +26,7 @@ class Structure:
         first = np.arange(len(self.reference) - 1)
         first = first[~np.isin(first + 1, starts)]
         owner = np.searchsorted(starts, first, side="right") - 1
-        stride = max(1, int(np.ceil(len(first) / MOST_PIECES)))  # where there are too many, the first of every member among them
+        stride = max(1, int(np.ceil(len(first) / MOST_PIECES)))  # thinned out, but with the first piece of every member
         kept = (first - starts[owner]) % stride == 0
         self.first, owner = first[kept], owner[kept]
         last = np.append(np.diff(owner) > 0, True)
@@ -35,9 +35,9 @@ class Structure:
         self.size = float(np.linalg.norm(spread)) or 1.0
 
     def nodes(self, points, slopes=None, *levels):
-        """Finely divided pieces: (m, p, dimension) nodes, their tangents, their `levels` (m, p); owner (m,) of each piece.
+        """Divides the pieces finely. Returns nodes (m, p, dimension), tangents, `levels` (m, p), owner (m,) of each piece.
 
-        `points` (n, dimension) are joined by cubics where unit tangents `slopes` (n, dimension) are given, else by
+        `points` (n, dimension) are joined by cubics if unit tangents `slopes` (n, dimension) are given, else by
         lines; `levels` (n,) vary linearly in each piece.
         """
         first, second = self.first, self.second
@@ -61,14 +61,14 @@ class Structure:
         return _hermite(ends, directions, t) if parts > 1 else ends[0] + t * (ends[1] - ends[0]), tangent, between, owner
 
     def pieces(self, points, values=None, slopes=None):
-        """(m, 2, dimension) line pieces through `points`, and the mean of `values` (n,) on each."""
+        """Returns line pieces (m, 2, dimension) through `points`, and the mean of `values` (n,) on each."""
         nodes, _, levels, _ = self.nodes(points, slopes, *(() if values is None else (values,)))
         lines = np.stack([nodes[:, :-1], nodes[:, 1:]], axis=2).reshape(-1, 2, points.shape[1])
         return lines, ((levels[0][:, :-1] + levels[0][:, 1:]) / 2).reshape(-1) if levels else None
 
 
 def _hermite(ends, directions, t):
-    """Cubics through both ends with the given directions; of the length that suits an arc."""
+    """Evaluates cubics through both ends with the given directions; the tangent length is that of an arc."""
     cosine = np.clip((directions[0] * directions[1]).sum(axis=2, keepdims=True), -1.0, 1.0)
     length = np.linalg.norm(ends[1] - ends[0], axis=2, keepdims=True) * 2 / np.maximum(1 + np.sqrt((1 + cosine) / 2), 1.0)
     return ((1 + 2 * t) * (1 - t) ** 2 * ends[0] + t * (1 - t) ** 2 * length * directions[0]
@@ -76,10 +76,10 @@ def _hermite(ends, directions, t):
 
 
 def tangents(points, breaks):
-    """Unit tangents (n, dimension) of curves through `points`, from parabolas through three neighbours.
+    """Returns unit tangents (n, dimension) of curves through `points`, from parabolas through three neighbours.
 
-    A new curve begins at every sample in `breaks`, and where a point repeats the one before, as at element ends: the
-    triads of the sections would be no better, for they jump there and shear turns them.
+    A new curve begins at every sample in `breaks`, and where a point repeats the one before, as at element ends.
+    Section triads would be no better: they jump there, and shear inclines them.
     """
     chord = np.diff(points, axis=0)
     length = np.linalg.norm(chord, axis=1)
@@ -112,17 +112,17 @@ def add_lines(axes, lines, values=None, scale=None, width=2.0, color=style.GREY,
 
 
 def line_width(structure):
-    """Thick for a rod, thin for a lattice."""
+    """Returns the line width: thick for a rod, thin for a lattice."""
     return float(np.clip(3.2 - 0.65 * np.log10(max(len(structure.starts), 1)), 0.7, 3.2))
 
 
 def best_plane(points):
-    """Two orthonormal directions that span the plane in which `points` spread most; coordinate directions if as good."""
+    """Returns two orthonormal directions of the plane in which `points` spread most, coordinate directions if as good."""
     centered = points - points.mean(axis=0)
     _, spread, directions = np.linalg.svd(centered, full_matrices=False)
     best = (spread[:2] ** 2).sum()
     flat = spread[1] < 1e-9 * spread[0]
-    for axes in ((0, 1), (0, 2), (1, 2)):  # a picture along the axes is easier to read than one slightly turned
+    for axes in ((0, 1), (0, 2), (1, 2)):  # a picture along the axes is easier to read than a slightly rotated one
         shown = np.linalg.svd(centered[:, axes], compute_uv=False)
         if (shown ** 2).sum() > 0.97 * best and (flat or shown[1] > 0.85 * spread[1]):
             return np.eye(3)[list(axes)]
@@ -142,7 +142,7 @@ def _mostly_positive(direction):
 
 
 def axis_name(direction):
-    """"$x$", "$y$" or "$z$" for a coordinate direction, its components otherwise."""
+    """Returns "$x$", "$y$" or "$z$" for a coordinate direction, its components otherwise."""
     nearest = int(np.argmax(np.abs(direction)))
     if direction[nearest] > 1 - 1e-9:
         return f"${'xyz'[nearest]}$"
@@ -150,7 +150,7 @@ def axis_name(direction):
 
 
 def plane_of(camera):
-    """Directions to the right and upwards in the picture; `camera`: elevation and azimuth in degrees."""
+    """Returns the directions to the right and upwards in the picture; `camera`: elevation and azimuth in degrees."""
     elevation, azimuth = np.radians(camera)
     right = np.array([-np.sin(azimuth), np.cos(azimuth), 0.0])
     toward = np.array([np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)])
@@ -158,7 +158,7 @@ def plane_of(camera):
 
 
 def best_view(points):
-    """Elevation and azimuth (degrees) under which `points` cover most of the picture."""
+    """Returns the elevation and azimuth (degrees) under which `points` cover most of the picture."""
     centered = points - points.mean(axis=0)
 
     def covered(view):
@@ -169,5 +169,5 @@ def best_view(points):
     best = max(views, key=covered)
     usual = (24, -60)
     spread = np.linalg.svd(centered, compute_uv=False)
-    slim = len(spread) < 2 or spread[1] < 0.15 * spread[0]  # a nearly straight rod looks best from the usual place
+    slim = len(spread) < 2 or spread[1] < 0.15 * spread[0]  # a nearly straight rod looks best in the usual view
     return usual if slim or covered(usual) > 0.7 * covered(best) else best

@@ -1,4 +1,4 @@
-"""The look that all figures share: fonts, colours that colour-blind readers can tell apart, axes, slope triangles."""
+"""Style of all figures: fonts, colours that colour-blind readers can distinguish, axes, layout, files."""
 
 import os
 import re
@@ -7,9 +7,9 @@ import textwrap
 
 from command import whole_file
 
-if "matplotlib" not in sys.modules:  # a host that has it draws its own way
+if "matplotlib" not in sys.modules:  # else the settings of the host are kept
     here = os.open(".", os.O_PATH)
-    os.chdir(os.path.dirname(os.path.abspath(__file__)))  # a matplotlibrc in the user's folder is nobody's choice
+    os.chdir(os.path.dirname(os.path.abspath(__file__)))  # so that no matplotlibrc of the current folder is read
     import matplotlib
     os.fchdir(here)
     os.close(here)
@@ -18,12 +18,12 @@ if "matplotlib" not in sys.modules:  # a host that has it draws its own way
 import matplotlib.colors  # noqa: E402
 
 if "matplotlib.pyplot" not in sys.modules:
-    matplotlib.use("Agg")  # pictures into files, no display needed
+    matplotlib.use("Agg")  # draws into files, without a display
 
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
-# Okabe and Ito's palette, without its yellow, which is too light for lines on white.
+# Palette of Okabe and Ito without yellow, which is too light for lines on white.
 BLUE, ORANGE, GREEN, RED, PURPLE, SKY, BLACK = (
     "#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#000000")
 GREY = "#8A8A8A"
@@ -59,16 +59,16 @@ SETTINGS = {
     "savefig.dpi": DOTS_PER_INCH,
 }
 plt.rcParams.update(SETTINGS)
-AS_IS = "as is"  # of figures whose panels have fixed places
+AS_IS = "as is"  # id of figures whose panels have fixed positions
 
 
 def figure(width, height, rows=1, columns=1, **options):
-    """A figure of that size in inches and its two-dimensional axes, as `plt.subplots` gives them."""
+    """Returns a figure of that size in inches and its 2-D axes, as `plt.subplots` does."""
     return plt.subplots(rows, columns, figsize=(width, height), **options)
 
 
 def panels(count, most, width, height, more=(0.0, 0.0), **options):
-    """A figure of so many panels of this size, at most `most` of them in a row, and its axes; `more`: inches beside and above them."""
+    """Returns a figure of `count` panels of this size, at most `most` in a row, and its axes; `more`: inches beside and above."""
     columns = min(most, count)
     rows = -(-count // columns)
     canvas, axes = figure(width * columns + more[0], height * rows + more[1], rows, columns, squeeze=False, **options)
@@ -78,7 +78,7 @@ def panels(count, most, width, height, more=(0.0, 0.0), **options):
 
 
 def figure_as_is(width, height, rows=1, columns=1, left=0.1, right=0.98, top=0.9, bottom=0.1, wspace=0.2, hspace=0.2, **options):
-    """Likewise, with the panels at these places: it is drawn once, where laying out panels takes five times as long."""
+    """Returns a figure with panels at fixed positions, which saves the layout: that takes five times as long as drawing."""
     canvas, panels = plt.subplots(rows, columns, figsize=(width, height), constrained_layout=False, **options)
     canvas.subplots_adjust(left, bottom, right, top, wspace, hspace)
     canvas.set_gid(AS_IS)
@@ -86,7 +86,7 @@ def figure_as_is(width, height, rows=1, columns=1, left=0.1, right=0.98, top=0.9
 
 
 def figure_3d(width, height, columns=1, rows=1):
-    """A figure and a list of three-dimensional axes, row by row."""
+    """Returns a figure and a list of 3-D axes, row by row."""
     canvas = plt.figure(figsize=(width, height), constrained_layout=False)
     panels = [canvas.add_subplot(rows, columns, i + 1, projection="3d") for i in range(rows * columns)]
     canvas.subplots_adjust(left=0.02, right=0.96, bottom=0.1, top=0.94, wspace=0.16, hspace=0.1)
@@ -94,16 +94,16 @@ def figure_3d(width, height, columns=1, rows=1):
 
 
 def save(canvas, path):
-    """Writes the picture, cut to what is drawn, closes the figure and returns the path."""
+    """Writes the picture, cropped to its content, closes the figure and returns the path."""
     return save_all(canvas, path.with_suffix(""), [path.suffix[1:]])[0]
 
 
 def lay_out(canvas):
-    """Lays out a figure for good, and returns the box that holds all that is drawn: what `savefig` takes as bbox_inches."""
+    """Fixes the layout of a figure and returns its bounding box, for bbox_inches of `savefig`."""
     if canvas.get_gid() == AS_IS:
         return None
     if canvas.get_layout_engine() is not None:
-        canvas.get_layout_engine().execute(canvas)  # twice: room for titles depends on panels that keep their aspect
+        canvas.get_layout_engine().execute(canvas)  # first of two: room for titles depends on panels with fixed aspect
     canvas.draw_without_rendering()
     extras = canvas.get_default_bbox_extra_artists()
     for axes in canvas.axes:
@@ -111,12 +111,12 @@ def lay_out(canvas):
             extras += _finish_3d(axes)
     box = canvas.get_tightbbox(canvas._get_renderer(), bbox_extra_artists=extras).padded(0.08)
     with plt.rc_context({"figure.constrained_layout.use": False}):
-        canvas.set_layout_engine(None)  # what was laid out once need not be laid out again for each format
+        canvas.set_layout_engine(None)  # the layout is not repeated for each format
     return box
 
 
 def save_all(canvas, path, formats):
-    """The picture as `path` with each of these endings; closes the figure and returns the paths."""
+    """Writes the picture as `path` with each of these endings, closes the figure and returns the paths."""
     box = lay_out(canvas)
     paths = [path.parent / f"{path.name}.{ending}" for ending in formats]
     with plt.rc_context({"figure.constrained_layout.use": False}):
@@ -128,16 +128,16 @@ def save_all(canvas, path, formats):
 
 
 def _finish_3d(axes):
-    """Puts the title just above the box, and returns what matplotlib forgets when it measures such axes."""
+    """Puts the title just above the box, and returns the artists that matplotlib omits when it measures 3-D axes."""
     coordinate_axes = (axes.xaxis, axes.yaxis, axes.zaxis)
     top = max(axis.pane.get_window_extent().y1 for axis in coordinate_axes)
-    axes.set_title(axes.get_title(), y=1.0)  # a given y keeps matplotlib from choosing one when it draws
+    axes.set_title(axes.get_title(), y=1.0)  # an explicit y keeps matplotlib from choosing one when it draws
     axes.title.set_y(axes.transAxes.inverted().transform((0, top))[1])  # set_title would scale it in 3-D axes
     return [artist for axis in coordinate_axes for artist in (axis.pane, axis.label)]
 
 
 def equal_axes_3d(axes, points, ticks=5, thinnest=0.25, zoom=1.1):
-    """Limits around `points` with the same scale on all three axes; a flat cloud gets `thinnest` of the widest extent."""
+    """Sets limits around `points` with equal scales on all axes; each extent is at least `thinnest` of the widest one."""
     points = np.asarray(points)
     low, high = points.min(axis=0), points.max(axis=0)
     widest = (high - low).max() or 1.0
@@ -168,25 +168,25 @@ def rgb(color):
 
 
 def wrapped(text, letters):
-    """Lines of at most so many letters, about equally long."""
+    """Wraps a text into lines of at most `letters` characters, about equally long."""
     count = len(textwrap.wrap(text, letters))
     return next(lines for width in range(len(text) // max(count, 1), letters + 1)
                 if len(lines := textwrap.wrap(text, width)) <= count) if count > 1 else [text]
 
 
 def literal(name):
-    """A name from a scene as one line that shows it as it is: what stands between dollars would be a formula."""
+    """Returns a name from a scene as one line of literal text: matplotlib would typeset text between dollars."""
     return re.sub(r"[\x00-\x1f\x7f]", " ", name).replace("$", r"\$")
 
 
 def blend(share, first=RED, last=BLUE):
-    """The colour at `share` (0 to 1) of the way between two colours."""
+    """Interpolates between two colours; `share` from 0 to 1."""
     first, last = (np.array(matplotlib.colors.to_rgb(color)) for color in (first, last))
     return tuple((1 - share) * first + share * last)
 
 
 def components_figure(table, across, across_label, prefix, name, label, place):
-    """Three columns `prefix`1 to 3 of a table over the column `across`; `name` has {} for the number."""
+    """Draws three columns `prefix`1 to 3 of a table over the column `across`; `name` has {} for the number."""
     canvas, axes = figure(7.0, 4.6)
     for i, (color, dashes) in enumerate(zip(COMPONENT_COLORS, COMPONENT_DASHES), start=1):
         axes.plot(table[across], table[f"{prefix}{i}"], color=color, linestyle=dashes, label=name.format(i))
@@ -196,12 +196,12 @@ def components_figure(table, across, across_label, prefix, name, label, place):
 
 
 def order_line(order):
-    """Plot options of element order k, the same in all figures."""
+    """Returns the plot options of element order k, the same in all figures."""
     order = int(order)
     return {"color": ORDER_COLORS[order], "marker": ORDER_MARKERS[order], "label": f"$k={order}$"}
 
 
 def legend_below_3d(canvas, axes, height):
-    """One line of legend for all three-dimensional panels, at `height` (0 to 1) of the figure."""
+    """Adds one line of legend for all 3-D panels, at `height` (0 to 1) of the figure."""
     handles, labels = axes.get_legend_handles_labels()
     canvas.legend(handles, labels, loc="upper center", ncol=len(labels), bbox_to_anchor=(0.5, height))

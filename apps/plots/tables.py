@@ -9,14 +9,14 @@ from command import InputError, NothingToDraw
 
 
 class Named(dict):
-    """Columns or entries of a row by the names of the file, which must have those that are asked for."""
+    """Columns or entries of a row by name. Raises InputError for a name that the file does not have."""
 
     def __missing__(self, name):
         raise InputError(f"column {name} missing; found {', '.join(self)}")
 
 
 class Table:
-    """Columns of a CSV file: arrays of float where every entry is a number, else arrays of str."""
+    """Columns of a CSV file: arrays of float if every entry is a number, else arrays of str."""
 
     def __init__(self, columns):
         self._columns = Named(columns)
@@ -28,7 +28,7 @@ class Table:
         return len(next(iter(self._columns.values())))
 
     def where(self, **conditions):
-        """The rows in which every named column equals the given value."""
+        """Returns the rows in which every named column equals the given value."""
         keep = np.ones(len(self), dtype=bool)
         for name, value in conditions.items():
             keep &= self[name] == value
@@ -39,20 +39,20 @@ class Table:
         return Table({key: column[order] for key, column in self._columns.items()})
 
     def names(self):
-        """Of the columns, in their order."""
+        """Returns the names of the columns, in their order."""
         return list(self._columns)
 
     def values(self, name):
-        """The different values of a column, ascending."""
+        """Returns the distinct values of a column, ascending."""
         return np.unique(self[name])
 
     def rows(self):
-        """Each row by the names of its columns."""
+        """Returns each row as a dictionary by column names."""
         return [Named(zip(self._columns, row)) for row in zip(*self._columns.values())]
 
 
 def number_of(text):
-    """Nan where a text is none."""
+    """Converts a text to float, nan if it is not a number."""
     try:
         return float(text)
     except ValueError:
@@ -60,7 +60,7 @@ def number_of(text):
 
 
 def read_table(path):
-    """The CSV file `path` as a Table; InputError unless it exists and has rows."""
+    """Reads a CSV file as a Table. Raises InputError unless it exists and has rows."""
     path = Path(path)
     if not path.is_file():
         raise NothingToDraw(f"no {path}")
@@ -68,7 +68,7 @@ def read_table(path):
         rows = list(csv.reader(stream))
     if len(rows) < 2:
         raise InputError(f"{path}: no rows")
-    complete = [row for row in rows[1:] if len(row) == len(rows[0])]  # a killed run may leave half a line
+    complete = [row for row in rows[1:] if len(row) == len(rows[0])]  # a killed run may leave a partial line
     if not complete:
         raise InputError(f"{path}: no complete rows")
     return Table({name: _column([row[i] for row in complete]) for i, name in enumerate(rows[0])})

@@ -1,4 +1,4 @@
-"""Figures of the trade between accuracy and cost: work and precision, unknowns, price of each order."""
+"""Figures of the trade-off between accuracy and cost: work and precision, unknowns, price of each order."""
 
 import matplotlib.lines
 import matplotlib.ticker
@@ -10,18 +10,18 @@ from tables import Table
 
 COLUMNS = 4
 LOWEST_ERROR = 1e-14
-HIGHEST_ERROR = 0.3  # beyond, the mesh has followed a path of its own
-SOME = {"linewidth": 0.8, "linestyle": (0, (2, 2))}  # a mean over those benchmarks on which an order is exact enough
+HIGHEST_ERROR = 0.3  # beyond, the mesh has followed another path
+SOME = {"linewidth": 0.8, "linestyle": (0, (2, 2))}  # mean over the benchmarks on which an order reaches the accuracy
 trade_page = trade_of.trade_page
 
 
 def trade_time_figure(folder):
-    """Error over time, a panel for each benchmark; what no other cell beats is joined."""
+    """Draws error over time, a panel for each benchmark, and joins the cells that no other cell beats."""
     return _panels(folder, _draw_times, "time in ms, one thread")
 
 
 def trade_unknowns_figure(folder):
-    """Error over all unknowns, those inside the elements included."""
+    """Draws error over all unknowns, including those inside the elements."""
     return _panels(folder, _draw_unknowns, "unknowns (vertices and interior)")
 
 
@@ -64,8 +64,8 @@ def _draw_times(panel, cells, floor):
     _lines(panel, cells, lambda line: 1e3 * trade_of.seconds(line))
     place = np.argsort(trade_of.seconds(cells))
     error = cells["largest_error"][place]
-    place = place[error < np.concatenate(([np.inf], np.fmin.accumulate(error)[:-1]))]  # what no other cell beats
-    place = place[:1 + np.count_nonzero(cells["largest_error"][place] > floor)]  # below, errors are those of rounding
+    place = place[error < np.concatenate(([np.inf], np.fmin.accumulate(error)[:-1]))]  # cells that no other one beats
+    place = place[:1 + np.count_nonzero(cells["largest_error"][place] > floor)]  # below, errors are rounding
     panel.plot(1e3 * trade_of.seconds(cells)[place], np.maximum(cells["largest_error"][place], LOWEST_ERROR * 1.3),
                color=style.BLACK, alpha=0.25, linewidth=6, solid_capstyle="round", zorder=1, label="least time")
 
@@ -75,7 +75,7 @@ def _draw_unknowns(panel, cells, _floor):
 
 
 def trade_orders_figure(folder):
-    """The price of taking one order everywhere, by time and by operations, for all errors and for the tip alone."""
+    """Draws the price of using one order everywhere, by time and by operations, for all errors and for the tip alone."""
     prices = trade_of.order_prices(folder)
     canvas, axes = style.figure(11.0, 7.6, 2, 2, sharex=True, sharey=True)
     for row, (measure, error) in zip(axes, (("largest", "largest of all errors"), ("displacement", "tip alone"))):
@@ -99,7 +99,7 @@ def _draw_prices(panel, prices):
         everywhere = (line["reached"] == line["judged"]) & (line["judged"] > 0)
         look = style.order_line(order)
         panel.plot(line["accuracy"], np.where(everywhere, line["mean"], np.nan), **look)
-        if not everywhere.all():  # the mean over a few would flatter too much
+        if not everywhere.all():  # the mean over a few benchmarks would look too good
             panel.plot(line["accuracy"], np.where(2 * line["reached"] >= line["judged"], line["mean"], np.nan),
                        color=look["color"], **SOME)
     panel.set_xscale("log")
@@ -110,7 +110,7 @@ def _draw_prices(panel, prices):
 
 
 def trade_digits_figure(folder):
-    """What the cheapest cell costs for an accuracy, over what it costs for the first: each benchmark, and the mean."""
+    """Draws the cost of the cheapest cell for an accuracy over that for the first one: each benchmark, and the mean."""
     accuracies, everything = trade_of.ACCURACIES, trade_of.candidates(folder)
     canvas, axes = style.figure(11.0, 4.2, 1, 2)
     for panel, cost, title in zip(axes, trade_of.COSTS.values(), ("time", "operations")):

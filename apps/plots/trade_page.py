@@ -1,4 +1,4 @@
-"""Which order and mesh to take for an accuracy, from the tables of the program trade, and the page on it."""
+"""Page on the order and mesh to choose for an accuracy, from the tables of the program trade."""
 
 import csv
 
@@ -11,10 +11,10 @@ ACCURACIES = 10.0 ** -np.arange(2, 13)
 QUANTITIES = ("displacement", "centerline", "moment", "energy")
 MEASURES = {"largest": "largest_error", "displacement": "displacement_error"}
 FULL_ELEMENTS = 16  # of the comparison of integrations
-# Estimates are judged where the true error is neither that of a mesh that says little nor that of rounding, and known
-# to a tenth by the references.
+# Estimates are judged if the true error is neither that of a very coarse mesh nor rounding, and is known to a tenth
+# from the references.
 LARGEST, SMALLEST, ABOVE_DIFFERENCE, FACTOR = 1e-2, 1e-10, 10.0, 5.0
-ROUND_OFF = 1e-11  # of rates
+ROUND_OFF = 1e-11  # errors below are not used for rates
 
 
 def cells(folder, kind="matrix"):
@@ -26,7 +26,7 @@ def benchmarks(folder, kind="matrix"):
 
 
 def seconds(table):
-    """Processor times with the first number of threads: the first column of that name."""
+    """Returns processor times with the first number of threads: the first column of that name."""
     return table[next(name for name in table.names() if name.startswith("processor_seconds_"))]
 
 
@@ -38,14 +38,14 @@ COSTS = {"seconds": seconds, "flops": operations}
 
 
 class Candidates:
-    """Cells of a benchmark that have an equilibrium, both force parts reduced."""
+    """Cells of a benchmark with an equilibrium, both force parts with reduced integration."""
 
     def __init__(self, about, table):
         self.name, self.floor = about["benchmark"], about["floor"]
         self.table = table.where(benchmark=self.name, integration="both reduced", status="converged")
 
     def cheapest(self, error, cost, accuracy, order=None):
-        """Number of the cell; None where no cell is as exact, or so small an error is not judged."""
+        """Returns the number of the cell; None if no cell is as accurate, or if so small an error cannot be judged."""
         good = self.table[error] <= accuracy
         if order is not None:
             good &= self.table["order"] == order
@@ -69,15 +69,15 @@ def candidates(folder):
 
 
 def mean(values):
-    """Geometric."""
+    """Returns the geometric mean."""
     return np.exp(np.mean(np.log(values))) if len(values) else np.nan
 
 
 def order_prices(folder):
-    """What it costs to take one order everywhere: a row for each error, cost, accuracy and order.
+    """Computes the price of using one order everywhere: a row for each error, cost, accuracy and order.
 
     mean and worst: cost of its cheapest mesh over that of the cheapest order, over the benchmarks on which it reaches
-    the accuracy; elements of that mesh; judged: benchmarks on which any order does.
+    the accuracy; elements: of that mesh; judged: benchmarks on which any order reaches it.
     """
     everything, rows = candidates(folder), []
     orders = cells(folder).values("order")
@@ -213,7 +213,7 @@ def trade_page(folder):
 
 
 def _prices(everything, prices, unit):
-    """A row for each accuracy, the price of each order in it."""
+    """Returns a table with a row for each accuracy, the price of each order in it."""
     rows, cost = [], COSTS[unit]
     orders = list(dict.fromkeys(price["order"] for price in prices))
     for accuracy in ACCURACIES:
