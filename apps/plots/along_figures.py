@@ -1,4 +1,4 @@
-"""Section forces and moments of members in a row, over one running length."""
+"""Section forces and moments of consecutive members, over one running length."""
 
 import numpy as np
 
@@ -7,13 +7,13 @@ import style
 from diagram_figures import force_panels, name_extremes
 from results import InputError
 
-SAME_PLACE = 1e-6  # of the extent of the structure: ends this near to each other meet
-MOST_NAMES = 14    # of members that a picture can show
+SAME_PLACE = 1e-6  # of the extent of the structure: ends nearer to each other meet
+MOST_NAMES = 14    # of members shown in a picture
 NAME_SHARE = 0.1   # of the height of a panel, below the diagram
 
 
 def along_figure(view, step, patterns):
-    """Six panels over the running length of members that form a path; dashed: where one ends and the next begins."""
+    """Draws six panels over the running length of members that form a path; dashed: their ends."""
     members = view.run.members_meant(patterns, "--along")
     row = path_of(members, view.size)
     places, samples, borders = running_length(row)
@@ -31,7 +31,7 @@ def along_figure(view, step, patterns):
 
 
 def path_of(members, size):
-    """[(member, whether it runs against the path)]; InputError where the members do not form one path."""
+    """Returns [(member, whether it runs against the path)]. Raises InputError if the members do not form one path."""
     ends = [(member.reference_position[0], member.reference_position[-1]) for member in members]
 
     def meets(a, b):
@@ -59,7 +59,7 @@ def path_of(members, size):
 
 
 def running_length(row):
-    """(places along the path, numbers of the samples there, places where members begin and end)."""
+    """Returns (places along the path, numbers of the samples there, places of the ends of members)."""
     places, samples, borders = [], [], [0.0]
     for member, against in row:
         s, numbers = member.arc_length, np.arange(member.samples.start, member.samples.stop)
@@ -70,7 +70,7 @@ def running_length(row):
 
 
 def draw_borders(panels, row, borders):
-    """Where one member ends and the next begins, in all panels, and the names of the members in the lowest ones."""
+    """Draws the ends of members in all panels, and the names of the members in the lowest ones."""
     for axes in panels.flat:
         for border in borders[1:-1]:
             axes.axvline(border, color=style.GREY, linewidth=0.7, linestyle=(0, (4, 3)), zorder=1)

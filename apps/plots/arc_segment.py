@@ -11,7 +11,7 @@ SLENDERNESS = (10, 100, 1000)
 
 
 def convergence_figure(folder):
-    """Error against the finest solution for three slendernesses."""
+    """Draws the error against the finest solution for three slendernesses."""
     table = read_table(folder / "convergence.csv")
     chosen = table.values("slenderness")
     canvas, axes = style.figure(3.7 * len(chosen) + 0.4, 4.2, 1, len(chosen), sharey=True, squeeze=False)
@@ -24,7 +24,7 @@ def convergence_figure(folder):
 
 
 def shapes_figure(folder):
-    """Undeformed and deformed configuration for three slendernesses."""
+    """Draws the undeformed and deformed configuration for three slendernesses."""
     canvas, panels = style.figure_3d(12, 4.6, columns=len(SLENDERNESS))
     for axes, rho in zip(panels, SLENDERNESS):
         with Run(folder / f"single_rho{rho}.h5") as run:

@@ -5,9 +5,9 @@ import numpy as np
 
 import style
 
-SLOPE_TOLERANCE = 0.3  # a triangle is drawn where the line has the slope it claims
+SLOPE_TOLERANCE = 0.3  # a triangle is drawn if the slope of the line agrees to this
 DISTANCE_FROM_LINE = 0.6
-ROUND_OFF_MARGIN = 50  # and where the error is well above the round-off floor
+ROUND_OFF_MARGIN = 50  # and if the error is this many times the round-off floor
 
 
 def optimal(order):
@@ -15,7 +15,7 @@ def optimal(order):
 
 
 def figure_of_vertices(panels, label):
-    """A panel for each (rows of a table, title), whose column `error` falls with the power 2 k."""
+    """Draws a panel for each (rows of a table, title), whose column `error` falls with the power 2 k."""
     canvas, axes = style.figure(9.5, 4.6, 1, len(panels), sharey=True)
     for each, (rows, title) in zip(axes, panels):
         panel(each, rows, title, "error", lambda order: 2 * order)
@@ -26,7 +26,7 @@ def figure_of_vertices(panels, label):
 
 
 def panel(axes, table, title, error="l2_error", rate=None):
-    """Draws every order in `table` (columns order, elements, and `error`), with triangles of slope `rate(order)` where it is given."""
+    """Draws every order in `table` (columns order, elements and `error`), with triangles of slope `rate(order)` if given."""
     for order in table.values("order"):
         line = table.where(order=order).sorted_by("elements")
         axes.loglog(line["elements"], line[error], **style.order_line(order))
@@ -41,7 +41,7 @@ def panel(axes, table, title, error="l2_error", rate=None):
 
 
 def _slope_triangles(axes, table, error, rate):
-    """Beside each line a triangle of slope `rate(order)` with that number."""
+    """Draws a triangle of slope `rate(order)`, with that number, beside each line."""
     floor = np.nanmin(table[error])
     for order in table.values("order"):
         line = table.where(order=order).sorted_by("elements")
@@ -51,7 +51,7 @@ def _slope_triangles(axes, table, error, rate):
 
 
 def _regular_segment(elements, errors, rate, floor):
-    """Last segment in which the error falls at that rate: (elements at its start, at its end, error at its start)."""
+    """Returns the last segment with that rate: (elements at its start, at its end, error at its start), or None."""
     with np.errstate(divide="ignore", invalid="ignore"):
         rates = -np.diff(np.log(errors)) / np.diff(np.log(elements))
     good = (np.abs(rates - rate) < SLOPE_TOLERANCE) & (errors[1:] > ROUND_OFF_MARGIN * floor)
@@ -62,7 +62,7 @@ def _regular_segment(elements, errors, rate, floor):
 
 
 def _triangle(axes, left, right, top, rate, color):
-    first, last = left * (right / left) ** 0.15, left * (right / left) ** 0.85  # clear of the markers
+    first, last = left * (right / left) ** 0.15, left * (right / left) ** 0.85  # does not overlap the markers
     high, low = (DISTANCE_FROM_LINE * top * (end / left) ** -rate for end in (first, last))
     axes.fill([first, last, first], [high, low, low], facecolor=color, alpha=0.25, edgecolor=color, linewidth=0.8)
     axes.annotate(f"{rate}", (np.sqrt(first * last), low), xytext=(0, -2), textcoords="offset points", ha="center",

@@ -1,4 +1,4 @@
-"""The critical points of a path: structure and mode at each of them."""
+"""Figure of the critical points of a path: structure and mode at each of them."""
 
 import numpy as np
 
@@ -7,12 +7,12 @@ from structure import add_lines, line_width, tangents
 
 MOST_POINTS = 6
 MODE_SHARE = 0.12     # largest displacement of the mode in the picture over the size of the structure
-MOST_ACROSS = 0.5     # a mode that moves more than this share out of the plane is drawn at an angle to it
-TURN, TILT = 0.6, 0.5  # of that angle [rad]: about the vertical of the picture, then about its horizontal
+MOST_ACROSS = 0.5     # a mode with more than this share out of the plane is drawn from an oblique direction,
+TURN, TILT = 0.6, 0.5  # rotated [rad] about the vertical of the picture, then about its horizontal
 
 
 def modes_figure(view, points):
-    """Grey: undeformed; black: at the critical point; red: moved by the mode to one side, thin: to the other."""
+    """Draws the undeformed structure (grey), the critical state (black), and that moved along +mode and -mode (red, thin)."""
     shown = points[:MOST_POINTS]
     canvas, panels = style.panels(len(shown), 3, 4.4, 4.2, (0.0, 0.5))
     for axes, (number, point) in zip(panels.flat, enumerate(shown, start=1)):
@@ -44,7 +44,7 @@ def _draw_mode(axes, view, point):
 
 
 def _projection(plane, mode):
-    """The plane of the picture, turned where it would hide the mode."""
+    """Returns the plane of the picture, rotated if it would hide the mode."""
     normal = np.cross(plane[0], plane[1])
     if np.abs(mode @ normal).max(initial=0.0) <= MOST_ACROSS * np.linalg.norm(mode, axis=1).max(initial=0.0):
         return plane

@@ -1,4 +1,4 @@
-"""The page on what features cost that a scene does not use."""
+"""Page on the cost of features that a scene does not use."""
 
 import page
 from tables import read_table

@@ -14,7 +14,7 @@ STAGES = ((0, "(0) unloaded"), (1, "(1) force at $P_1$"), (2, "(2) force couple"
 
 
 def load_displacement_figure(folder):
-    """Displacements of both tines and of the branching point, for both orders of loading."""
+    """Draws displacements of both tines and of the branching point, for both orders of loading."""
     table = read_table(folder / "load_displacement.csv")
     canvas, axes = style.figure(12, 4.4, 1, 3, sharey=True)
     for panel, (point, title) in zip(axes, POINTS):
@@ -34,7 +34,7 @@ def load_displacement_figure(folder):
 
 
 def shapes_figure(folder):
-    """Undeformed structure, one force, force couple; arrows are the forces."""
+    """Draws the undeformed structure, one force, the force couple; arrows are the forces."""
     with Run(folder / "single.h5") as run:
         reference = [member.reference_position for member in run.members]
         shapes = [reference] + [[run.step_at(stage).field("position", member) for member in run.members]
@@ -58,7 +58,7 @@ def shapes_figure(folder):
 
 
 def convergence_figure(folder):
-    """Mean error over the fork for each representation of the semicircle, and the error of a vertex for the exact one."""
+    """Draws the mean error over the fork for each representation of the semicircle, and that of a vertex for the exact one."""
     table = read_table(folder / "convergence.csv")
     exact, polygon = (table.where(representation=name) for name in ("exact arc", "polygon"))
     panels = ((exact, "error", "exact semicircle, mean over the fork", convergence.optimal),

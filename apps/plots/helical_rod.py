@@ -10,13 +10,13 @@ STRAIN_ORDERS = (1, 4)
 
 
 def load_displacement_figure(folder):
-    """Tip position over the load factor."""
+    """Draws the tip position over the load factor."""
     table = read_table(folder / "load_displacement.csv")
     return style.components_figure(table, "load_factor", r"load factor $\lambda$", "r", "$r_{}(L)$", "tip position", "upper right")
 
 
 def strains_figure(folder):
-    """Force and moment strains along the axis for the lowest and the highest order."""
+    """Draws force and moment strains along the axis for the lowest and the highest order."""
     canvas, axes = style.figure(10.5, 6.4, 2, 2, sharex=True, sharey="row")
     for column, order in enumerate(STRAIN_ORDERS):
         table = read_table(folder / f"strains_k{order}.csv")
@@ -36,7 +36,7 @@ def strains_figure(folder):
 
 
 def shapes_figure(folder):
-    """Final center lines for the four orders."""
+    """Draws the final centerlines for the four orders."""
     lines = {}
     for order in ORDERS:
         table = read_table(folder / f"shape_k{order}.csv")

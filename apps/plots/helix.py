@@ -7,7 +7,7 @@ import style
 from results import Run
 from tables import read_table
 
-RADIUS, HEIGHT, COILS = 10.0, 50.0, 2.0  # of the exact helix, as the paper has it
+RADIUS, HEIGHT, COILS = 10.0, 50.0, 2.0  # of the exact helix, as in the paper
 
 
 def exact_helix(points=400):
@@ -16,7 +16,7 @@ def exact_helix(points=400):
 
 
 def shapes_figure(folder):
-    """Center lines of two very coarse meshes against the exact helix."""
+    """Draws centerlines of two very coarse meshes against the exact helix."""
     canvas, panels = style.figure_3d(8.4, 5.8, columns=2)
     exact = exact_helix()
     everything = [exact]
@@ -39,7 +39,7 @@ def shapes_figure(folder):
 
 
 def convergence_figure(folder):
-    """Error between the vertices, and of the vertices themselves, over the number of elements."""
+    """Draws the error between the vertices, and that of the vertices, over the number of elements."""
     table = read_table(folder / "convergence.csv")
     slenderness = table.values("slenderness")[0]
     table = table.where(slenderness=slenderness)

@@ -1,4 +1,4 @@
-"""Pages of the documentation: Markdown made of the tables that a program wrote."""
+"""Markdown for pages of the documentation, from the tables that a program has written."""
 
 import math
 
@@ -6,13 +6,13 @@ from tables import read_table
 
 
 def table(head, rows, right=0):
-    """A table; the last `right` columns are aligned to the right."""
+    """Returns a table; the last `right` columns are aligned to the right."""
     marks = ["---"] * (len(head) - right) + ["---:"] * right
     return "".join("| " + " | ".join(str(cell) for cell in row) + " |\n" for row in (head, marks, *rows))
 
 
 def head(name, title, text, folder, figures=False):
-    """Title, what the page is about, how to renew it, what it was measured with."""
+    """Returns title, introduction, the command that renews the page, and the machine of the measurement."""
     pictures = f" results/{name}/*.png" if figures else ""
     facts = read_table(folder / "machine.csv")
     machine = ", ".join(value if fact == "date" else f"{fact} {value}"
@@ -22,7 +22,7 @@ def head(name, title, text, folder, figures=False):
 
 
 def short(value):
-    """1e-09, 0.5, 1000, inf: at most six digits, and more for a number that is not what these say."""
+    """Returns 1e-09, 0.5, 1000, inf: six digits, or up to 13 for a number that these do not represent."""
     text = f"{value:.6g}"
     return text if math.isclose(float(text), value, rel_tol=1e-15) else f"{value:.13g}"
 

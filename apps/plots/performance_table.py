@@ -1,5 +1,5 @@
 #!/usr/bin/python3 -Es
-"""The performance table of apps/docs/performance.md from the results of thread_scaling.
+"""Writes the table of apps/docs/performance.md from the results of thread_scaling.
 
     performance_table.py RESULTS/thread_scaling [--update apps/docs/performance.md]
 """
@@ -69,7 +69,7 @@ def table(folder):
 
 
 def rounded(number):
-    """Two significant digits at least, no more decimals than they need."""
+    """Rounds to two significant digits, or to an integer from 10 on."""
     return f"{number:.0f}" if number >= 10 else f"{number:.1f}" if number >= 1 else f"{number:.2f}"
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 BENCHMARKS = ("rollup", "superimposed_rotation", "arc_segment", "helix", "helical_rod", "slope_discontinuity", "fork",
               "modes", "sensitivity", "extremes", "trade", "thread_scaling")
-NAMES = (*BENCHMARKS, "economies", "peers")  # which have no reference values of the paper
+NAMES = (*BENCHMARKS, "economies", "peers")  # the last two have no reference values of the paper
 
 
 def main():
@@ -60,7 +60,7 @@ def main():
 
 
 def works_of(module, endings):
-    """(name, function from folder to figure or page) of its functions with these endings."""
+    """Returns (name, function from folder to figure or page) of a module's functions with these endings."""
     return [(name.rpartition("_")[0], make) for name, make in vars(module).items() if name.endswith(endings) and not name.startswith("_")]
 
 

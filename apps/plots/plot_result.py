@@ -1,5 +1,5 @@
 #!/usr/bin/python3 -Es
-"""Draws pictures of a result file, of the table of a batch, or of a scene, which is not solved."""
+"""Draws pictures of a result file, of the table of a batch, or of an unsolved scene."""
 
 import argparse
 import sys
@@ -20,14 +20,14 @@ KINDS = {"shape": "members with their sections, deformed and undeformed, coloure
          "iterations": "Newton iterations and residuals",
          "steps": "several steps side by side"}
 BY_DEFAULT = ("shape", "diagrams", "load_path")
-TELLING = ("von_mises", "bending", "axial_force", "torsion", "displacement")  # fields, the first of which that does not vanish is shown
+TELLING = ("von_mises", "bending", "axial_force", "torsion", "displacement")  # the first field that does not vanish is shown
 OF_ONE_STEP = ("shape", "fields", "section_forces", "diagrams", "along")
-FEW_STEPS = 5   # points of a curve, the origin among them, that are hardly one
+FEW_STEPS = 5   # a curve of at most so many points, including the origin, gets a note
 
 
 def main():
     words = sys.argv[1:]
-    for i, word in enumerate(words[:-1]):  # a negative azimuth is no option
+    for i, word in enumerate(words[:-1]):  # argparse would read a negative azimuth as an option
         if word == "--view":
             words[i:i + 2] = ["", f"--view={words[i + 1]}"]
     options = options_of([word for word in words if word])
@@ -35,7 +35,7 @@ def main():
 
 
 def options_of(words):
-    """What a command line asks for."""
+    """Parses a command line."""
     kinds = "; ".join(f"{name}: {text}" for name, text in KINDS.items())
     parser = argparse.ArgumentParser("mixbeam plot", description=__doc__, epilog=f"Pictures: {kinds}.")
     parser.add_argument("result", type=Path, help="result file (.h5), or a scene, of which the shape is drawn")
@@ -60,7 +60,7 @@ def options_of(words):
 
 
 def _draw(options):
-    """Draws what is asked for, and yields the paths of the files."""
+    """Draws the requested pictures, and yields the paths of the files."""
     import style
     from results import InputError
 
@@ -76,7 +76,7 @@ def _draw(options):
 
 
 def _pictures(options):
-    """(name of its files, figure) of all that is asked for."""
+    """Yields (name of its files, figure) of all requested pictures."""
     import batch_figures
     import envelope_figures
     from preview import is_scene, undeformed
@@ -99,7 +99,7 @@ def _pictures(options):
 
 
 def preview_figure(run, options, said):
-    """The shape of a scene that is not solved."""
+    """Draws the shape of an unsolved scene."""
     import shape_figures
     from view import Look, View
 
@@ -108,7 +108,7 @@ def preview_figure(run, options, said):
 
 
 def envelope_pictures(options):
-    """(name, figure) of what is asked for of a file that holds an envelope."""
+    """Yields (name, figure) of the requested pictures of an envelope file."""
     import envelope_figures
     from results import InputError
     from view import Look
@@ -125,7 +125,7 @@ def envelope_pictures(options):
 
 
 def figures(run, options):
-    """(name, figure) of every picture that the options ask of an open run."""
+    """Yields (name, figure) of every requested picture of an open run."""
     import numpy as np
 
     import fields
@@ -163,7 +163,7 @@ def _why_nothing(kind, run, options):
 
 
 def _figures(kind, run, view, chosen, options):
-    """(name, figure) of every picture of a kind; nothing where the file has nothing to show."""
+    """Yields (name, figure) of every picture of a kind; none if the file has no data for it."""
     import along_figures
     import critical_figures
     import diagram_figures

@@ -1,4 +1,4 @@
-"""A scene before it is solved: its undeformed structure, which `mixbeam check` writes, and what is said of it."""
+"""Unsolved scenes: the undeformed structure, as written by `mixbeam check`, and its messages."""
 
 import re
 import subprocess
@@ -10,17 +10,17 @@ from command import InputError, inputs
 from results import PROGRAM
 
 ENDINGS = (".xml", ".yaml", ".yml")
-SLOWEST = 600  # seconds: a scene is read, not solved
+SLOWEST = 600  # seconds for reading a scene
 
 
 class Said:
-    """What the program says of a scene: why a run would refuse it (empty: it would not), and its warnings."""
+    """Messages of the program on a scene: why a run would refuse it (empty: it would not), and warnings."""
 
     def __init__(self, refusal="", warnings=()):
         self.refusal, self.warnings = refusal, list(warnings)
 
     def names(self, members):
-        """Numbers of those members that are named: in quotes, or in the path of an entry."""
+        """Returns the numbers of the members that messages name, in quotes or in the path of an entry."""
         text = " ".join([self.refusal, *self.warnings])
         named = {*re.findall(r'"([^"]+)"', text), *re.findall(r"/ Members / ([^/\"]+?) /", text)}
         return [number for number, member in enumerate(members) if member.name in named]
@@ -32,7 +32,7 @@ def is_scene(path):
 
 @contextmanager
 def undeformed(scene, case=None):
-    """(result files of no step, one for each load case; Said). Raises InputError where nothing can be drawn."""
+    """Yields (result files of the undeformed structure, one for each load case; Said). Raises InputError if there are none."""
     inputs.add(scene)
     with tempfile.TemporaryDirectory() as folder:
         words = [PROGRAM, "check", scene, "--output", folder, *(["--case", case] if case else [])]
@@ -46,7 +46,7 @@ def undeformed(scene, case=None):
 
 
 def parts_of(run):
-    """Number of the connected part of each member of the file; none where it does not say."""
+    """Returns the number of the connected part of each member; [] if the file does not have them."""
     text = run.properties().get("connected_parts", "")
     pairs = [word.split("*") for word in text.split()]
     return [int(number) for number, count in pairs for _ in range(int(count))]

@@ -1,6 +1,6 @@
 #!/usr/bin/python3 -Es
-"""One page about a run, to attach to a project: answers, inputs in words and tables, path, pictures, versions. One HTML file
-that needs nothing else and prints well; where mixbeam view has written its file, a link leads there."""
+"""One page about a run, to attach to a project: answers, inputs in words and tables, path, pictures, versions. The HTML file
+is self-contained and printable; it links to the page of mixbeam view if that exists."""
 
 import argparse
 import csv
@@ -17,8 +17,8 @@ from html_page import MOST_ROWS, Page, bar, cell_text, page_beside
 from report_inputs import write_inputs, write_sections
 from tables import number_of
 
-NOISE, ROUNDING = 1e-9, 1e-12  # of the largest: forces that count as zero, as in pictures; what rounding leaves of zero
-REPORT = "report / "  # before the names of the list Report, in the properties of a run
+NOISE, ROUNDING = 1e-9, 1e-12  # of the largest: forces below count as zero, as in pictures; other values below are rounding
+REPORT = "report / "  # prefix of the names of the list Report in the properties of a run
 
 
 def main():
@@ -67,7 +67,7 @@ def _write(options):
 
 
 def _begun_page(run, title):
-    """Title, project, author and date as the list Report of the scene says them; version and seal of the scene; contents."""
+    """Begins a page: title, project, author and date of the list Report; version and hash of the scene; contents."""
     words = {name[len(REPORT):]: text for name, text in run.properties().items() if name.startswith(REPORT) and text}
     page = Page(words.get("Title", title))
     page.title(words.get("Title", title))
@@ -82,7 +82,7 @@ def _begun_page(run, title):
 
 
 def _rows_beside(file, name):
-    """Of a table that a run leaves beside its result file; none where it left none."""
+    """Returns the rows of a table that a run has written beside its result file; [] if there is none."""
     path = file.with_name(f"{file.stem}-{name}.csv")
     if not path.exists():
         return []
@@ -92,12 +92,12 @@ def _rows_beside(file, name):
 
 
 def _places(file):
-    """{extreme: its place at the end}"""
+    """Returns {extreme: its place at the end}."""
     return {row["quantity"]: row["place at the end"] for row in _rows_beside(file, "places")}
 
 
 def _write_limits(page, files):
-    """The limits of runs, as they stand beside the result files: those that fail first, then those that are nearest."""
+    """Writes the limits from the tables beside the result files: failed ones first, then by decreasing share."""
     rows = []
     for file in files:
         places = sorted(_places(file).items(), key=lambda one: -len(one[0]))
@@ -108,7 +108,7 @@ def _write_limits(page, files):
 
     def used(row):
         share = number_of(row[1]) / (number_of(row[2]) or np.nan)
-        return share if np.isfinite(share) else np.inf  # not known
+        return share if np.isfinite(share) else np.inf  # unknown
 
     if rows:
         rows.sort(key=lambda row: (row[3] == "yes", -used(row)))
@@ -127,7 +127,7 @@ def _page_path(options):
 
 
 def _write_envelope_page(options):
-    """Of all load cases and combinations of a scene together; the path of the page."""
+    """Writes the page of all load cases and combinations of a scene, and returns its path."""
     from envelope_figures import Envelope
     from results import Run
 
@@ -163,7 +163,7 @@ def _write_envelope_page(options):
 
 
 def _write_case(page, run):
-    """One of several: answers, loads and the diagrams along its members."""
+    """Writes one of several cases: answers, loads and the diagrams along its members."""
     import diagram_figures
     import style
     from view import Look, View
@@ -187,7 +187,7 @@ def _write_envelope(page, envelope):
 
 
 def _write_worst(page, envelope):
-    """The structure in the run in which the first quantity is largest."""
+    """Draws the structure in the run in which the first quantity is largest."""
     from results import Run
 
     if not envelope.names:
@@ -252,7 +252,7 @@ def _write_answers(page, run):
             return f"{members[int(number)]} at s = {quantities[f'{name}.arc_length'][-1]:.4g}"
 
         def extremes(series):
-            """Without what is undefined in the state before any load, as a ratio of zeros."""
+            """Returns smallest and largest, ignoring the state before any load if undefined there, like a ratio of zeros."""
             known = series if np.isfinite(series[0]) or len(series) < 2 else series[1:]
             known = np.where(np.abs(known) < ROUNDING * np.abs(known).max(), 0.0, known)
             return float(known.min()), float(known.max())

@@ -16,10 +16,10 @@ import numpy as np
 from command import InputError, NothingToDraw, inputs
 
 MANY_MEMBERS = 200
-# The one that has started this script, or beside which it lies.
+# The program that has started this script, or the one beside it.
 PROGRAM = Path(os.environ.get("MIXBEAM_PROGRAM") or Path(os.path.abspath(__file__)).parent.parent / "mixbeam")
-SLOWEST = 5_000_000  # bytes in a second that it verifies
-NUMBER, WHOLE, TEXT = h5py.h5t.IEEE_F64LE, h5py.h5t.STD_I32LE, None  # what files hold, in the shapes that follow
+SLOWEST = 5_000_000  # bytes verified in a second, at least
+NUMBER, WHOLE, TEXT = h5py.h5t.IEEE_F64LE, h5py.h5t.STD_I32LE, None  # types of datasets; shapes of their rows follow
 VECTORS = "position displacement mode reference_position material_force material_moment force_strain moment_strain triad_1 triad_2 triad_3"
 FIELDS = {**dict.fromkeys(VECTORS.split(), (3,)), "triad": (4,), "arc_length": (), "element": (),
           **dict.fromkeys(("von_mises_stress", "largest_normal_stress", "largest_shear_stress", "utilisation"), ())}
@@ -32,13 +32,13 @@ ACTING = {"supports": {**PLACED, "axes": (9,), "fixed": (6,), "stiffness": (6,),
           "rotating_frames": {"position": (3,), "velocity": (3,), "begins": ()},
           "sections": {"name": TEXT, "shape": TEXT, "dimensions": (36,), "strength": (9,)}, "members": {"section": ()}}
 LAYOUTS = (h5py.h5d.COMPACT, h5py.h5d.CONTIGUOUS, h5py.h5d.CHUNKED)
-DRAWN_AS = "drawn as "  # before the shape of a section that is given by stiffnesses
+DRAWN_AS = "drawn as "  # prefix of the shape of a section given by stiffnesses
 JUMP = ("from", "to", "released", "motion", "largest", "place")
 
 
 @cache
 def require_whole(path, _inode, size, _changed):
-    """Raises InputError where `mixbeam verify` refuses a file, in a process with limits: HDF5 may crash or grow on hostile ones."""
+    """Raises InputError if `mixbeam verify` refuses a file. It runs in a process with limits, as hostile files may crash HDF5."""
     most = lambda: resource.setrlimit(resource.RLIMIT_AS, ((4 << 30) + 2 * size,) * 2)
     if PROGRAM.is_file():
         ended = subprocess.run([PROGRAM, "verify", path.absolute()], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
@@ -49,7 +49,7 @@ def require_whole(path, _inode, size, _changed):
 
 
 def open_file(path):
-    """The root Group of a file that is whole. Raises InputError."""
+    """Verifies and opens a file, and returns its root Group. Raises InputError."""
     inputs.add(path)
     now = path.stat()
     try:
@@ -61,8 +61,8 @@ def open_file(path):
 
 
 class Group:
-    """The only reader of HDF5: it follows hard links alone, and compares with what is declared before it reads: numbers of 8
-    bytes, whole ones of 4, texts of fixed length, in the shape that is named, in the file itself and no larger than it."""
+    """HDF5 group, the only reader of HDF5. It follows hard links only and checks a dataset before it reads it: doubles, 32-bit
+    integers or texts of fixed length, of the declared shape, stored in the file itself and no larger than it."""
 
     def __init__(self, held, path, size, place="", file=None):
         self._held, self._path, self.size, self._place, self._file = held, path, size, place, file
@@ -91,17 +91,17 @@ class Group:
         return found
 
     def group(self, name, optional=False):
-        """None where it is optional and not there."""
+        """Returns the group of this name; None if it is optional and missing."""
         if not optional or name in self:
             return Group(self.opened(name, h5py.h5g.GroupID), self._path, self.size, f"{self._place}/{name}")
 
     def numbered(self, name):
-        """Groups 0, 1, ... in a group of that name, where it is there."""
+        """Returns the groups 0, 1, ... in the group of that name; [] if it is missing."""
         group = self.group(name, optional=True)
         return [group.group(str(number)) for number in range(len(group.names()))] if group else []
 
     def read(self, name, *shapes, kind=NUMBER, rows=()):
-        """In one of the shapes, in which None stands for any number."""
+        """Reads a dataset that has one of the shapes; None in a shape stands for any number."""
         data = self.opened(name, h5py.h5d.DatasetID)
         plan, stored, shape = data.get_create_plist(), data.get_type(), data.shape
         if plan.get_layout() not in LAYOUTS or plan.get_external_count() or plan.get_nfilters():
@@ -116,7 +116,7 @@ class Group:
         return _text(self.read(name, (), kind=TEXT))
 
     def attribute(self, name, kind=float, default=None):
-        """One float, int or str."""
+        """Reads an attribute: one float, int or str."""
         if default is not None and not h5py.h5a.exists(self._held, name.encode()):
             return default
         found = h5py.h5a.open(self._held, name.encode())
@@ -127,13 +127,13 @@ class Group:
         return _text(value[()]) if kind is str else kind(value)
 
     def attributes(self):
-        """{name: text}."""
+        """Returns all attributes, which are texts, as {name: text}."""
         count = h5py.h5a.get_num_attrs(self._held)
         return {name: self.attribute(name, str) for name in (h5py.h5a.open(self._held, index=i).name.decode() for i in range(count))}
 
 
 def _refusing(method):
-    """Whatever the HDF5 library says becomes an InputError that names the object."""
+    """Decorates a method: errors of the HDF5 library become an InputError that names the object."""
     def refusing(group, *arguments, **options):
         try:
             return method(group, *arguments, **options)
@@ -153,7 +153,7 @@ def _is_of(stored, kind):
 
 
 def lines(text):
-    """Each of which ends in a new line, but for the last one."""
+    """Splits a text into lines; the last one may lack its newline."""
     return text.removesuffix("\n").split("\n") if text else []
 
 
@@ -162,7 +162,7 @@ def _text(value):
 
 
 class Member:
-    """Where a member's samples stand in the fields of a step, and its undeformed shape, read when first asked for."""
+    """Samples of a member in the fields of a step, and its undeformed shape, read at first use."""
 
     def __init__(self, name, index, first, count, read):
         self.index = index  # in the scene
@@ -181,8 +181,8 @@ class Member:
 
 
 def _members(group):
-    """Of a result file, in the order of the scene."""
-    old = "names" not in group or isinstance(group.opened("names"), h5py.h5g.GroupID)  # before format 4 a group for each
+    """Reads the members of a result file, in the order of the scene."""
+    old = "names" not in group or isinstance(group.opened("names"), h5py.h5g.GroupID)  # a group for each before format 4
     if old:
         groups = sorted(((name, group.group(name)) for name in group.names()), key=lambda one: one[1].attribute("index", int))
         names = [name for name, _ in groups]
@@ -194,7 +194,7 @@ def _members(group):
     if not len(counts) or counts.min() < 2 or 8 * counts.sum() > group.size or (firsts != np.cumsum(counts) - counts).any():
         raise group.refused("", "numbers of samples that do not fit one another or the file")
 
-    @cache  # each field is read at once: members are many and short
+    @cache  # fields are read whole, since members may be many and short
     def whole(name):
         parts = [(one, count) for (_, one), count in zip(groups, counts)] if old else [(group, counts.sum())]
         kind = WHOLE if name == "element" else NUMBER
@@ -205,7 +205,7 @@ def _members(group):
 
 
 def _per_length(members, rows):
-    """Rows of the elements of the mesh at all samples, over the lengths of the elements."""
+    """Returns rows of the elements (of the whole mesh) at all samples, divided by the lengths of the elements."""
     found, first = [], 0
     for member in members:
         number, s = member.element, member.arc_length
@@ -217,10 +217,10 @@ def _per_length(members, rows):
 
 
 class Selection:
-    """The rows of the fields that belong to the members of a run: all of them, or those of chosen members."""
+    """Rows of the fields for the members of a run: all of them, or those of chosen members."""
 
     def __init__(self, samples, members=None):
-        """Gives the chosen members their places among each other; `samples`: of the whole file."""
+        """Renumbers the samples of the chosen members; `samples`: number in the whole file."""
         self._rows, self.samples = None, samples
         if members is None:
             return
@@ -233,7 +233,7 @@ class Selection:
         self._rows = np.concatenate(self._rows)
 
     def of(self, group, name):
-        """A field of the group."""
+        """Reads a field of the group."""
         return self.chosen(group.read(name, (self.samples, *FIELDS[name])))
 
     def chosen(self, values):
@@ -244,7 +244,7 @@ class Selection:
 
 
 class CriticalPoint:
-    """A limit point, bifurcation or flutter point between two steps; fields as those of a step, and the critical mode."""
+    """Limit point, bifurcation or flutter point between two steps; fields like those of a step, and the critical mode."""
 
     def __init__(self, group, selection):
         self.kind = group.attribute("kind", str)
@@ -260,13 +260,13 @@ class CriticalPoint:
         return self._selection.of(self._group, name)
 
     def monitored(self, name):
-        """Components of a monitored quantity, None where the file has none of that name."""
+        """Returns the components of a monitored quantity, None if the file has none of that name."""
         group = self._group.group("monitor", optional=True)
         return group.read(name, (None,)) if group and name in group else None
 
 
 class Step:
-    """One converged configuration; `fields[name]` holds a row per sample of all members."""
+    """One converged state; `field(name)` has a row for each sample of all members."""
 
     def __init__(self, group, selection, units=("", "")):
         self.units = units  # of length and force
@@ -274,28 +274,28 @@ class Step:
         self.load_factor = group.attribute("load_factor")
         self.newton_iterations = group.attribute("newton_iterations", int, 0)
         self.negative = group.attribute("negative_eigenvalues", int, -1)  # -1: not counted
-        told = {-1: "unknown", 0: "true"}.get(self.negative, "false")  # files of versions that only counted
+        told = {-1: "unknown", 0: "true"}.get(self.negative, "false")  # for old files without the attribute `stable`
         self.stable = group.attribute("stable", str, told)
         self._group, self._selection = group, selection
 
     def critical_points(self):
-        """Those that the path passed since the step before."""
+        """Returns the critical points on the path since the step before."""
         return [CriticalPoint(point, self._selection) for point in self._group.numbered("critical_points")]
 
     def buckling_modes(self):
-        """[(factor of the loads of the next stage, displacements (n, 3))] about this state, at the end of a stage."""
+        """Returns [(factor of the loads of the next stage, displacements (n, 3))] about this state, at the end of a stage."""
         return [(mode.attribute("load_factor"), self._selection.of(mode, "mode")) for mode in self._group.numbered("buckling")]
 
     def natural_modes(self):
-        """[{"eigenvalue": omega^2, "omega", "growth", "track", "mode": displacements (n, 3)}] of the vibrations about this state,
-        where a run was asked for them; modes of the same track (from 1 on; 0: not known) are the same motion along the path."""
+        """Returns [{"eigenvalue": omega^2, "omega", "growth", "track", "mode": displacements (n, 3)}] of vibrations about this
+        state, if the run computed them; modes of one track (from 1 on; 0: unknown) are the same motion along the path."""
         return [{"mode": self._selection.of(mode, "mode"), "growth": mode.attribute("growth", default=0.0),
                  "track": mode.attribute("track", int, default=0),
                  **{name: mode.attribute(name) for name in ("eigenvalue", "omega")}} for mode in self._group.numbered("vibration")]
 
     @property
     def jump(self):
-        """With which the step was made: {"from", "to", "released", "motion", "largest", "place"}; None where it was not."""
+        """Jump that the step made, {"from", "to", "released", "motion", "largest", "place"}; None if it made none."""
         group = self._group.group("jump", optional=True)
         return {name: group.attribute(name, str if name == "place" else float) for name in JUMP} if group else None
 
@@ -304,22 +304,22 @@ class Step:
         return values[member.samples] if member is not None else values
 
     def has(self, name):
-        """Whether a field is there: stresses are not in every step."""
+        """Returns whether the step has a field: not every step has stresses."""
         return name in self._group
 
     def gradients(self):
-        """[(quantity, (elements, 6))] C dq/dC of each element, where a run was asked for them: from the derivatives by C and 1 / C."""
+        """Returns [(quantity, C dq/dC (elements, 6))] if the run computed them, from the derivatives by C and by 1 / C."""
         group = self._group.group("gradients", optional=True)
         own = [group.group(str(number)) for number in range(len(group.names()) - 1)] if group else []
         pairs = [(one, *(one.read(name, (None, 6)) for name in ("stiffness", "compliance"))) for one in own if "stiffness" in one]
         return [(one.attribute("quantity", str), np.copysign(np.sqrt(np.abs(by * inverse)), by)) for one, by, inverse in pairs]
 
     def rows(self, name, numbers):
-        """Some rows of a field without reading the others; `numbers` ascending."""
+        """Reads some rows of a field only; `numbers` ascending."""
         return self._group.read(name, (self._selection.samples, *FIELDS[name]), rows=self._selection.numbers(numbers))
 
     def errors(self, kind):
-        """Estimated, of "quantities" or "sections": {name: (value, error, or a text: why there is none)}; {}: none are kept."""
+        """Returns estimated errors of "quantities" or "sections": {name: (value, error, or the reason for none)}."""
         estimate = self._group.group("error_estimate", optional=True)
         group = estimate and estimate.group(kind, optional=True)
         if not group:
@@ -331,15 +331,15 @@ class Step:
         return dict(zip(names, zip(values, [reason or error for reason, error in zip(reasons, errors)])))
 
     def balance_errors(self):
-        """Of forces and moments of loads and reactions, over the largest at work."""
+        """Returns the balance errors of forces and moments of loads and reactions, over the largest of them."""
         return [self._group.attribute(f"{kind}_balance_error", default=np.nan) for kind in ("force", "moment")]
 
     def reactions(self, supports):
-        """Forces and moments, (supports, 6)."""
+        """Returns reaction forces and moments, (supports, 6)."""
         return self._group.read("reactions", (supports, 6))
 
     def residual_histories(self):
-        """Scale-free residuals of every attempt at the step, the successful one last; empty where the file has none."""
+        """Returns the scaled residuals of every attempt at the step, the successful one last; [] if the file has none."""
         if "residual_history" not in self._group:
             return []
         rows = self._group.read("residual_history", (None, 3), (None,))
@@ -349,14 +349,14 @@ class Step:
 
 
 def file_of_case(path, case):
-    """Where `mixbeam run` puts the results of a load case, `path` being those of the scene."""
+    """Returns the result file of a load case; `path`: that of the scene."""
     return path.with_name(f"{path.stem}-{case}{path.suffix}")
 
 
 class Run:
     """An open result file: its members in the order of the scene, and its steps in the order of the path.
 
-    `members`: patterns of the names of those to look at, * for any characters, ? for one, [abc]; None: all.
+    `members`: patterns of member names, * for any characters, ? for one, [abc] for one of these; None: all members.
     """
 
     def __init__(self, path, case=None, members=None):
@@ -400,7 +400,7 @@ class Run:
         self._file.__exit__()
 
     def members_meant(self, patterns, option="--members"):
-        """Those of the run whose names match one of the patterns; each pattern must match some."""
+        """Returns the members whose names match one of the patterns; each pattern must match some."""
         names = {member.name: member for member in self.members}
         chosen = set()
         for pattern in patterns:
@@ -413,17 +413,17 @@ class Run:
         return [member for member in self.members if member.name in chosen]
 
     def member_of_index(self, index):
-        """Of the scene; None where it is not looked at."""
+        """Returns the member with this index in the scene; None if it was not chosen."""
         if self._by_index is None:
             self._by_index = {member.index: member for member in self.members}
         return self._by_index.get(index)
 
     def gradients(self):
-        """[(quantity, (n, 6))] of the last step, per length of member, in the order EA, GA2, GA3, GIt, EI2, EI3."""
+        """Returns [(quantity, (n, 6))] of the last step, per length of member, in the order EA, GA2, GA3, GIt, EI2, EI3."""
         return [(quantity, self._selection.chosen(_per_length(self._everywhere, rows))) for quantity, rows in self.steps[-1].gradients()]
 
     def acting(self):
-        """What acts on the structure, {"supports", "joints", "point_loads", "line_loads"}: tables by their columns."""
+        """Returns supports, joints, loads and sections as {table: {column: values}}; see ACTING."""
         group, tables = self._file.group("acting", optional=True), {}
         for name in filter(group.__contains__, ACTING) if group else ():
             held = group.group(name)
@@ -438,12 +438,12 @@ class Run:
 
     @property
     def units(self):
-        """(length, force) as the scene names them, empty where it does not."""
+        """(length, force) as named by the scene, else empty."""
         words = [word.strip() for word in self._units.split(",")]
         return tuple(words) if len(words) == 2 else ("", "")
 
     def stages(self):
-        """How many of them the scene names."""
+        """Returns the largest `Stage` in the text of the scene."""
         found = re.findall(r'\bStage(?:" type="int" value="|:\s*)(\d+)', self.scene_text())
         return max(map(int, found), default=1)
 
@@ -452,37 +452,37 @@ class Run:
         return self.scene_name + (f", load case {self.case}" if self.case else "")
 
     def step_at(self, load_factor):
-        """The step whose load factor is nearest."""
+        """Returns the step with the nearest load factor."""
         return min(self.steps, key=lambda step: abs(step.load_factor - load_factor))
 
     def critical_points(self):
-        """All on the path, in its order."""
+        """Returns all critical points, in the order of the path."""
         return [point for step in self.steps for point in step.critical_points()]
 
     def buckling_modes(self):
-        """[(load factor, displacements (n, 3))] of the linear buckling analysis of the undeformed structure."""
+        """Returns [(load factor, displacements (n, 3))] of the linear buckling analysis of the undeformed structure."""
         return [(mode.attribute("load_factor"), self._selection.of(mode, "mode")) for mode in self._file.numbered("buckling")]
 
     def reference(self):
-        """Undeformed positions of all samples, (n, 3)."""
-        if len(self.members) > MANY_MEMBERS:  # one large read in place of one small read for each member
+        """Returns the undeformed positions of all samples, (n, 3)."""
+        if len(self.members) > MANY_MEMBERS:  # one large read instead of one small read for each member
             return self.steps[0].field("position") - self.steps[0].field("displacement")
         return np.concatenate([member.reference_position for member in self.members])
 
     def monitor(self):
-        """The monitored quantities over the steps: {name: (steps,) or (steps, components)}."""
+        """Returns the monitored quantities over the steps: {name: (steps,) or (steps, components)}."""
         group = self._file.group("monitor", optional=True)
         return {name: self._series(group, name, 1, 3) for name in group.names() if name != "quantities"} if group else {}
 
     def _series(self, group, name, *columns):
-        """Over the steps, a column alone as (steps,)."""
+        """Reads a time series over the steps; a single column has the shape (steps,)."""
         values = group.read(name, *((None,) if count == 1 else (None, count) for count in columns))
         if len(values) < len(self.steps):
             raise group.refused(name, f"{len(values)} rows for {len(self.steps)} steps")
         return values[:len(self.steps)]
 
     def quantities(self):
-        """What the list Quantities of the scene asks for, over the steps: {name: (steps,)}."""
+        """Returns the list Quantities of the scene over the steps: {name: (steps,)}."""
         group = self._file.group("monitor", optional=True)
         names = lines(self._file.text("quantities")) if group and "quantities" in group else []
         if not names:
@@ -490,13 +490,13 @@ class Run:
         return dict(zip(names, self._series(group, "quantities", len(names)).reshape(len(self.steps), len(names)).T))
 
     def quantity_units(self):
-        """{name: unit} of those that have one, where the scene names units."""
+        """Returns {name: unit} of the quantities, if the scene names units."""
         units = lines(self._file.text("quantity_units")) if "quantity_units" in self._file else []
         return dict(zip(self.quantities(), units))
 
     def series(self, name):
-        """Over the steps: a quantity, a time series of the run, or [force:|moment:|rotation:]POINT.x, .y, .z, .norm
-        (without a word before it: the displacement)."""
+        """Returns over the steps: a quantity, a time series of the run, or [force:|moment:|rotation:]POINT.x, .y, .z, .norm
+        (without prefix: the displacement)."""
         known = {**self.monitor(), **self.quantities()}
         if name in known and known[name].ndim == 1:
             return known[name]
@@ -510,20 +510,20 @@ class Run:
         raise InputError(f"{self.path}: nothing is followed as {name}; the nearest are {', '.join(near)}")
 
     def unit_of(self, name):
-        """Of a quantity or a series of a point; empty where the scene names no units, and for formulas."""
+        """Returns the unit of a quantity or a series of a point; empty for formulas, or if the scene names no units."""
         if name in self.quantities():
             return self.quantity_units().get(name, "")
         return self.unit_of_kind(self._component(name, self.monitor())[0].rpartition(".")[2])
 
     def unit_of_kind(self, kind):
-        """Of displacement, rotation, reaction_force, reaction_moment of points, where the scene names units."""
+        """Returns the unit of displacement, rotation, reaction_force or reaction_moment; empty if the scene names no units."""
         length, force = self.units
         kinds = {"displacement": length, "rotation": "rad", "reaction_force": force, "reaction_moment": f"{force} {length}"}
         return kinds.get(kind, "") if length else ""
 
     @staticmethod
     def _component(name, known):
-        """(vector among `known`, component) that a name means; empty where there is none."""
+        """Returns (vector among `known`, component) for a name; empty texts if there is none."""
         point, _, component = name.rpartition(".")
         kind, colon, rest = point.partition(":")
         kinds = {"force": "reaction_force", "moment": "reaction_moment", "rotation": "rotation"}
@@ -534,13 +534,13 @@ class Run:
         return "", ""
 
     def properties(self):
-        """Program, machine, threads, ...: {name: text}, with the version."""
+        """Returns {name: text}: program, machine, threads, ..., version."""
         return {**self._file.group("properties").attributes(), "version": self._file.text("version")}
 
     def supported_points(self):
-        """Names, in the order of the rows of reactions."""
+        """Returns the names of the supported points, in the order of the rows of reactions."""
         return [support.attribute("point", str) for support in self._file.numbered("supports")]
 
     def scene_text(self):
-        """The input of the run, word for word."""
+        """Returns the input of the run, verbatim."""
         return self._file.text("scene")

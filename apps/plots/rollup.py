@@ -14,7 +14,7 @@ REDUCED = (("axial reduced", "axial strain reduced"), ("shear reduced", "shear s
 
 
 def convergence_figure(folder):
-    """Full integration at three slendernesses (above), reduced integration at the largest one (below)."""
+    """Draws full integration at three slendernesses (above), reduced integration at the largest one (below)."""
     table = read_table(folder / "convergence.csv")
     canvas, axes = style.figure(11, 7.6, 2, 3, sharey=True)
     panels = [({"integration": "full", "slenderness": rho}, f"full integration, $\\rho={rho}$")
@@ -33,7 +33,7 @@ def convergence_figure(folder):
 
 
 def shape_figure(folder):
-    """Undeformed rod and the double circle."""
+    """Draws the undeformed rod and the double circle."""
     with Run(folder / "single.h5") as run:
         canvas, axes = style.figure(7.5, 2.9)
         reference, last = run.reference(), run.steps[-1]

@@ -11,13 +11,13 @@ PLANES = ((0, 2), (1, 2))  # of the side views: x1 x3 and x2 x3
 
 
 def load_displacement_figure(folder):
-    """Components of the tip displacement over the force."""
+    """Draws components of the tip displacement over the force."""
     table = read_table(folder / "load_displacement.csv").sorted_by("force")
     return style.components_figure(table, "force", "force $F$", "u", "$u_{}$", "tip displacement $u_i(3L) \\, / \\, L$", "lower left")
 
 
 def configurations_figure(folder):
-    """Configurations under growing load from three sides, with the path of the free end (finer than the shapes)."""
+    """Draws configurations under growing load from three sides, with the path of the free end in finer steps."""
     with Run(folder / "single.h5") as run:
         last = run.steps[-1].load_factor
         shares = np.linspace(0.0, 1.0, SHAPES)

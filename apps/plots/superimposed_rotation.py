@@ -10,7 +10,7 @@ BENT = 1.0  # load factor at which the cantilever is bent and the rotation begin
 
 
 def deviation_figure(folder):
-    """Deviation of the tip displacement and of the energy from the state before the rotation."""
+    """Draws the deviation of the tip displacement and of the energy from the state before the rotation."""
     table = read_table(folder / "deviation.csv").sorted_by("rotation")
     canvas, axes = style.figure(8.5, 4.8, 2, 1, sharex=True)
     turns = table["rotation"] / (2 * np.pi)
@@ -28,7 +28,7 @@ def deviation_figure(folder):
 
 
 def snapshots_figure(folder):
-    """The bent cantilever before the rotation (left) and at all its increments (right)."""
+    """Draws the bent cantilever before the rotation (left) and at all its increments (right)."""
     with Run(folder / "single.h5") as run:
         canvas, (before, during) = style.figure_3d(11, 4.8, columns=2)
         bent = run.step_at(BENT)

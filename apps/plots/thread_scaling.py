@@ -1,4 +1,4 @@
-"""Figures of the measurement of time, speed-up and machine use of a Newton iteration."""
+"""Figures of time, speed-up and machine use of a Newton iteration."""
 
 import matplotlib.lines
 import numpy as np
@@ -19,13 +19,13 @@ ELEMENTS_OF_STRUT = 2
 
 
 def _longest(folder):
-    """The rows of the longest spatial chains, and how long they are."""
+    """Returns the rows of the longest spatial chains, and their number of elements."""
     table = _table(folder)
     return table.where(elements=max(table["elements"])), max(table["elements"])
 
 
 def _table(folder):
-    """The rows of spatial chains, or of the only kind there is."""
+    """Returns the rows of spatial chains, or of the first kind in the table if it has none."""
     table = read_table(folder / "thread_scaling.csv")
     kinds = list(table.values("kind"))
     return table.where(kind=KIND if KIND in kinds else kinds[0])
@@ -37,7 +37,7 @@ def _seconds(table, **key):
 
 
 def cost_figure(folder):
-    """Microseconds for each element against the number of elements, phases stacked, with the unit B beside it."""
+    """Draws microseconds per element over the number of elements, phases stacked, with the unit B for comparison."""
     table, units = _table(folder), read_table(folder / "cases.csv")
     orders, sizes, threads = table.values("order"), table.values("elements"), table.values("threads")[[0, -1]]
     canvas, axes = style.figure(3.1 * len(orders) + 1.5, 4.6, 1, len(orders), squeeze=False)
@@ -75,7 +75,7 @@ def _stack(panel, table, place, width, size):
 
 
 def speed_up_figure(folder):
-    """Speed-up of each phase on the longest chain, a panel for each order."""
+    """Draws the speed-up of each phase on the longest chain, a panel for each order."""
     table, size = _longest(folder)
     orders = table.values("order")
     canvas, axes = style.figure(11.0, 1.0 + 2.0 * len(orders), len(orders), 1, sharex=True, squeeze=False)
@@ -107,7 +107,7 @@ def _speed_ups(panel, table):
 
 
 def ceilings_figure(folder):
-    """Operations in a second over operations for each byte, with what the machine can do at most."""
+    """Draws operations per second over operations per byte, with the limits of the machine (roofline)."""
     table, size = _longest(folder)
     ceilings = read_table(folder / "ceilings.csv")
     threads = table.values("threads")[[0, -1]]
@@ -130,7 +130,7 @@ def ceilings_figure(folder):
 
 
 def _machine_use(panel, table):
-    """A point for each phase and order whose operations are counted; returns the range of operations for each byte."""
+    """Draws a point for each phase and order whose operations are counted; returns the range of operations per byte."""
     intensities = []
     for phase, color in PHASE_COLORS.items():
         rows = table.where(phase=phase)
@@ -157,7 +157,7 @@ def _roof(panel, ceiling, shown):
 
 
 def lattices_figure(folder):
-    """Time of an iteration and memory for each strut of lattices, against the number of struts."""
+    """Draws time of an iteration and memory per strut of lattices over the number of struts."""
     table = read_table(folder / "thread_scaling.csv").where(phase="whole iteration")
     cases = read_table(folder / "cases.csv")
     kinds = [kind for kind in LATTICES if kind in set(table["kind"])]
