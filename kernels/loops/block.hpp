@@ -30,8 +30,7 @@ struct ElementEquations {
   /// (element, in-plane force at its end (opposite at its start), moments of start and end): gradient of planar
   /// elements, before or after elimination of the interior
   KernelView<double* [4]> planar_rows;
-  KernelView<double* [2]> planar_loads;         ///< (element): line load on each of its ends, equal on both; empty if
-                                                ///< none
+  KernelView<double* [2]> planar_loads;         ///< (element): line load on each of its ends (equal); empty if none
   KernelView<double*> interior_residual;        ///< increments layout of each element, block after block
   ResidualScales interior_scales;               ///< scales that divide interior_residual ...
   bool scales_interior = false;                 ///< ... if set
