@@ -1,4 +1,4 @@
-/// The one way to the numbers of an element on the host: its fields, its vertices, its place in all arrays.
+/// Access to the data of an element on the host: its fields, its vertices, its offsets in all arrays. Use no other.
 #pragma once
 
 #include "discretization/mesh/communicator.hpp"
@@ -6,8 +6,7 @@
 
 namespace mixbeam {
 
-/// An element of this rank, with the numbers of a state where one is given. Vectors as the element has them, theory
-/// (8).
+/// Local element, with the numbers of a state if one is given. Vectors are in the frames of theory (8).
 class ElementView {
  public:
   ElementView(const Structure& structure, const ElementBlock& block, int e, const StateViews* state = nullptr)
@@ -28,15 +27,15 @@ class ElementView {
   int mesh_element() const { return structure_->local_element_to_mesh[local()]; }
   int order() const { return block_->order; }
   int vertex(int end) const { return block_->vertices(e_, end); }  ///< local
-  /// Whether this rank answers for it in sums: it starts at one of the rank's vertices.
+  /// True if this rank counts it in sums: it starts at one of the rank's vertices.
   bool is_owned() const { return vertex(0) < structure_->owned_vertices; }
   double length() const { return *reference(block_->reference_layout.length()); }
   const double* reference(int offset) const { return &block_->reference(e_, offset); }
   const SectionConstants& section() const { return structure_->views.sections(block_->section(e_)); }
 
-  /// Its interior in the numbers of the state.
+  /// Its interior unknowns in the state.
   double* unknowns() const { return state_->interior.data() + block_->unknowns_at()(e_); }
-  /// Its part of an array of increments, or of interior rows.
+  /// Its part of an array of increments or interior rows.
   template <class View>
   auto* increments_in(const View& array) const {
     return array.data() + block_->increments_at()(e_);
@@ -45,7 +44,7 @@ class ElementView {
   Vec displacement(int end) const { return load_vector(&state_->vertex_displacement(vertex(end), 0)); }
   double* triad_numbers() const { return &state_->element_triad(local(), 0); }
   Quat triad() const { return load_quaternion(triad_numbers()); }  ///< Lambda_lo
-  /// Lambda_V Lambda_0 of a vertex.
+  /// Lambda_V Lambda_0 at one end.
   Quat end_triad(int end) const {
     return load_quaternion(&state_->vertex_rotation(vertex(end), 0)) *
            load_quaternion(reference(block_->reference_layout.end_triad(end)));
@@ -55,7 +54,7 @@ class ElementView {
   Vec bubble(int j) const { return load_vector(unknowns() + layout().bubble(j)); }  ///< beta_j, spatial
   Vec relative_rotation(int j) const { return load_vector(unknowns() + layout().relative_rotation(j)); }  ///< psi_j
 
-  /// M and psi where the Legendre polynomials have the values P.
+  /// M and psi at a point with Legendre values P.
   Vec moment_at(const double* P) const {
     Vec sum{{0.0, 0.0, 0.0}};
     for (int j = 0; j <= order(); ++j) sum += P[j] * moment(j);
@@ -74,8 +73,8 @@ class ElementView {
   int e_;
 };
 
-/// Calls action(first point, points, first component, end) for the components of N that one Gauss rule carries: all of
-/// them, or the axial one and the two others.
+/// Calls action(first point, points, first component, end) for each Gauss rule and the components of N on it: the axial
+/// one, then the two shear ones, on the same points if both parts use one rule.
 template <class Action>
 void for_each_force_rule(int order, ForceIntegration integration, const Action& action) {
   const int axial = axial_points(order, integration), shear = shear_points(order, integration);
@@ -98,7 +97,7 @@ void for_each_element(const Structure& structure, const State& state, const Acti
   for_each_element(structure, &state.views, action);
 }
 
-/// Visits elements on all threads: actions must not depend on each other.
+/// Visits elements on all threads: actions must be independent.
 template <class Action>
 void for_each_element_on_threads(const char* label, const Structure& structure, const StateViews& state,
                                  const Action& action) {
@@ -107,7 +106,7 @@ void for_each_element_on_threads(const char* label, const Structure& structure, 
                          [&](int e) { action(ElementView(structure, block, e, &state)); });
 }
 
-/// Visits the elements that this rank answers for: each element of the mesh on one rank.
+/// Visits the elements owned by this rank: each element of the mesh on exactly one rank.
 template <class Action>
 void for_each_owned_element(const Structure& structure, const State& state, const Action& action) {
   for_each_element(structure, state, [&](const ElementView& element) {

@@ -15,8 +15,8 @@ namespace {
 
 using namespace vector_algebra;
 
-/// Vertex of a point, created at `position` when the point is met for the first time, followed by one for each end
-/// that a joint connects there, unless it shares that of the end before.
+/// Vertex of a point, created at `position` on first use. It is followed by one vertex for each end that a joint
+/// connects there, unless the end shares that of the previous one.
 int find_or_add_vertex(Mesh& mesh, const JointTable& joints, const std::string& point, const Vector3& position) {
   const auto [entry, is_new] = mesh.vertex_of_point.try_emplace(point, mesh.vertices());
   if (!is_new) return entry->second;
@@ -31,7 +31,7 @@ int find_or_add_vertex(Mesh& mesh, const JointTable& joints, const std::string& 
   return entry->second;
 }
 
-/// Vertex of an end of a member: the one of its own that a joint gives it, or that of the point.
+/// Vertex of an end of a member: its own if a joint gives it one, else that of the point.
 int vertex_of_end(Mesh& mesh, const JointTable& joints, const std::string& point, const Vector3& position, int member) {
   const int vertex = find_or_add_vertex(mesh, joints, point, position);
   const auto joined = joints.find(point);
@@ -44,7 +44,7 @@ int vertex_of_end(Mesh& mesh, const JointTable& joints, const std::string& point
   return vertex;
 }
 
-/// Positions of all points and curves of all members, as far as they are known.
+/// Known positions of points and curves of members.
 class Placement {
  public:
   explicit Placement(const Scene& scene) : scene_(scene), curves_(scene.members.size()) {
@@ -61,7 +61,7 @@ class Placement {
   const Vector3& position(const std::string& point) const { return position_.at(point); }
 
  private:
-  /// A parametric curve knows its ends, arc and helix follow from their start.
+  /// A parametric curve knows its ends; those of an arc or helix follow from the start.
   static std::vector<std::string> points_needed(const Member& member) {
     if (member.curve.shape == CurveShape::parametric) return {};
     if (defines_end(member.curve)) return {member.start_point};
@@ -79,18 +79,18 @@ class Placement {
   ReferenceCurve curve_of(const Member& member) const {
     try {
       return make_reference_curve(member, position_or_origin(member.start_point), position_or_origin(member.end_point));
-    } catch (const std::invalid_argument& error) {  // extreme numbers, which the reader has let pass
+    } catch (const std::invalid_argument& error) {  // extreme numbers that the reader accepts
       throw MemberError(member.name, "", error.what());
     }
   }
 
-  /// Position of the point; the origin for one that is unknown, which curves that follow from themselves do not use.
+  /// Position of the point; the origin if unknown, which only curves that do not use it get.
   Vector3 position_or_origin(const std::string& point) const {
     const auto entry = position_.find(point);
     return entry == position_.end() ? Vector3{} : entry->second;
   }
 
-  /// Gives a point its place on the curve, or checks that it is there.
+  /// Sets the position of a point on the curve, or checks it.
   void place_point(const PointOfMember& placed, const Member& member) {
     const Vector3& known = position_.try_emplace(placed.point, placed.position).first->second;
     if (norm(difference(known, placed.position)) <= kPlaceTolerance * placed.length) return;
@@ -112,7 +112,7 @@ std::vector<double> stations_of(const ElementDivision& division, double length) 
   return s;
 }
 
-/// Name of the point at every vertex of a member, empty where there is none.
+/// Name of the point at every vertex of a member, empty if there is none.
 std::vector<std::string> vertex_points(const Member& member, const ElementDivision& division) {
   std::vector<std::string> points(division.station.size());
   points.front() = member.start_point;
@@ -191,7 +191,7 @@ double Mesh::total_length() const {
   return length;
 }
 
-// Finds s among the inner vertices as std::upper_bound does.
+// Same search for s among the inner vertices as std::upper_bound.
 int MeshMember::element_behind(double s) const {
   int first = 1;
   for (int count = elements - 1; count > 0;) {

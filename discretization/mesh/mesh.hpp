@@ -1,5 +1,5 @@
-/// Elements and vertices of a scene: pure topology and reference geometry. On several ranks each keeps those that it
-/// works on, with the numbers that they have in the whole.
+/// Elements and vertices of a scene: topology and reference geometry. On several ranks each keeps those that it works
+/// on, under their global numbers.
 #pragma once
 
 #include "discretization/geometry/reference_curve.hpp"
@@ -16,7 +16,7 @@
 
 namespace mixbeam {
 
-/// A list, or those of its entries that a rank keeps: they have the numbers of the whole list.
+/// List, or the entries of it that a rank keeps, under the numbers of the whole list.
 template <class Entry>
 class Share {
  public:
@@ -24,7 +24,7 @@ class Share {
   bool is_whole() const { return whole_size_ == 0; }
   std::size_t kept() const { return entries_.size(); }
 
-  /// Place of an entry among those that are kept, in the order of their numbers; -1 where it is not.
+  /// Index of an entry among the kept ones, in ascending order of their numbers; -1 if not kept.
   int place(std::size_t number) const {
     if (is_whole()) return static_cast<int>(number);
     const auto found = std::lower_bound(numbers_.begin(), numbers_.end(), static_cast<int>(number));
@@ -32,7 +32,7 @@ class Share {
     return is_kept ? static_cast<int>(found - numbers_.begin()) : -1;
   }
   bool keeps(std::size_t number) const { return place(number) >= 0; }
-  /// Throws std::out_of_range where an entry is not kept.
+  /// Throws std::out_of_range if the entry is not kept.
   const Entry& operator[](std::size_t number) const {
     return is_whole() ? entries_[number] : entries_.at(static_cast<std::size_t>(place(number)));
   }
@@ -47,7 +47,7 @@ class Share {
   void push_back(Entry entry) { entries_.push_back(std::move(entry)); }
   void reserve(std::size_t count) { entries_.reserve(count); }
 
-  /// Frees all others; `numbers` ascend.
+  /// Frees all other entries; `numbers` ascend.
   void keep(std::vector<int> numbers) {
     std::vector<Entry> kept;
     kept.reserve(numbers.size());
@@ -59,7 +59,7 @@ class Share {
 
  private:
   std::vector<Entry> entries_;
-  std::vector<int> numbers_;    ///< of these; empty where all are kept
+  std::vector<int> numbers_;    ///< of the kept entries; empty if all are kept
   std::size_t whole_size_ = 0;  ///< 0: all are kept
 };
 
@@ -69,20 +69,20 @@ struct MeshElement {
   int vertex[2] = {0, 0};  ///< global vertices at its start and end
 };
 
-/// One member in the mesh: its curve and where its elements and vertices are.
+/// Member in the mesh: its curve, elements and vertices.
 struct MeshMember {
   ReferenceCurve curve;
   int first_element = 0;           ///< in Mesh::elements, consecutive
-  int elements = 0;                ///< may exceed what the scene asks for, see divide (scene/division.hpp)
-  std::vector<double> stations;    ///< s of its vertices, elements + 1 of them; empty where elements are equal
-  bool has_equal_elements = true;  ///< then lengths come from one division and do not differ by rounding
+  int elements = 0;                ///< may exceed the number in the scene, see divide (scene/division.hpp)
+  std::vector<double> stations;    ///< s of its vertices, elements + 1 of them; empty if elements are equal
+  bool has_equal_elements = true;  ///< if so, all lengths come from one division and do not differ by rounding
 
   /// s of its vertices, from 0 to the curve's length at vertex `elements`.
   double vertex_arc_length(int vertex) const {
     if (!has_equal_elements) return stations[vertex];
     return vertex == elements ? curve.length : curve.length * vertex / elements;
   }
-  /// The element behind the last vertex that is not behind s; the first or last one outside of the member.
+  /// Element behind the last vertex that is not beyond s; the first or last one if s is outside of the member.
   int element_behind(double s) const;
   /// Reference length of its element `index`.
   double element_length(int index) const {
@@ -96,10 +96,10 @@ struct MeshMember {
   }
 };
 
-/// One joined end of a member, or several that stay together: a vertex of its own, the slave.
+/// Joined end of a member, or several that stay together: has a vertex of its own, the slave.
 struct MeshJoint {
   int joint = 0;   ///< in Scene::joints
-  int member = 0;  ///< whose end it is; the first of several
+  int member = 0;  ///< member that ends there; the first of several
   int master = 0;  ///< vertex of the point
   int slave = 0;
 };
@@ -116,19 +116,19 @@ struct Mesh {
   std::vector<MeshJoint> joints;  ///< in the order of their slaves, which follow the vertex of their point
   vector_algebra::Box box;        ///< of all vertices
 
-  /// Frees all vertices and elements but these (ascending numbers), and the members that have none of them.
+  /// Frees all but these vertices and elements (ascending numbers), and the members without any of them.
   void keep(std::vector<int> own_vertices, std::vector<int> own_elements);
 
   int vertices() const { return static_cast<int>(vertex_position.size()); }
   int elements_of(int member) const { return first_element[member + 1] - first_element[member]; }
-  /// Member and position in it of an element, which need not be kept.
+  /// Member of an element, which need not be kept; index_of_element: its position in the member.
   int member_of_element(int number) const {
     return static_cast<int>(std::upper_bound(first_element.begin(), first_element.end(), number) -
                             first_element.begin()) -
            1;
   }
   int index_of_element(int number) const { return number - first_element[member_of_element(number)]; }
-  /// Length of all members.
+  /// Sum of the lengths of all members.
   double total_length() const;
   const MeshMember& member_of(const MeshElement& element) const { return members[element.member]; }
   double element_length(const MeshElement& element) const { return member_of(element).element_length(element.index); }
@@ -139,27 +139,27 @@ struct Mesh {
 };
 
 /// Divides every member into elements, see divide (scene/division.hpp). Inner points become vertices. Ends of arcs,
-/// helices and parametric curves and inner points may be absent from the points of the scene: they follow from their
-/// curve. Throws std::invalid_argument for a degenerate curve or division, InputError for a point whose position is not
-/// known or is not where the curve passes, and std::invalid_argument for a joint that joins nothing.
+/// helices and parametric curves and inner points may be missing from the points of the scene: they follow from their
+/// curve. Throws std::invalid_argument for a degenerate curve or division or a joint that joins nothing, and InputError
+/// for a point whose position is unknown or off the curve.
 Mesh build_mesh(const Scene& scene);
 
-/// One element between neighbouring points of a member: the vertices are the points, and the ends with a joint. Throws
-/// as build_mesh() does.
+/// Mesh with one element between neighbouring points of a member: its vertices are the points and the joined ends.
+/// Throws like build_mesh().
 Mesh mesh_of_points(const Scene& scene);
 
-/// Vertex of a named point; throws InputError with the nearest name when no member touches it.
+/// Vertex of a named point; throws InputError with the nearest name if no member touches it.
 int vertex_of(const Mesh& mesh, const std::string& point);
 
-/// Arc length of a vertex along one of its members; 0 where a closed member begins and ends. Throws InputError when the
+/// Arc length of a vertex along one of its members; 0 where a closed member begins and ends. Throws InputError if the
 /// member does not pass through the vertex.
 double arc_length_of_vertex(const Mesh& mesh, int member, int vertex);
 
 /// Index of a member by name; throws InputError with the nearest name.
 int member_index(const Scene& scene, const std::string& name);
 
-/// Characteristic length of the structure: the total length of its longest member or the diagonal of its bounding
-/// box, whichever is larger.
+/// Characteristic length of the structure: the length of its longest member or the diagonal of its bounding box,
+/// whichever is larger.
 double characteristic_length(const Mesh& mesh);
 
 }  // namespace mixbeam

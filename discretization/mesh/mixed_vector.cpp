@@ -16,13 +16,12 @@ namespace {
 
 using Entries = KernelView<double*>;
 using ConstEntries = KernelView<const double*>;
-/// Numbers that are read; not counted as an owner, or a vector that reads its own would part from them to be written
-/// to.
+/// Arrays that are only read. Unmanaged: a counted view would make a vector that reads itself look shared and copy it.
 using Sources = Kokkos::View<const double*, Kokkos::LayoutRight, MemorySpace, Kokkos::MemoryTraits<Kokkos::Unmanaged>>;
 using Range = Kokkos::RangePolicy<ExecutionSpace>;
 
-/// action(i) for every entry; entries must not depend on each other. The action has pointers in place of views: its
-/// copy in registers is known to change with nothing that is written, and entries are taken side by side.
+/// Calls action(i) for every entry; entries must be independent. The action holds pointers instead of views: the
+/// compiler then knows that its copy in registers does not change, and vectorises.
 template <class Action>
 void for_each_entry(const char* label, size_t n, const Action& action) {
   static_assert(std::is_trivially_copyable_v<Action>, "no views");
@@ -92,7 +91,7 @@ void maxima_over_ranks(const Teuchos::Comm<int>& comm, double* values, int count
 
 namespace {
 
-/// This vector and the pool; more hold an array that several vectors share.
+/// this vector and the pool; shared arrays have more owners
 constexpr int kOwnersOfUnshared = 2;
 
 Teuchos::RCP<DofVector> new_vertex_dofs(const Teuchos::RCP<const DofMap>& map, VectorPool& pool) {
@@ -107,8 +106,7 @@ void clear(const Entries& entries) {
       "mixbeam::vector::clear", entries.extent(0), KOKKOS_LAMBDA(size_t i) { y[i] = 0.0; });
 }
 
-/// Zeros that take no memory while they are only read: the system has one page for all pages that nothing was written
-/// to.
+/// Zeros that take no memory while only read: the system maps one zero page for all untouched pages.
 void clear_without_memory(const Entries& y) {
   clear(y);
   const auto page = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));
@@ -216,7 +214,7 @@ void MixedVector::update(double a, const MixedVector& x, double gamma) {
 }
 
 void MixedVector::update(double a, const MixedVector& x, double b, const MixedVector& y, double gamma) {
-  // the sources first: writing may part this vector from one of them
+  // sources first: writing may separate this vector from one of them
   const Sources first[2] = {x.vertex(), x.interior_}, second[2] = {y.vertex(), y.interior_},
                 old[2] = {std::as_const(*this).vertex(), interior_};
   const Entries out[2] = {writable_vertex(false), writable_interior(false)};
@@ -225,7 +223,7 @@ void MixedVector::update(double a, const MixedVector& x, double b, const MixedVe
     const double *const p = first[part].data(), *const q = second[part].data(), *const before = old[part].data();
     for_each_entry(
         "mixbeam::vector::update", out[part].extent(0), KOKKOS_LAMBDA(size_t i) {
-          double value = gamma == 0.0 ? 0.0 : gamma * before[i];  // a zero factor must not spread a not-a-number
+          double value = gamma == 0.0 ? 0.0 : gamma * before[i];  // a zero factor must not spread NaN
           if (a != 0.0) value += a * p[i];
           if (b != 0.0) value += b * q[i];
           z[i] = value;
@@ -296,7 +294,7 @@ GlobalOrdinal MixedVector::global_length() const {
 }
 
 bool MixedVector::same_values(const MixedVector& other) const {
-  const auto differ = [](const ConstEntries& a, const ConstEntries& b) {  // at one of the first entries, as a rule
+  const auto differ = [](const ConstEntries& a, const ConstEntries& b) {  // usually differ at one of the first entries
     return a.data() != b.data() && !std::equal(a.data(), a.data() + a.extent(0), b.data());
   };
   const double different = differ(vertex(), other.vertex()) || differ(interior_, other.interior_) ? 1.0 : 0.0;

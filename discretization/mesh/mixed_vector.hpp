@@ -1,5 +1,5 @@
-/// A vector of the whole mixed system: six entries (displacement, rotation; spatial) for every owned vertex, and the
-/// interior rows of every local element (InteriorLayout with spin). Increments and residuals have this shape.
+/// Vector over the whole mixed system: six entries (displacement, rotation; spatial) per owned vertex, and the interior
+/// rows of every local element (InteriorLayout with spin). Increments and residuals have this shape.
 #pragma once
 
 #include "discretization/mesh/structure.hpp"
@@ -18,10 +18,10 @@ constexpr int kVertexDofs = 6;
 
 /// Data shared by all vectors of a model.
 struct VectorPool {
-  // arrays of vectors that are not in use
+  // unused arrays of vectors
   ViewPool<DofVector::dual_view_type::t_dev> vertex;
   ViewPool<KernelView<double*>> interior;
-  // what vectors share until they are written to
+  // arrays that vectors share until they are written to
   Teuchos::RCP<DofVector> zero_vertices;
   KernelView<double*> zeros;
   std::optional<GlobalOrdinal> entries;  ///< of all ranks, each counted once
@@ -29,21 +29,21 @@ struct VectorPool {
 
 class MixedVector {
  public:
-  /// Zeros. `owned_interior`: entries of elements that this rank counts in sums (elements cut by the partition live on
-  /// two ranks).
+  /// Zero vector. `owned_interior`: entries that this rank counts in sums (elements cut by the partition are on two
+  /// ranks).
   MixedVector(const Teuchos::RCP<const DofMap>& map, size_t interior_size,
               const KernelView<const unsigned char*>& owned_interior, const std::shared_ptr<VectorPool>& pool);
 
-  /// Same shape; entries copied when asked. They are shared until one of the two is written to, as those of a copy are:
-  /// solvers copy vectors far more often than they change them. A view for writing serves until the next copy.
+  /// Vector of the same shape, with the entries if `copy_values`. Copies share entries until either is written to, for
+  /// solvers copy far more often than they change vectors. A writable view is valid until the next copy.
   MixedVector clone(bool copy_values) const;
 
   /// (6 * owned vertex + component)
   KernelView<const double*> vertex() const { return view_of(std::as_const(*vertex_dofs_)); }
   KernelView<double*> vertex() { return writable_vertex(true); }
-  /// For writing, no longer shared with any other vector; present values are kept only when asked.
+  /// Writable view, no longer shared with any other vector; current values are kept only if `keep_values`.
   KernelView<double*> writable_vertex(bool keep_values);
-  /// The local entries of a Tpetra vector, not owned.
+  /// Local entries of a Tpetra vector, not owned.
   static KernelView<double*> view_of(DofVector& v);
   static KernelView<const double*> view_of(const DofVector& v);
   KernelView<const double*> interior() const { return interior_; }
@@ -56,9 +56,9 @@ class MixedVector {
   }
 
   void fill(double value);
-  /// Takes over the interior of another vector, which keeps it, too, or zero in its place.
+  /// Shares the interior of another vector (possibly zero) in place of its own.
   void share_interior(const MixedVector& from) { interior_ = from.interior_; }
-  /// Takes over the entries of vertices of another vector, to write them for both.
+  /// Shares the vertex entries of another vector; writing changes both.
   DofVector& share_vertices(const MixedVector& from) {
     vertex_dofs_ = from.vertex_dofs_;
     return *vertex_dofs_;
@@ -84,9 +84,9 @@ class MixedVector {
   double maximum_norm() const;  ///< the same for any number of threads and ranks
   double one_norm() const;
   double inner_product(const MixedVector& other) const;
-  /// Product of the rows of vertices alone, each times that of `weights`.
+  /// Product over vertex rows only, each weighted by the entry of `weights`.
   double vertex_product(const MixedVector& weights, const MixedVector& other) const;
-  GlobalOrdinal global_length() const;               ///< collective when it is first asked for
+  GlobalOrdinal global_length() const;               ///< collective on the first call
   bool same_values(const MixedVector& other) const;  ///< on every rank
 
   /// Largest rotation (Euclidean norm of the spin) of any vertex.
@@ -104,7 +104,7 @@ class MixedVector {
   KernelView<const unsigned char*> owned_interior_;  ///< empty: all
 };
 
-/// Keeps the larger magnitude; not-a-number, which compares false with everything, is carried as infinity.
+/// Keeps the larger magnitude; NaN, which compares false with everything, counts as infinity.
 KOKKOS_INLINE_FUNCTION void raise(double& largest, double x) {
   const double size = x < 0.0 ? -x : x;
   if (!(size <= largest)) largest = size == size ? size : HUGE_VAL;
@@ -116,7 +116,7 @@ struct Largest {
   double of[kinds] = {};
 };
 
-/// Among all that raise_all(i, largest) raises, 0 <= i < count.
+/// Maxima over all raise_all(i, largest), 0 <= i < count.
 template <int kinds, class RaiseAll>
 Largest<kinds> largest_of(const char* label, int count, const RaiseAll& raise_all) {
   struct Loop {
@@ -134,14 +134,14 @@ Largest<kinds> largest_of(const char* label, int count, const RaiseAll& raise_al
   return largest;
 }
 
-/// Entries that one call of a kernel works on: as many registers full as make the call itself cheap. Runs do not depend
-/// on the number of threads, and with them which entries share a register.
+/// Entries per call of a kernel: enough full registers to make the call itself cheap. Runs, and so the entries that
+/// share a register, do not depend on the number of threads.
 constexpr size_t kRun = 64 * kLanes;
 
-/// Sum of term(i), 0 <= i < n, in an order that does not depend on the number of threads.
+/// Sum of term(i), 0 <= i < n, in an order independent of the number of threads.
 template <class Term>
 double ordered_sum(size_t n, const Term& term) {
-  constexpr size_t side_by_side = 4;  // sums that wait for each other would take the time of their latency
+  constexpr size_t side_by_side = 4;  // independent sums hide the latency of additions
   const size_t runs = (n + kRun - 1) / kRun;
   const KernelView<double*> partial(Kokkos::view_alloc("mixbeam::vector::partial_sums", Kokkos::WithoutInitializing),
                                     runs);
@@ -160,16 +160,16 @@ double ordered_sum(size_t n, const Term& term) {
   return total;
 }
 
-/// Largest component of a displacement or force, and of a rotation or moment.
+/// Largest displacement or force component, and largest rotation or moment component.
 struct LargestParts {
   double moved = 0.0, turned = 0.0;
 };
-/// Among entries (6 * vertex + component) of all ranks; not-a-number counts as infinity.
+/// Maxima over entries (6 * vertex + component) of all ranks; NaN counts as infinity.
 LargestParts largest_parts(const Teuchos::Comm<int>& comm, const KernelView<const double*>& entries);
 
-/// Largest of a value over all ranks; not-a-number on any rank wins.
+/// Maximum of a value over all ranks; NaN counts as infinity.
 double maximum_over_ranks(const Teuchos::Comm<int>& comm, double value);
-/// Takes the maxima of `count` values in one message.
+/// Same for `count` values in one message.
 void maxima_over_ranks(const Teuchos::Comm<int>& comm, double* values, int count);
 
 }  // namespace mixbeam

@@ -20,15 +20,15 @@ struct Setting {
 };
 
 // Without mpirun, Open MPI searches for a network and a daemon for 0.3 s before it finds that it is alone; a small
-// scene is solved in a tenth of that. All programs that are alone would share one folder for their sessions, and the
-// first to end removes it under the others. Shared memory leaves a file behind without MPI_Finalize.
+// scene is solved in a tenth of that. All such programs would share one session folder, and the first to end removes it
+// while others use it. Shared memory leaves a file behind without MPI_Finalize.
 constexpr Setting kAlone[] = {{"OMPI_MCA_ess_singleton_isolated", "1"},
                               {"OMPI_MCA_pml", "ob1"},
                               {"OMPI_MCA_btl", "self"},
                               {"OMPI_MCA_mtl", "^ofi"},
                               {"OMPI_MCA_orte_create_session_dirs", "false"}};
 
-/// Puts the environment back at its end.
+/// Restores the environment on destruction.
 class Environment {
  public:
   Environment() : before_(variables()) {}
@@ -54,7 +54,7 @@ class Environment {
   std::map<std::string, std::string> before_;
 };
 
-/// Puts the handlers of all signals back at its end.
+/// Restores the handlers of all signals on destruction.
 class SignalHandlers {
  public:
   SignalHandlers() {
@@ -68,7 +68,7 @@ class SignalHandlers {
   SignalHandlers& operator=(const SignalHandlers&) = delete;
 
  private:
-  /// Handlers that an interrupt has set meanwhile: its alarm, and the default for the next one.
+  /// Handlers set by an interrupt meanwhile: its alarm, and the default for the next one.
   static bool is_ours(int signal) {
     struct sigaction now {};
     if (signal == SIGALRM || signal == SIGKILL || signal == SIGSTOP) return true;

@@ -1,4 +1,4 @@
-/// MPI for a process alone, started by what needs it: a small scene is solved in less time than that takes.
+/// MPI of a single process, started only when needed: a small scene is solved in less time than that takes.
 #pragma once
 
 #include "discretization/mesh/communicator.hpp"
@@ -7,18 +7,18 @@
 
 namespace mixbeam {
 
-/// Whether the process is one of those that mpirun has started.
+/// True if mpirun started this process.
 bool is_under_mpirun();
 
-/// Names Open MPI the folder `mpi` beside its library, where a package has put its files; nothing where there is none.
-/// Before MPI starts.
+/// Points Open MPI to the folder `mpi` beside its library, where a package puts its files, if there is one. Call before
+/// MPI starts.
 void find_packaged_mpi();
 
-/// Starts MPI for a process alone, unless it runs. Signals and environment stay as they are: Open MPI leaves settings
-/// of its own there, which programs that are started later would inherit.
+/// Starts MPI for a single process, unless it runs. Restores signal handlers and environment: Open MPI leaves settings
+/// in the latter that programs started later would inherit.
 void require_mpi();
 
-/// For calls of MPI itself, which runs from then on.
+/// Communicator for direct calls of MPI, which is started if necessary.
 MPI_Comm mpi_of(const Teuchos::Comm<int>& comm);
 
 }  // namespace mixbeam

@@ -9,13 +9,13 @@ namespace mixbeam {
 namespace {
 
 constexpr Vec kZero{{0.0, 0.0, 0.0}};
-// Mean of the relative rotation that is left: rounding. [radian]
+// Largest remaining mean of the relative rotation: rounding. [radian]
 constexpr double kMeanTolerance = 1e-15;
-constexpr double kAcceptedMean = 1e-13;  // of an undeformed element, where rounding keeps it above
+constexpr double kAcceptedMean = 1e-13;  // for an undeformed element, if rounding keeps it above
 constexpr int kMostIterations = 100;     // the error shrinks by |psi|^2 / 12 or faster
 // Rotations from the triad of the element to its ends stay below pi, where the logarithm jumps. [radian]
 constexpr double kLargestRotation = 3.0;
-constexpr int kTurningSamples = 8;  // of the curvature, in each element
+constexpr int kTurningSamples = 8;  // of the curvature, per element
 
 double arc_length(const MeshMember& member, int index, double xi) {
   return member.vertex_arc_length(index) + 0.5 * member.element_length(index) * (1.0 + xi);
@@ -26,7 +26,7 @@ std::invalid_argument turns_too_far() {
       "the undeformed member turns too far in it: by about a full turn, more elements are needed");
 }
 
-/// Refuses a turn that no comparison of triads can see: between two of them the member might turn fully.
+/// Rejects rotations that comparing triads cannot detect: a full turn between two of them.
 void check_turning(const MeshMember& member, int index) {
   double turning = 0.0;  // integral of |kappa0|
   for (int i = 0; i < kTurningSamples; ++i) {
@@ -37,7 +37,7 @@ void check_turning(const MeshMember& member, int index) {
   if (!(turning <= 2.0 * kLargestRotation)) throw turns_too_far();
 }
 
-/// Chooses Lambda_lo and psi, from the k Gauss points.
+/// Determines Lambda_lo and psi from the k Gauss points.
 void fit_triad(const MeshMember& member, int index, int order, ReferenceElement& element) {
   const GaussPoints& gauss = gauss_points(order);
   std::vector<Quat> exact;
@@ -57,7 +57,7 @@ Vec end_jump(const ReferenceElement& element, int order, int end) {
   return phi;
 }
 
-/// kappa0 of the discrete fields. The first part is a polynomial through the k + 1 moment points already.
+/// Sets kappa0 of the discrete fields. Its first part already is a polynomial through the k + 1 moment points.
 void fit_curvature(double length, int order, ReferenceElement& element) {
   const GaussPoints& gauss = gauss_points(order + 1);
   const Vec jump[2] = {end_jump(element, order, 0), end_jump(element, order, 1)};

@@ -1,4 +1,4 @@
-/// Lists of things at each vertex (row of a matrix, node of a graph), all in one array; neighbours in a graph.
+/// Lists of entries per vertex (row of a matrix, node of a graph), all in one array; neighbours in a graph.
 #pragma once
 
 #include <algorithm>
@@ -12,10 +12,10 @@ namespace mixbeam {
 template <class Entry>
 struct RowLists {
   std::vector<int> start{};      ///< entries of row r: [start[r], start[r + 1])
-  std::vector<Entry> entries{};  ///< of each row in the order in which they were added
+  std::vector<Entry> entries{};  ///< those of each row in the order of insertion
 };
 
-/// for_each(add) calls add(row, entry) for every entry, each time it is called: once to count them and once to place
+/// Builds the lists. for_each(add) calls add(row, entry) for every entry; it is called twice, to count and to place
 /// them.
 template <class Entry, class ForEach>
 RowLists<Entry> row_lists(int rows, const ForEach& for_each) {
@@ -36,8 +36,8 @@ struct Graph {
   int nodes() const { return static_cast<int>(start.size()) - 1; }
 };
 
-/// Joins all links between two nodes to one with the sum of their weights; those of a node with itself are left out.
-/// for_each(add) calls add(node, {neighbour, weight}) for each end of every link, as of row_lists().
+/// Merges all links between two nodes into one with the sum of their weights; self-links are dropped. for_each(add)
+/// calls add(node, {neighbour, weight}) for each end of every link, as in row_lists().
 template <class Weight, class ForEach>
 Graph<Weight> joined_links(int nodes, const ForEach& for_each) {
   RowLists<std::pair<int, Weight>> links = row_lists<std::pair<int, Weight>>(nodes, for_each);

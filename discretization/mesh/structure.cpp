@@ -33,15 +33,15 @@ SectionConstants section_constants(const Section& section) {
   return c;
 }
 
-/// A stiffness this much above the softest is rigid beside it: softer ones decide how a structure bends.
+/// A stiffness this much above the softest counts as rigid: softer ones decide how a structure bends.
 constexpr double kStiffnessRange = 1e4;
 
-/// Springs may be softer still, but they need not be what decides: of the reference that sections have they leave this
-/// share, with which flexible members keep the stiffness that they have in the tangent (Cap).
+/// Springs may be softer still without deciding that: they lower the reference at most to this share of that of the
+/// sections, with which flexible members keep their true stiffness in the tangent (Cap).
 constexpr double kShareBesideSprings = 1e-3;
 
-/// Softest spring of supports and joints as a bending stiffness: moment per angle times length, force per way times its
-/// third power. Infinite where there is none.
+/// Softest spring of supports and joints as a bending stiffness: moment per angle times length, force per displacement
+/// times length cubed. Infinite if there is none.
 double softest_spring(const Scene& scene, double length) {
   double softest = std::numeric_limits<double>::infinity();
   const auto note = [&](double stiffness, double unit) {
@@ -57,7 +57,7 @@ double softest_spring(const Scene& scene, double length) {
   return softest;
 }
 
-/// Largest finite bending or torsional stiffness that is not rigid beside the softest; one, in whatever unit, where all
+/// Largest finite bending or torsional stiffness that is not rigid relative to the softest; one, in any unit, if all
 /// are rigid and nothing bends.
 double bending_reference(const Scene& scene, double length) {
   double softest = std::numeric_limits<double>::infinity(), largest = 0.0;
@@ -85,8 +85,8 @@ Matrix6 weighted(const Matrix6& a, double weight, const Matrix6& b) {
   return sum;
 }
 
-/// Share of the compliance of an element that a sum over points may miss; beyond it means take the place of values:
-/// they hold up where the values mean nothing, and are less accurate where these do.
+/// Largest error of a sum over points, relative to the compliance of an element. Beyond it means replace values: they
+/// remain valid where values at points are meaningless, but are less accurate elsewhere.
 constexpr double kMissedCompliance = 1e-2;
 
 /// Compliance of a member along one of its elements.
@@ -108,9 +108,9 @@ struct ElementCompliance {
   }
   double half() const { return 0.5 * (place(1.0) - place(-1.0)); }
 
-  /// Values at the points of a rule. Where their sum misses what a narrow taper does: means over cells around the
-  /// points that are as long as their weights, which are positive as no polynomial with the right moments need be; then
-  /// all are scaled so that the sum is the integral.
+  /// Values at the points of a rule. If their sum misses a narrow taper, uses means over cells around the points, as
+  /// long as their weights: means are positive, which a polynomial with the right moments need not be. Then all are
+  /// scaled so that the sum equals the integral.
   std::vector<Matrix6> at(const GaussPoints& rule) const {
     std::vector<Matrix6> values;
     for (const double xi : rule.xi) values.push_back(law.compliance(place(xi)));
@@ -136,7 +136,7 @@ struct ElementCompliance {
   }
 };
 
-/// Compliances of one element, written as GeneralSectionLayout has it.
+/// Writes the compliances of one element as GeneralSectionLayout.
 void fill_element(const GeneralSectionLayout& layout, const ElementCompliance& compliance, double* row) {
   const std::vector<Matrix6> force = compliance.at(gauss_points(layout.force_points));
   for (int q = 0; q < layout.force_points; ++q) {
@@ -187,7 +187,7 @@ void fill_compliance(const Scene& scene, const Mesh& mesh, const MemberLaws& law
   }
 }
 
-/// Elements of one kind share their kernels.
+/// Kind of element; elements of one kind share their kernels.
 struct BlockKey {
   int order, rule;
   bool general_section;
@@ -223,7 +223,7 @@ int local_vertex(const Structure& structure, int global) {
   return static_cast<int>(entry - structure.local_vertex_to_global.begin());
 }
 
-/// Reference data of one element, see ReferenceLayout.
+/// Writes the reference data of one element, see ReferenceLayout.
 void fill_reference(const ReferenceElement& element, double length, const ReferenceLayout& layout, double* row) {
   row[layout.length()] = length;
   for (int end = 0; end < 2; ++end) store_quaternion(element.end_triad[end], row + layout.end_triad(end));
@@ -290,7 +290,7 @@ void order_elements(Structure& structure) {
   });
 }
 
-/// Members of one section share its constants, but for those that lock, whose cap is another (cap.cpp).
+/// Numbers the constants of sections, shared by their members; locking members have others, with another cap (cap.cpp).
 void number_sections(Structure& structure, const Scene& scene) {
   std::map<std::string, SectionConstants> constants;
   for (const Section& section : scene.sections) constants[section.name] = section_constants(section);
@@ -301,7 +301,7 @@ void number_sections(Structure& structure, const Scene& scene) {
     const auto [entry, is_new] = number.try_emplace({member.section, locks}, static_cast<int>(in_use.size()));
     structure.member_section.push_back(entry->second);
     if (!is_new) continue;
-    in_use.push_back(constants.at(member.section));  // member_laws() has refused other names
+    in_use.push_back(constants.at(member.section));  // member_laws() has rejected other names
     structure.section_locks.push_back(locks);
   }
   structure.views.sections = KernelView<SectionConstants*>("mixbeam::sections", in_use.size());
@@ -379,12 +379,12 @@ State reference_state(const Structure& structure, const Mesh& mesh) {
   return state;
 }
 
-// Not initialised: the threads that write them first get their pages.
+// Not initialised: pages are placed near the threads that write them first.
 ElementEquations allocate_rows(const Structure& structure) {
   ElementEquations equations;
   equations.residual = KernelView<double* [12]>(
       Kokkos::view_alloc("mixbeam::element_residual", Kokkos::WithoutInitializing), structure.local_elements());
-  equations.condensed_residual = equations.residual;  // each is gathered as soon as it has been evaluated
+  equations.condensed_residual = equations.residual;  // each is gathered right after its evaluation
   return equations;
 }
 

@@ -1,6 +1,5 @@
-/// The part of a structure that one rank works on: its own vertices, every element that touches one of them, and the
-/// ghost vertices at the far ends. Elements cut by the partition are evaluated on both ranks, so no matrix entry
-/// travels.
+/// Part of a structure that one rank works on: its own vertices, every element that touches one of them, and the ghost
+/// vertices at the far ends. Elements cut by the partition are evaluated on both ranks, so no matrix entries are sent.
 #pragma once
 
 #include "discretization/mesh/mesh.hpp"
@@ -14,21 +13,20 @@
 
 namespace mixbeam {
 
-/// (member): the section of those that need general elements, null for all others.
+/// (member): its section if it needs general elements, else null.
 using MemberLaws = std::vector<std::shared_ptr<const SectionLaw>>;
 
-/// A configuration: quaternions and additive interior unknowns. Copies share the same numbers, so a state that others
-/// may hold is never written to: a new one is allocated (Model::apply).
+/// Configuration: quaternions and additive interior unknowns. Copies share the same arrays, so a state that may be
+/// shared is never written to: a new one is allocated (Model::apply).
 struct State {
   StateViews views;
   /// Known to lie in the plane of the scene (Model::plane()): only its in-plane part is used.
   bool in_plane = false;
-  /// (counted angle, Conditions): full turns of its quaternion, 4 pi each, that are not seen in it; empty where no
-  /// angle is counted.
+  /// (counted angle, Conditions): full turns of 4 pi that its quaternion does not show; empty if no angle is counted.
   std::vector<int> turns{};
 };
 
-/// Arrays of states that are not in use.
+/// Unused arrays of states.
 struct StatePool {
   ViewPool<KernelView<double* [3]>> vertex_displacement;
   ViewPool<KernelView<double*[4]>> vertex_rotation, element_triad;
@@ -43,13 +41,13 @@ struct Structure {
   std::vector<int> local_element_to_mesh;  ///< mesh element of each local element
   std::vector<int> elements_in_order;      ///< local elements in the order of the mesh
   int mesh_elements = 0;                   ///< of all ranks
-  // Parts of the whole that do not touch each other.
+  // connected components
   int parts = 1;
-  std::vector<int> part_of_vertex;  ///< (owned vertex); empty where there is one part
+  std::vector<int> part_of_vertex;  ///< (owned vertex); empty if there is one part
   StructureViews views;
-  std::vector<int> member_section;           ///< (member of the scene): among views.sections
-  std::vector<unsigned char> section_locks;  ///< (section): of members that are not integrated "both reduced"
-  MemberLaws member_laws;                    ///< (member of the scene): null where the section is plain
+  std::vector<int> member_section;           ///< (member of the scene): index in views.sections
+  std::vector<unsigned char> section_locks;  ///< (section): used by members not integrated "both reduced"
+  MemberLaws member_laws;                    ///< (member of the scene): null if the section is plain
   double shortest_element = 0.0;             ///< of the whole mesh
   double length = 0.0;                       ///< characteristic length of the whole mesh
   double bending_reference =
@@ -59,9 +57,9 @@ struct Structure {
 
   int local_vertices() const { return static_cast<int>(local_vertex_to_global.size()); }
   int local_elements() const { return static_cast<int>(local_element_to_mesh.size()); }
-  /// -1 where an element of the mesh is not on this rank.
+  /// Local number of a mesh element; -1 if it is not on this rank.
   int local_element(int mesh_element) const;
-  /// In the scene, of a local element.
+  /// Member of a local element in the scene.
   int member_of(const Mesh& mesh, int local_element) const {
     return mesh.elements[local_element_to_mesh[local_element]].member;
   }
@@ -70,21 +68,21 @@ struct Structure {
 };
 
 /// Distributes elements and vertices and fills the reference data. Throws InputError that names the member for what
-/// SectionLaw and make_reference_element reject, and where a general section meets another integration rule than "both
+/// SectionLaw and make_reference_element reject, and for a general section with an integration rule other than "both
 /// reduced", the only one whose force points see M exactly.
 Structure build_structure(const Scene& scene, const Mesh& mesh, int rank, int ranks);
 
-/// Undeformed state: vertex rotations identity, element triads and relative rotations of the reference elements
-/// (reference_element.hpp), stress free.
+/// Undeformed, stress-free state: vertex rotations identity, element triads and relative rotations of the reference
+/// elements (reference_element.hpp).
 State reference_state(const Structure& structure, const Mesh& mesh);
 
-/// Room for a state, not initialised.
+/// Allocates a state, not initialised.
 State allocate_state(const Structure& structure);
 
-/// Arrays for rows of all elements, of residuals or condensed ones: they share their numbers.
+/// Allocates rows of all elements; residuals and condensed residuals share memory.
 ElementEquations allocate_rows(const Structure& structure);
-/// Arrays for the tangents of all elements and the recovery of their interiors. `keeps_full`: matrices of 12 rows even
-/// where all are symmetric.
+/// Allocates the tangents of all elements and the data to recover their interiors. `keeps_full`: 12 x 12 matrices even
+/// if all are symmetric.
 ElementEquations allocate_tangents(const Structure& structure, bool keeps_full);
 
 }  // namespace mixbeam

@@ -1,4 +1,4 @@
-/// The Tpetra types of the project, named once.
+/// Tpetra types of the project.
 #pragma once
 
 #include "discretization/mesh/communicator.hpp"
@@ -19,7 +19,7 @@ using DofGraph = Tpetra::CrsGraph<LocalOrdinal, GlobalOrdinal, TpetraNode>;
 using DofMatrix = Tpetra::CrsMatrix<double, LocalOrdinal, GlobalOrdinal, TpetraNode>;
 using DofVector = Tpetra::Vector<double, LocalOrdinal, GlobalOrdinal, TpetraNode>;
 using DofImport = Tpetra::Import<LocalOrdinal, GlobalOrdinal, TpetraNode>;
-// Asking for their size instantiates the classes here, which a precompiled header keeps.
+// sizeof instantiates the classes here, and a precompiled header keeps them
 static_assert(sizeof(DofMap) * sizeof(DofGraph) * sizeof(DofMatrix) * sizeof(DofVector) * sizeof(DofImport) > 0);
 
 }  // namespace mixbeam

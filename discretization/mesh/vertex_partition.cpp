@@ -11,10 +11,10 @@ namespace mixbeam {
 
 namespace {
 
-/// Vertices, and elements between them, in the form of METIS. Slaves of joints are merged into their masters.
+/// Vertices, and elements between them, as a METIS graph. Slaves of joints are merged into their masters.
 struct VertexGraph {
   std::vector<idx_t> node;  ///< (vertex)
-  std::vector<idx_t> ends;  ///< (node): ends of elements there, which take memory and time
+  std::vector<idx_t> ends;  ///< (node): ends of elements there, which cost memory and time
   std::vector<idx_t> start, next, price;
 
   explicit VertexGraph(const Mesh& mesh) : node(mesh.vertices(), 0) {
@@ -48,11 +48,11 @@ int first_of_share(int rank, int ranks, const Mesh& mesh) {
     return joint != mesh.joints.end() && joint->slave == vertex;
   };
   int first = static_cast<int>(static_cast<long long>(mesh.vertices()) * rank / ranks);
-  while (is_slave(first)) ++first;  // with its master on the rank before
+  while (is_slave(first)) ++first;  // stays with its master on the rank before
   return first;
 }
 
-/// (vertex): its rank; empty where METIS does not find parts.
+/// (vertex): its rank; empty if METIS fails.
 std::vector<idx_t> parts_of_graph(int ranks, const Mesh& mesh) {
   VertexGraph graph(mesh);
   idx_t nodes = static_cast<idx_t>(graph.ends.size()), constraints = 1, parts = ranks, cut = 0;

@@ -1,5 +1,5 @@
-/// Arrays that come and go with every iteration are used again instead of given back: fresh pages of the system cost
-/// more than the computations in them.
+/// Reuse of arrays that are allocated in every iteration: fresh pages of the system cost more than the computations in
+/// them.
 #pragma once
 
 #include <Kokkos_Core.hpp>
@@ -10,12 +10,12 @@
 
 namespace mixbeam {
 
-/// Keeps every array it has ever handed out until it is told otherwise. An array is free again when no one else holds
-/// it. From outside of kernels, one thread at a time.
+/// Keeps every array that it has handed out until release_idle(). An array is free once no one else holds it. Call from
+/// outside of kernels, from one thread at a time.
 template <class View>
 class ViewPool {
  public:
-  /// `size` rows (and one column, where the type leaves their number open); not initialised.
+  /// Array of `size` rows (and one column, if the type leaves their number open); not initialised.
   View take(const std::string& label, size_t size) {
     for (const View& view : views_)
       if (view.use_count() == 1 && view.extent(0) == size) return view;
@@ -27,7 +27,7 @@ class ViewPool {
     return views_.back();
   }
 
-  /// Frees the arrays that are not in use.
+  /// Frees the unused arrays.
   void release_idle() {
     const auto is_idle = [](const View& view) { return view.use_count() == 1; };
     views_.erase(std::remove_if(views_.begin(), views_.end(), is_idle), views_.end());
