@@ -13,31 +13,30 @@ namespace mixbeam {
 
 namespace {
 
-/// Elements that lock carry parasitic forces of the size of their stiffness, far above the loads: with the cap that
-/// suits other elements Newton's method needs hundreds of steps. Studies of locking pay with condition for contraction.
+/// Elements that lock carry parasitic forces of the order of their stiffness, far above the loads: with the cap of
+/// other elements Newton's method needs hundreds of steps. Studies of locking trade condition for convergence.
 constexpr double kCapForLockingElements = 1e3;
 
-/// Rounding errors of the assembled and factorised tangent act like springs to the ground, eps * cap / h each: they
+/// Rounding errors of the assembled and factorised tangent act like springs to the ground, eps * cap / h each. They
 /// disturb an increment by 3e-12 * cap * L/h (measured on chains of 1e3 to 1e6 elements), which must stay well below
-/// one for Newton's method to go on converging fast.
+/// one for fast convergence of Newton's method.
 constexpr double kCapTimesElements = 1e9;
-/// Cap times elements of networks, whose members share what disturbs them: sheets of 60 and 100 struts a side,
-/// slenderness 20 to 1000, take no more iterations with it, and fewer factorisations where it no longer cuts off any
-/// stiffness.
+/// Cap times elements of networks, whose members share the disturbance: sheets of 60 and 100 struts a side, slenderness
+/// 20 to 1000, take no more iterations with it, and fewer factorisations where it does not cut off any stiffness.
 constexpr double kCapTimesElementsOfNetworks = 1e11;
 
-/// Below this the cap itself would slow Newton's method more than rounding errors do; a mesh whose shortest element is
-/// 1e-9 of its length does not need less.
+/// A lower cap would slow Newton's method more than rounding errors do; a mesh whose shortest element is 1e-9 of its
+/// length needs no lower one.
 constexpr double kLeastCap = 1e3;
 
-/// Members of a network share forces by their stiffness, so that the compliance of the cap has to be solved for again
-/// with each tangent, up to twenty times: there the cap is higher, as far as rounding errors permit, which is above the
+/// Members of a network share forces by their stiffness, so the compliance of the cap must be corrected with each
+/// tangent, up to twenty times. The cap of networks is therefore higher, as far as rounding errors permit: above the
 /// stiffness of most members.
 constexpr double kRaiseOfNetworks = 1e3;
 
-/// Each iteration leaves a strain of (change of N)/cap: the cap must be large against the forces at work, but no
-/// larger, because the condition of the condensed tangent grows with it (and with it the error of every increment).
-/// Where forces are shared by stiffness, that strain would stay: cap_compliance_rows() tells it.
+/// Each iteration leaves a strain of (change of N)/cap. The cap must thus be large compared with the acting forces, but
+/// no larger: the condition of the condensed tangent grows with it, and with it the error of every increment. Where
+/// forces are shared by stiffness the strain would remain; cap_compliance_rows() computes it.
 double cap_stiffness(const Model& model, const ResidualScales& scales, double raise) {
   const Structure& structure = model.structure();
   const double bending = structure.bending_reference / (structure.length * structure.length);
@@ -51,8 +50,8 @@ double cap_stiffness(const Model& model, const ResidualScales& scales, double ra
   return factor * std::max(bending, scales.force);
 }
 
-/// Stiffness and added compliance of a component; returns the ratio of the limit to the stiffness cut off, zero where
-/// it cuts off nothing.
+/// Sets stiffness and added compliance of a component; returns the ratio of the limit to the stiffness above it, zero
+/// if there is none.
 double cap_component(double limit, double compliance, double& added, double& stiffness) {
   added = std::max(0.0, 1.0 / limit - compliance);
   stiffness = added > 0.0 ? limit : 1.0 / compliance;
@@ -64,7 +63,7 @@ double cap_component(double limit, double compliance, double& added, double& sti
 Cap cap_for(const Model& model, const ResidualScales& scales, double raise) {
   Workspace& workspace = model.workspace();
   const double stiffness = cap_stiffness(model, scales, raise);
-  const double moment_limit = stiffness * model.structure().length * model.structure().length;  // above all that bends
+  const double moment_limit = stiffness * model.structure().length * model.structure().length;  // above all of bending
   const KernelView<const SectionConstants*> uncapped = model.structure().views.sections;
   Cap cap{stiffness};
   const auto note_ratio = [&cap](double ratio) {
@@ -94,7 +93,7 @@ void cap_compliance_rows(const Model& model, const Cap& cap, const ResidualScale
     const KernelView<double*> interior = rows.writable_interior(false);
     for (const ElementBlock& block : model.structure().blocks)
       cap_compliance_rows(block, cap.structure, increment.interior(), interior);
-  }  // a view that is still held would be taken for another owner, and the rows copied
+  }  // a view still held would count as another owner, and the rows would be copied
   scale_rows(model, scales, rows);
 }
 
@@ -110,7 +109,7 @@ namespace {
 
 double added(double compliance, double limit) { return compliance < 1.0 / limit ? 1.0 / limit - compliance : 0.0; }
 
-/// (capped compliance - true compliance) of the increments a and b of one element.
+/// Form of (capped compliance - true compliance) in the increments a and b of one element.
 double form_of_element(const ElementView& element, const SectionConstants& section, const double* a, const double* b) {
   const InteriorLayout& layout = element.layout();
   const int order = element.order();

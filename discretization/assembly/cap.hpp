@@ -1,5 +1,5 @@
-/// The cap on the stiffness of a tangent, theory (36). The residual keeps the true compliance, so the cap costs
-/// accuracy nowhere; it decides how fast Newton's method contracts.
+/// Cap on the stiffness of a tangent, theory (36). The residual keeps the true compliance, so the cap affects only how
+/// fast Newton's method converges, not the result.
 #pragma once
 
 #include "discretization/assembly/residual.hpp"
@@ -7,26 +7,26 @@
 namespace mixbeam {
 
 struct Cap {
-  double stiffness = 0.0;  ///< of forces
-  /// Cap over stiffness, where that is largest among the stiffnesses that are cut off and finite; zero where there are
-  /// none. (What is exactly rigid shares nothing by stiffness.)
+  double stiffness = 0.0;  ///< limit of force stiffnesses
+  /// Smallest ratio of the cap to a finite stiffness above it; zero if there is none. (Exactly rigid members do not
+  /// share forces by stiffness.)
   double least_ratio = 0.0;
-  bool cuts_off = false;       ///< whether it cuts off any stiffness: else the tangent is the true one
-  StructureViews structure{};  ///< sections with the stiffness and the added compliance of tangents
+  bool cuts_off = false;       ///< any stiffness is cut off; otherwise the tangent is exact
+  StructureViews structure{};  ///< sections with the tangent stiffness and the compliance that the cap adds
 
   bool cuts_off_force(int section, int component) const {
     return structure.sections(section).force_cap_compliance[component] > 0.0;
   }
 };
 
-/// The usual cap at a state with these scales, times `raise`.
+/// Default cap at a state with these scales, times `raise`.
 Cap cap_for(const Model& model, const ResidualScales& scales, double raise = 1.0);
 
-/// Computes the rows that the cap leaves out of the linearised equations, theory (37): (J - capped J) times an
-/// increment, scaled.
+/// Computes the rows of the linearised equations that the cap omits, theory (37): (J - capped J) times an increment,
+/// scaled.
 void cap_compliance_rows(const Model& model, const Cap& cap, const ResidualScales& scales, const MixedVector& increment,
                          MixedVector& rows);
-/// The largest of these rows. Collective.
+/// Largest of these rows. Collective.
 double largest_cap_compliance_row(const Model& model, const Cap& cap, const ResidualScales& scales,
                                   const MixedVector& increment);
 

@@ -13,8 +13,8 @@ namespace {
 
 using Range = Kokkos::RangePolicy<ExecutionSpace>;
 
-/// Rounding of a solve with a pivot this small, relative to what it was computed from, leaves six digits; the check of
-/// the residual decides, this only saves the attempt.
+/// Relative pivot at which the rounding of a solve leaves six digits. The check of the residual decides; this only
+/// saves the attempt.
 constexpr double kSmallestPivot = 1e-10;
 
 std::vector<std::array<int, 2>> ends_of(const Structure& structure) {
@@ -25,7 +25,7 @@ std::vector<std::array<int, 2>> ends_of(const Structure& structure) {
   return ends;
 }
 
-/// On any rank. Collective.
+/// True if any rank has elements without a potential. Collective.
 bool has_unsymmetric_elements(const Model& model) {
   bool found = false;
   for_each_element(model.structure(), [&](const ElementView& element) {
@@ -34,7 +34,7 @@ bool has_unsymmetric_elements(const Model& model) {
   return maximum_over_ranks(*model.map()->getComm(), found ? 1.0 : 0.0) != 0.0;
 }
 
-/// Vertices that must not be eliminated for another reason than that members meet there.
+/// Marks vertices that must not be eliminated for reasons other than that members meet there.
 std::vector<unsigned char> kept_vertices(const Model& model, const std::vector<int>& more) {
   const Structure& structure = model.structure();
   std::vector<unsigned char> kept(structure.local_vertices(), 0);
@@ -52,7 +52,7 @@ std::vector<unsigned char> kept_vertices(const Model& model, const std::vector<i
   return kept;
 }
 
-/// (p, q, theta) of six spatial components, or these themselves.
+/// Components (p, q, theta) of six spatial ones, or the latter unchanged.
 template <int N>
 KOKKOS_INLINE_FUNCTION void from_space(const PlaneAxes& axes, const double* spatial, double* own) {
   const Vec moved = load_vector(spatial), turned = load_vector(spatial + 3);
@@ -73,15 +73,15 @@ KOKKOS_INLINE_FUNCTION void to_space(const PlaneAxes& axes, const double* own, d
 
 using Real = Pack<kLanes>;
 
-/// Some of the elements at kLanes vertices: the tangent of each, its ends and which of them the vertex is. Lanes
-/// without an element, or with one that is in no condensed chain, are not active.
+/// One element at each of kLanes vertices: its tangent, the unknowns of its ends, and the end that is the vertex. Lanes
+/// without an element, or with one that is in no condensed chain, are inactive.
 struct ElementsAtVertices {
   const double *tangent[kLanes], *start[kLanes], *end[kLanes];
   Real::Mask active, ends_here;
 };
 
-/// Forces and moments of elements at vertices taken from `left`, and the sum of |entry| times the largest unknown of
-/// its kind added to `size`. Tangents are kSymmetric numbers of their layout.
+/// Subtracts forces and moments of elements at vertices from `left`, and adds the sum of |entry| times the largest
+/// unknown of its kind to `size`. Tangents are kSymmetric numbers of their layout.
 template <int N>
 KOKKOS_INLINE_FUNCTION void subtract_symmetric(const ElementsAtVertices& elements, const LargestParts& sizes,
                                                Real* left, Real* size) {
@@ -105,7 +105,7 @@ KOKKOS_INLINE_FUNCTION void subtract_symmetric(const ElementsAtVertices& element
     size[r] += select(elements.active, bound, Real(0.0));
   }
 }
-/// Does so for full tangents.
+/// Same for full tangents.
 template <int N>
 KOKKOS_INLINE_FUNCTION void subtract_full(const ElementsAtVertices& elements, const LargestParts& sizes, Real* left,
                                           Real* size) {
@@ -129,11 +129,11 @@ KOKKOS_INLINE_FUNCTION void subtract_full(const ElementsAtVertices& elements, co
   }
 }
 
-/// Measures what a solve leaves of the rows of chains, over N unknowns for each vertex. Index: pack of vertices.
+/// Measures the residual of a solve in the rows of chains, over N unknowns per vertex. Index: pack of vertices.
 template <int N>
 struct ChainErrorLoop {
   int count;
-  PlaneAxes axes;  ///< in a plane
+  PlaneAxes axes;  ///< if planar
   LargestParts sizes;
   KernelView<const double**> tangents;
   Adjacency adjacency;
@@ -141,7 +141,7 @@ struct ChainErrorLoop {
   KernelView<const unsigned char*> eliminated, condensed;
   KernelView<const double*> rows, run_forces;  ///< (6 * vertex + component)
   KernelView<const double*> x;                 ///< (N * vertex + component)
-  KernelView<double*> residual;                ///< (6 * vertex + component); empty: not wanted
+  KernelView<double*> residual;                ///< (6 * vertex + component); empty: not needed
 
   double largest_error() const {
     double largest = 0.0;
@@ -178,7 +178,7 @@ struct ChainErrorLoop {
       if (residual.extent(0) > 0) to_space<N>(axes, here, &residual(vertex_row(lanes.row[lane], 0)));
     }
   }
-  /// Fetches what the next pack does not share with this one.
+  /// Prefetches data of the next pack that this one does not use.
   KOKKOS_FORCEINLINE_FUNCTION void fetch_elements(const LaneRows& lanes) const {
     for (const int v : lanes.next) {
       const int entry = adjacency.start(v);
@@ -203,7 +203,7 @@ struct ChainErrorLoop {
   }
 };
 
-/// A link over (u_p, u_q, theta) of both ends becomes one over six components each.
+/// Expands a link over (u_p, u_q, theta) of both ends to six components each.
 void expand_link(const PlaneAxes& axes, const double* planar, double* spatial) {
   const Vec directions[kPlanarDofs] = {axes.p, axes.q, axes.n};
   std::fill_n(spatial, 144, 0.0);
@@ -227,11 +227,11 @@ void expand_link(const PlaneAxes& axes, const double* planar, double* spatial) {
 
 }  // namespace
 
-/// Chains of elements in a plane, with three unknowns per vertex. The remaining system becomes spatial again, so that
-/// supports, joints and loads need not know of the plane.
+/// Chains of elements in a plane, with three unknowns per vertex. The remaining system is spatial again, so that
+/// supports, joints and loads are independent of the plane.
 class CondensedSystem::PlanarChains {
  public:
-  /// For a model with a plane.
+  /// Requires a model with a plane.
   PlanarChains(const Model& model, const ChainStructure& structure)
       : axes_(*model.plane()),
         vertices_(model.structure().owned_vertices),
@@ -241,7 +241,7 @@ class CondensedSystem::PlanarChains {
         x_("mixbeam::planar::x", static_cast<size_t>(kPlanarDofs) * model.structure().local_vertices()) {
     using Kokkos::view_alloc;
     using Kokkos::WithoutInitializing;
-    // only what remains is ever written: untouched pages cost nothing
+    // only remaining links are ever written: untouched pages cost nothing
     elements_ = KernelView<double**>(view_alloc("mixbeam::planar::elements", WithoutInitializing),
                                      structure.levels().elements, LinkMatrices<kSpatialDofs>::kFull);
     const KernelView<double* [144]> runs(view_alloc("mixbeam::planar::runs", WithoutInitializing),
@@ -249,8 +249,8 @@ class CondensedSystem::PlanarChains {
     remaining_ = {elements_, runs};
   }
 
-  /// Eliminates the chains of a planar tangent, to which all that follows refers, and writes the links that remain.
-  /// With `rows` it does condense_rows(rows), too.
+  /// Eliminates the chains of a planar tangent, to which later calls refer, and writes the remaining links. With `rows`
+  /// it also does condense_rows(rows, x).
   ChainCondensation<kPlanarDofs>::Pivots condense(const PlanarTangents& tangents,
                                                   const KernelView<const double*>& rows) {
     tangents_ = tangents;
@@ -275,8 +275,8 @@ class CondensedSystem::PlanarChains {
     tangents_ = {};
   }
   const PlaneAxes& axes() const { return axes_; }
-  /// Spatial matrices of the links that remain; the others are not set. Motions out of the plane, at which nothing
-  /// works, meet springs as stiff as the links are in the plane.
+  /// Spatial matrices of the remaining links; the others are not set. Out-of-plane motions, which do no work, get
+  /// springs as stiff as the links are in the plane.
   const LinkMatrices<kSpatialDofs>& remaining() const { return remaining_; }
   const KernelView<double* [12]>& arrived() const { return arrived_; }
 
@@ -285,7 +285,7 @@ class CondensedSystem::PlanarChains {
     chains_.condense_rows(x_, x_);  // each row is read before its x is written
     write_arrived();
   }
-  /// All of x from its entries at vertices that are not eliminated.
+  /// Computes all of x from its entries at vertices that are not eliminated.
   void expand(const KernelView<const unsigned char*>& eliminated, const KernelView<double*>& x) {
     take_from_space(x, x_, eliminated);
     chains_.expand(x_);
@@ -295,7 +295,7 @@ class CondensedSystem::PlanarChains {
         "mixbeam::planar::expand", Range(0, vertices_),
         KOKKOS_LAMBDA(int v) { to_space<kPlanarDofs>(axes, &planar(planar_row(v)), &x(vertex_row(v, 0))); });
   }
-  /// (3 * vertex + component): in a room of its own, until the next solve.
+  /// Returns x as (3 * vertex + component), in memory that is valid until the next solve.
   const KernelView<double*>& in_plane(const KernelView<const double*>& x) const {
     take_from_space(x, x_, {});
     return x_;
@@ -310,7 +310,7 @@ class CondensedSystem::PlanarChains {
     }
   }
   KOKKOS_INLINE_FUNCTION static size_t planar_row(int vertex) { return static_cast<size_t>(kPlanarDofs) * vertex; }
-  /// At owned vertices, but for those to be left out, if there are any.
+  /// Projects at owned vertices, except those marked in `left_out`, if it has entries.
   void take_from_space(const KernelView<const double*>& spatial, const KernelView<double*>& planar,
                        const KernelView<const unsigned char*>& left_out) const {
     const PlaneAxes axes = axes_;
@@ -327,9 +327,9 @@ class CondensedSystem::PlanarChains {
   const ChainStructure& structure_;
   ChainCondensation<kPlanarDofs> chains_;
   LinkMatrices<kSpatialDofs> remaining_;
-  KernelView<double**> elements_;  ///< after remaining_
+  KernelView<double**> elements_;  ///< matrices of remaining_
   KernelView<double* [12]> arrived_;
-  KernelView<double*> x_;  ///< (3 * local vertex + component): rows and solutions, one after the other
+  KernelView<double*> x_;  ///< (3 * local vertex + component): rows, then solutions
 };
 
 CondensedSystem::CondensedSystem(const Model& model, const std::vector<int>& kept)
@@ -346,7 +346,7 @@ CondensedSystem::CondensedSystem(const Model& model, const std::vector<int>& kep
   eliminated_ = KernelView<unsigned char*>("mixbeam::eliminated", present.size());
   for (size_t v = 0; v < present.size(); ++v) eliminated_(v) = structure_.eliminated()[v];
   condensed_ = KernelView<unsigned char*>("mixbeam::condensed", structure.local_elements());
-  // written at the few vertices that remain: untouched pages cost nothing
+  // written only at the few remaining vertices: untouched pages cost nothing
   run_forces_ = KernelView<double*>(Kokkos::view_alloc("mixbeam::run_forces", Kokkos::WithoutInitializing),
                                     static_cast<size_t>(kVertexDofs) * structure.owned_vertices);
   ends_ = KernelView<int* [2]>("mixbeam::ends", structure.local_elements());

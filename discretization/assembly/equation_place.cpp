@@ -48,27 +48,27 @@ double scale_of(RowKind kind, const ResidualScales& scales, double h) {
 
 namespace {
 
-/// Place of a vertex or element of this rank.
+/// Location of a vertex or element of this rank.
 struct Site {
   int member = -1;  ///< -1: no element meets the vertex
   double along = 0.0, element_length = 0.0;
   Vector3 position{};
 };
 
-/// A row; travels between ranks as bytes.
+/// Row of the system; sent between ranks as bytes.
 struct RowKey {
   bool found = false;
   RowKind kind = RowKind::vertex_displacement;
   int component = 0;
   int vertex = -1, element = -1;  ///< of the mesh
-  double size = 0.0;              ///< by which the larger of two wins
+  double size = 0.0;              ///< the larger one wins
   double value = 0.0;             ///< the entry
-  Site site{};                    ///< of the best
+  Site site{};                    ///< set for the best row
 };
 
 const std::string kAxes[] = {"x", "y", "z"};
 
-/// All rows of one rank.
+/// Visits all rows of one rank.
 template <class Visit>
 void for_each_row(const Model& model, const MixedVector& vector, const Visit& visit) {
   const Structure& structure = model.structure();
@@ -95,7 +95,7 @@ Site site_of_element(const Mesh& mesh, int number) {
   return site;
 }
 
-/// Place of a vertex that this rank owns, whose elements it has.
+/// Location of a vertex owned by this rank, which has all of its elements.
 Site site_of_vertex(const Model& model, int vertex) {
   const Mesh& mesh = model.mesh();
   const Structure& structure = model.structure();
@@ -113,7 +113,7 @@ Site site_of_vertex(const Model& model, int vertex) {
   return site;
 }
 
-/// The key of largest `size` on any rank; the highest of several ranks, which all name the same row.
+/// The key of largest `size` on any rank; of ranks with equal sizes, which all name the same row, the highest.
 RowKey best_of_ranks(const Model& model, RowKey mine) {
   if (mine.found)
     mine.site = mine.element >= 0 ? site_of_element(model.mesh(), mine.element) : site_of_vertex(model, mine.vertex);
@@ -165,7 +165,7 @@ std::optional<ResidualPeak> largest_row(const Model& model, const MixedVector& s
 }
 
 std::optional<EquationPlace> first_not_finite(const Model& model, const MixedVector& vector, SearchOrder order) {
-  // The place in the search decides between ranks: elements come before vertices, or after them.
+  // Decides between ranks as well: elements come before vertices, or after them.
   const double behind = model.mesh().vertices() + static_cast<double>(model.mesh().elements.size());
   RowKey first;
   for_each_row(model, vector, [&](RowKey key) {
@@ -250,8 +250,8 @@ std::string text_of(const EquationPlace& place) {
 
 namespace {
 
-/// Words for the rows of one kind: of the first component where it has words of its own, and of the others, whose axis
-/// or number follows.
+/// Wording for the rows of one kind: for the first component, if it differs, and for the others, followed by axis or
+/// number.
 struct RowWords {
   const char* others;
   bool by_axis;
@@ -263,7 +263,7 @@ struct RowWords {
   }
 };
 
-/// In the order of RowKind.
+/// Same order as RowKind.
 constexpr RowWords kEquations[] = {
     {"balance of forces, component ", true},
     {"balance of moments, component ", true},

@@ -17,7 +17,7 @@ namespace mixbeam {
 
 namespace {
 
-/// One or two Gauss rules of a field in an element of a block: the shear part may have points of its own.
+/// One or two Gauss rules of a field in an element of a block: the shear part may have its own points.
 std::vector<GaussPoints> rules_of(LineField kind, const ElementBlock& block) {
   const int points = line_field_points(kind, block.order, block.interior.force_points);
   const int first = kind == LineField::eigenstrain ? axial_points(block.order, block.force_integration) : points;
@@ -27,7 +27,7 @@ std::vector<GaussPoints> rules_of(LineField kind, const ElementBlock& block) {
 }
 
 /// Elements of a member on this rank: their block (-1: none) and their indices in it. A member has one order,
-/// integration rule and kind of section, so one block.
+/// integration rule and kind of section, and thus one block.
 struct LocalElements {
   int block = -1;
   std::vector<int> elements;
@@ -58,7 +58,7 @@ bool is_load(LineField kind) { return kind != LineField::eigenstrain && kind != 
 
 }  // namespace
 
-/// Component of a load at any place of its member: constant, a formula of s and x, or a table times a factor.
+/// Component of a load along its member: constant, a formula of s and x, or a table times a factor.
 class LineFields::Profile {
  public:
   Profile(const Vector3& constant, const std::array<std::string, 3>& formula, const std::string& member,
@@ -104,21 +104,21 @@ struct LineFields::Source {
   int member;
   Profile profile;
   Amplitude amplitude;
-  const DistributedLoad* load = nullptr;          ///< where it is more than a profile: a part, projected, or a weight
-  std::shared_ptr<const FormulaPieces> taper{};   ///< of a weight
+  const DistributedLoad* load = nullptr;          ///< for more than a profile: a partial, projected or weight load
+  std::shared_ptr<const FormulaPieces> taper{};   ///< of a weight load
   const std::array<Vector3, 2>* turns = nullptr;  ///< of an eigencurvature: Eigenstrain::end_turns
 };
 
 namespace {
 
-/// Share of a dead force per length seen along its direction that falls on the undeformed length.
+/// Projected length per undeformed length, for a dead force per length seen along its direction.
 double seen_length(const MeshMember& member, const Vector3& force, double s) {
   const Vec3<double> tangent = member.curve.tangent(s), direction{{force[0], force[1], force[2]}};
   const Vec3<double> across = cross(tangent, direction);
   return std::sqrt(dot(across, across) / dot(direction, direction));
 }
 
-/// Factor of the profile of a load at arc length s of an element whose middle is at `middle`.
+/// Factor of a load profile at arc length s, in an element with midpoint `middle`.
 double factor_of(const DistributedLoad& load, const MeshMember& member, const SectionLaw* law, double s,
                  double middle) {
   const double length = member.curve.length;
@@ -131,8 +131,8 @@ bool turns_ends(const Eigenstrain& strain) {
   return !vector_algebra::is_zero(strain.end_turns[0]) || !vector_algebra::is_zero(strain.end_turns[1]);
 }
 
-/// Curvature that makes the turns at the ends of an element of this length: the polynomial of the degree of M with
-/// their moments, int P_j kappa ds = turn_b + (-1)^j turn_a, which are all that theory (17) sees.
+/// Curvature equivalent to concentrated rotations at the ends of an element of this length: the polynomial of the
+/// degree of M with their moments, int P_j kappa ds = turn_b + (-1)^j turn_a, the only ones in theory (17).
 double concentrated(double turn_a, double turn_b, double length, int order, double xi) {
   double P[kMaximumOrder + 1], sum = 0.0;
   legendre(order, xi, P);
@@ -231,7 +231,7 @@ void LineFields::add_source(const Mesh& mesh, Structure& structure, const Source
   fields_.push_back(field);
 }
 
-/// The elements of a member share their row of a kind where all fields of that kind are the same in all of them.
+/// Assigns rows; the elements of a member share one row of a kind if all fields of that kind are equal in all of them.
 void LineFields::number_rows(Structure& structure) {
   std::map<std::pair<int, LineField>, int> apart;
   for (const Field& field : fields_) {
@@ -241,7 +241,7 @@ void LineFields::number_rows(Structure& structure) {
   for (const Field& field : fields_) {
     const auto row = structure.blocks[field.block].field_row;
     const int kind = static_cast<int>(field.kind), elements = static_cast<int>(field.elements.extent(0));
-    if (row(field.elements(0), kind) >= 0) continue;  // with an earlier field
+    if (row(field.elements(0), kind) >= 0) continue;  // assigned by an earlier field
     const int step = apart[{field.member, field.kind}];
     for (int i = 0; i < elements; ++i) row(field.elements(i), kind) = rows_ + i * step;
     rows_ += (elements - 1) * step + field.points;
@@ -295,7 +295,7 @@ bool LineFields::keep_in_plane(const Structure& structure, const Vec& normal, do
       const Vec value = load_vector(&field.value(own, 0));
       const Mat triad = rotation_matrix(load_quaternion(&block.reference(e, block.reference_layout.end_triad(0))));
       const Vec along = in_space ? normal : transpose_times(triad, normal);
-      // couples and curvatures turn about the normal, all others lie in the plane
+      // couples and curvatures must be about the normal, all others in the plane
       const double out = is_axial ? norm(cross(value, along)) : dot(value, along);
       if (!(std::abs(out) <= tolerance * field.largest)) return false;
     }

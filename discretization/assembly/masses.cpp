@@ -12,14 +12,14 @@ namespace mixbeam {
 
 namespace {
 
-/// Entries of a body: its velocity and spin.
+/// Entries of a body: velocity and spin.
 constexpr int kOfBody = 6;
-/// Directions within this of the normal of the plane are along it: as Model::plane() has them.
+/// A larger cosine with the normal of the plane means along it, as for Model::plane().
 constexpr double kAlongNormal = 0.5;
-/// Share of a momentum that rounding of axes takes out of the plane.
+/// Out-of-plane share of a momentum that rounding of axes may cause.
 constexpr double kSymmetric = 1e-10;
 
-/// Throws InputError where motions in the plane share a momentum with those that leave it.
+/// Throws InputError if in-plane motions share a momentum with out-of-plane ones.
 void require_symmetry(double shared, double whole, const char* what) {
   if (std::abs(shared) > kSymmetric * whole)
     throw InputError(
@@ -27,7 +27,7 @@ void require_symmetry(double shared, double whole, const char* what) {
         " is not symmetric about the plane of the scene, so that its motions leave it; allowed: without it");
 }
 
-/// Momenta of a body by its motion, along its axes (rows).
+/// Momenta of a body due to its motion, along its axes (rows).
 Mat rooted(const Vec& masses, Mat axes) {
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) axes(i, j) *= std::sqrt(masses[i]);
@@ -78,7 +78,7 @@ Masses::Masses(const Model& model, bool in_plane) : model_(&model), in_plane_(in
     if (in_plane) keep_in_plane(body);
 }
 
-/// That of the middle of each element.
+/// Uses the damping at the middle of each element.
 void Masses::take_damping() {
   const Mesh& mesh = model_->mesh();
   for (const Section& section : model_->scene().sections)
@@ -142,7 +142,7 @@ void Masses::take_coriolis(const EvaluationPoint& at) {
   }
 }
 
-/// Each rank those of its own elements and bodies.
+/// Adds the forces; each rank computes those of its own elements and bodies.
 void Masses::add_coriolis(const double* momenta, std::vector<double>& forces) const {
   std::vector<double> mine(count_, 0.0);
   for (size_t b = 0; b < coriolis_.size(); ++b)
@@ -162,7 +162,7 @@ void Masses::add_coriolis(const double* momenta, std::vector<double>& forces) co
   for (size_t i = 0; i < mine.size(); ++i) forces[i] += mine[i];
 }
 
-/// Velocities along the normal of the plane and spins about other axes get no mass.
+/// Removes the mass of velocities along the normal of the plane and of spins about other axes.
 void Masses::keep_in_plane(const ElementBlock& block, const KernelView<double**>& mass) const {
   const PlaneAxes& plane = *model_->plane_of_scene();
   for (int e = 0; e < block.count; ++e) {
@@ -195,7 +195,7 @@ void Masses::keep_in_plane(VertexBody& body) const {
   body.inertia = {{0.0, 0.0, about}};
 }
 
-/// By springs whose size does not matter: nothing that they hold has a mass.
+/// Adds springs out of the plane, of arbitrary size: the directions that they hold have no mass.
 void Masses::hold_vertices() const {
   const Structure& structure = model_->structure();
   const double length = structure.shortest_element, turning = structure.bending_reference / length;
@@ -259,7 +259,7 @@ std::vector<double> Masses::momenta_of(const State& state, const MixedVector& mo
   return all;
 }
 
-/// Rows of the mesh elements of all ranks, a stride each.
+/// Rows of the mesh elements of all ranks, one stride each.
 std::vector<double> Masses::rows_of_elements(MotionRow row, const KernelView<const double* [6]>& vertex,
                                              const MixedVector& motion) const {
   const bool are_momenta = row == MotionRow::momentum;
@@ -289,7 +289,7 @@ void Masses::take_momenta_of_bodies(const State& state, const KernelView<const d
   }
 }
 
-/// `of`: (local element, 12 * column), added up in arrays (column) of owned vertices.
+/// Sums `of` (local element, 12 * column) in arrays (column) over owned vertices.
 void Masses::gather_vertices(const std::vector<double*>& rows, const KernelView<const double**>& of) const {
   const Adjacency adjacency = model_->adjacency();
   Kokkos::parallel_for(
@@ -373,7 +373,7 @@ void Masses::recover_columns(const State& state, const MomentumColumns& of,
   const Teuchos::Comm<int>& comm = *model_->map()->getComm();
   const size_t elements = static_cast<size_t>(stride_) * model_->structure().mesh_elements;
   std::vector<const double*> moved;
-  std::vector<std::vector<double>> imported(motions.size());  // local_increment() has room for one
+  std::vector<std::vector<double>> imported(motions.size());  // local_increment() has memory for one
   for (int j = 0; j < of.columns; ++j) {
     const KernelView<const double* [6]> vertex = model_->local_increment(motions[j]);
     moved.push_back(vertex.data());

@@ -56,7 +56,7 @@ Model::~Model() = default;
 
 namespace {
 
-/// Numbers of the local vertices in the order of the ranks; ghosts learn theirs from their owners. Collective.
+/// Numbers of the local vertices in the order of the ranks; ghosts get theirs from their owners. Collective.
 std::vector<GlobalOrdinal> numbers_through_ranks(const Structure& structure, const Communicator& comm) {
   const auto unknown = Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid();
   const std::vector<GlobalOrdinal> in_mesh(structure.local_vertex_to_global.begin(),
@@ -79,7 +79,7 @@ std::vector<GlobalOrdinal> numbers_through_ranks(const Structure& structure, con
 
 }  // namespace
 
-// Tpetra stores few bytes of numbers that follow one another, and 80 for each other one: so those of a rank do.
+// Tpetra stores few bytes for consecutive numbers, and 80 for each other one: those of a rank are consecutive.
 void Model::build_maps(const Communicator& comm) {
   const size_t owned = static_cast<size_t>(kVertexDofs) * structure_.owned_vertices;
   const auto all = static_cast<Tpetra::global_size_t>(kVertexDofs) * mesh_.vertices();
@@ -179,10 +179,10 @@ State Model::reference_state() const {
 
 namespace {
 
-/// Relative to the length of the structure, to the load or to one: the rounding of positions and triads that were
-/// computed from curves, with some room. Larger distances from the plane are meant.
+/// Relative to the length of the structure, to the load or to one: rounding of positions and triads computed from
+/// curves, with some margin. Larger distances from the plane are intended.
 constexpr double kInPlane = 1e-12;
-/// Components of a normal that are rounding beside the others: without them coordinate planes have exact zeros.
+/// Components of a normal below this are rounding: coordinate planes then have exact zeros.
 constexpr double kNoComponent = 1e-15;
 
 Vec without_rounding(Vec v) {
@@ -194,7 +194,7 @@ Vec without_rounding(Vec v) {
 Vec column(const Mat& m, int j) { return {{m(0, j), m(1, j), m(2, j)}}; }
 Vec row(const Mat& m, int i) { return {{m(i, 0), m(i, 1), m(i, 2)}}; }
 
-/// p is the coordinate axis that lies most in the plane, as far as it does.
+/// Chooses p as the projection of the coordinate axis closest to the plane.
 PlaneAxes axes_of(const Vec& normal) {
   PlaneAxes axes;
   axes.n = without_rounding(normal);
@@ -249,12 +249,12 @@ class PlaneCheck {
   bool aligned(const Mat& axes) const {
     return along_normal(row(axes, 0)) || along_normal(row(axes, 1)) || along_normal(row(axes, 2));
   }
-  /// All directions alike.
+  /// True if all directions have the same condition and stiffness.
   static bool uniform(const bool* fixed, const Vec& stiffness) {
     return fixed[0] == fixed[1] && fixed[1] == fixed[2] && stiffness[0] == stiffness[1] && stiffness[1] == stiffness[2];
   }
   static Vec position(const Mesh& mesh, int v) { return vector_algebra::to_vec3(mesh.vertex_position[v]); }
-  /// Triads and tangents; the curvature is along g2 or g3 where that is normal, measured as an angle.
+  /// Checks triads and tangents; curvatures, as angles, must be along the normal one of g2 and g3.
   bool holds(const ElementBlock& block, int e) const {
     const double* reference = &block.reference(e, 0);
     const ReferenceLayout& layout = block.reference_layout;
@@ -286,10 +286,10 @@ bool keeps_to(const Vec& normal, const Mesh& mesh, const Structure& structure, c
          line_fields.keep_in_plane(structure, normal, kInPlane) && check.holds(mesh, structure.length);
 }
 
-/// The plane that everything keeps to, with the normal along g2 or g3 of the first element: members lie in it and have
+/// Plane of the whole scene, with the normal along g2 or g3 of the first element, or none. Members lie in it and have
 /// g2 or g3 along its normal; forces and prescribed displacements are in it, moments and prescribed rotations about its
-/// normal, axes of supports and joints in it or along its normal; line loads and eigenstrains leave members in it.
-/// Sections are plain and constant, force strains integrated with k points. None otherwise. Collective.
+/// normal, axes of supports and joints in it or along its normal; line loads and eigenstrains keep members in it.
+/// Sections are plain and constant, force strains integrated with k points. Collective.
 std::optional<PlaneAxes> plane_of(const Teuchos::Comm<int>& comm, const Mesh& mesh, const Structure& structure,
                                   const LineFields& line_fields, const Conditions& conditions,
                                   const ExternalEnergies& external) {
@@ -306,13 +306,13 @@ std::optional<PlaneAxes> plane_of(const Teuchos::Comm<int>& comm, const Mesh& me
   return std::nullopt;
 }
 
-/// Relative to the largest entry: roundings of directions in a plane that is not one of the coordinates'.
+/// Relative to the largest entry: rounding of directions in a plane other than the coordinate planes.
 constexpr double kPlaneRounding = 1e-13;
 
 }  // namespace
 
 void Model::build_plane() {
-  if (!scene_->rotating_frames.empty()) return;  // the frame has no tangent of the plane
+  if (!scene_->rotating_frames.empty()) return;  // rotating frames have no planar tangent
   plane_of_scene_ = plane_of(*maps_.rows->getComm(), mesh_, structure_, line_fields_, conditions_, external_);
   if (!options_.planar || !plane_of_scene_ || !line_fields_.have_planar_equations()) return;
   plane_ = plane_of_scene_;
@@ -331,11 +331,11 @@ void Model::release_idle_arrays(bool tangents) const {
   if (tangents) all.erase(std::remove_if(all.begin(), all.end(), is_idle), all.end());
 }
 
-/// A motion of an element that leaves the plane moves one of its vertices out of it, or turns one, unless all are held.
+/// Checks vertices only: an element that leaves the plane takes a vertex with it, unless all are held.
 bool Model::is_in_plane(const MixedVector& v) const {
   const PlaneAxes axes = *plane_;
   const KernelView<const double*> entries = v.vertex();
-  // moved, turned, and what of each leaves the plane
+  // largest displacement and rotation, and their out-of-plane parts
   Largest<4> parts = largest_of<4>(
       "mixbeam::plane::parts", structure_.owned_vertices, KOKKOS_LAMBDA(int vertex, Largest<4>& largest) {
         const Vec moved = load_vector(&entries(vertex_row(vertex, kForcePart)));

@@ -1,7 +1,6 @@
-/// The structure of a scene as its equations see it, built once and never changed: mesh, partition, maps, conditions,
-/// constraints, plane. Open this first; residual.hpp evaluates the equations of a state, tangent.hpp linearises them.
-/// Each row is gathered by one thread in a fixed order, so results do not depend on the number of threads, and there
-/// are no atomics.
+/// Structure of a scene as its equations use it, immutable once built: mesh, partition, maps, conditions, constraints,
+/// plane. Open this first; residual.hpp evaluates the equations of a state, tangent.hpp linearises them. One thread
+/// gathers each row in a fixed order, without atomics, so results do not depend on the number of threads.
 #pragma once
 
 #include "discretization/assembly/line_fields.hpp"
@@ -22,10 +21,10 @@ namespace mixbeam {
 struct ModelOptions {
   double force_stiffness_cap = 1e5;   ///< tangent only: force stiffness limited to cap * max(EI / L^2, largest force)
   double residual_tolerance = 1e-11;  ///< see residual_scales
-  bool planar = true;                 ///< scenes in a plane have tangents in the plane
+  bool planar = true;                 ///< use planar tangents for planar scenes
 };
 
-/// Elements at each owned vertex, in an order that is the same for every partition.
+/// Elements at each owned vertex, in the same order for every partition.
 struct Adjacency {
   KernelView<int*> start;        ///< entries of vertex v: [start(v), start(v + 1))
   KernelView<int* [2]> element;  ///< local element, its end here
@@ -35,7 +34,7 @@ struct Workspace;
 
 class Model {
  public:
-  /// The scene must not change from here on; one that may is copied.
+  /// The scene must not change afterwards; the second constructor copies it.
   Model(std::shared_ptr<const Scene> scene, const Communicator& comm, const ModelOptions& options);
   Model(const Scene& scene, const Communicator& comm, const ModelOptions& options)
       : Model(std::make_shared<const Scene>(scene), comm, options) {}
@@ -44,9 +43,9 @@ class Model {
   Model& operator=(const Model&) = delete;
 
   const Scene& scene() const { return *scene_; }
-  /// The share of this rank.
+  /// Mesh of this rank.
   const Mesh& mesh() const { return mesh_; }
-  /// All of it, made anew on several ranks: for rare questions.
+  /// Whole mesh, rebuilt on several ranks: for rare use.
   std::shared_ptr<const Mesh> whole_mesh() const;
   const Structure& structure() const { return structure_; }
   const ModelOptions& options() const { return options_; }
@@ -56,42 +55,42 @@ class Model {
   const ConstraintRows& constraints() const { return constraints_; }
   const ExternalEnergies& external() const { return external_; }
   const LineFields& line_fields() const { return line_fields_; }
-  /// The frame in which the scene is at rest.
+  /// Rotating frame in which the scene is at rest.
   const FrameSpin& frame() const { return frame_; }
-  /// Null: no element has a mass in a frame that turns.
+  /// Null if no element has mass or the frame does not rotate.
   const RotatingElements* rotating() const { return rotating_.get(); }
-  /// With which all amplitudes run; a path sets it.
+  /// Clock of all amplitudes, set by the path.
   LoadClock& clock() const { return *clock_; }
   const Adjacency& adjacency() const { return adjacency_; }
-  /// The plane that the scene keeps to, be it solved in it or not.
+  /// Plane of the scene, whether or not it is solved in it.
   const std::optional<PlaneAxes>& plane_of_scene() const { return plane_of_scene_; }
-  /// That plane where the scene is solved in it, and the blocks of the structure there.
+  /// That plane if the scene is solved in it, and the planar blocks of the structure.
   const std::optional<PlaneAxes>& plane() const { return plane_; }
   const std::vector<PlanarBlock>& planar_blocks() const { return planar_blocks_; }
-  /// (6 * owned vertex + component): 1 where a constraint stands in place of an equilibrium.
+  /// (6 * owned vertex + component): 1 if a constraint replaces the equilibrium equation.
   KernelView<const unsigned char*> fixed_rows() const { return fixed_; }
 
-  /// In the plane of the scene, if there is one.
+  /// Undeformed state, marked planar if there is a plane.
   State reference_state() const;
   MixedVector create_vector() const;
-  /// Whether a vector of increments or residuals has no part that leaves the plane. Collective.
+  /// True if a vector of increments or residuals has no out-of-plane part. Collective.
   bool is_in_plane(const MixedVector& v) const;
-  /// `from` moved by step * increment, as a new state: displacements and interior added, rotations composed.
+  /// New state `from` + step * increment: displacements and interior added, rotations composed.
   State apply(const State& from, const MixedVector& increment, double step) const;
-  /// The vertex part of an increment at all local vertices.
+  /// Vertex part of an increment at all local vertices.
   KernelView<const double* [6]> local_increment(const MixedVector& increment) const;
 
-  /// Spatial forces and moments of the owned vertices (6 * owned vertex + component) become the free rows of the
-  /// equations, those of constraints zero. Linear: the transpose of the motions that supports and joints permit.
+  /// Projects spatial forces and moments of the owned vertices (6 * owned vertex + component) on the free rows of the
+  /// equations; rows of constraints become zero. Transpose of the motions that supports and joints permit.
   void project_on_free_motions(const State& state, const KernelView<double*>& rows) const {
     constraints_.project(state, rows);
   }
 
-  /// Wall time that evaluations took so far.
+  /// Wall time of the evaluations so far.
   PhaseTimes& times() const { return times_; }
-  /// Memory that evaluations use again. No number depends on the contents that another evaluation left there.
+  /// Memory reused by evaluations. No result depends on contents left by an earlier evaluation.
   Workspace& workspace() const { return *workspace_; }
-  /// Frees arrays of vectors, and of tangents if told so, that the next evaluation would use again.
+  /// Frees arrays of vectors, and of tangents if `tangents`, that are kept for reuse.
   void release_idle_arrays(bool tangents = false) const;
 
  private:
@@ -115,7 +114,7 @@ class Model {
   VertexMaps maps_;
   std::shared_ptr<VectorPool> vectors_ = std::make_shared<VectorPool>();
   std::optional<PlaneAxes> plane_of_scene_, plane_;
-  std::vector<PlanarBlock> planar_blocks_;  ///< as Structure::blocks, where there is a plane
+  std::vector<PlanarBlock> planar_blocks_;  ///< same order as Structure::blocks; empty without a plane
   KernelView<unsigned char*> owned_interior_;
   KernelView<unsigned char*> fixed_;  ///< (6 * owned vertex + component)
   Adjacency adjacency_;
@@ -123,7 +122,7 @@ class Model {
   std::unique_ptr<Workspace> workspace_;
 };
 
-/// A matrix over all vertices, for Tangent::gather. Collective.
+/// Matrix over all vertices, for Tangent::gather. Collective.
 VertexMatrix whole_matrix(const Model& model);
 
 }  // namespace mixbeam

@@ -13,14 +13,14 @@ namespace mixbeam {
 
 namespace {
 
-/// Strains and relative rotations are differences of numbers of size one (and of u/h): a few roundings each.
+/// Strains and relative rotations are differences of numbers of order one (and of u/h): a few roundings each.
 constexpr double kRoundings = 16.0;
 
-/// Without any load the internal forces must vanish; a force of this fraction of EI/L^2 times the tolerance moves
-/// nothing by more than a rounding error of the length.
+/// Without load the internal forces must vanish; a force of this fraction of EI/L^2 times the tolerance causes
+/// displacements below the rounding error of the length.
 constexpr double kUnloadedForce = 1e-6;
 
-/// Relative to the structure's length: beyond it a path has gone astray, and rounding would excuse any strain.
+/// Relative to the length of the structure: beyond it a path has diverged, and rounding would excuse any strain.
 constexpr double kLargestDisplacement = 1e6;
 
 }  // namespace
@@ -58,7 +58,7 @@ KOKKOS_INLINE_FUNCTION void raise_by_numbers(double& largest, const double* x, i
   }
 }
 
-/// Forces and moments of all elements of a block.
+/// Largest force and moment of all elements of a block.
 Largest<2> largest_stresses(const ElementBlock& block, const KernelView<const double*>& interior) {
   const InteriorLayout layout = block.interior;
   const ElementPlaces place = block.unknowns_at();
@@ -99,8 +99,8 @@ StateMagnitude magnitude_of(const Model& model, const State& state, double load_
   m.load_force = std::max(m.load_force, fields.force);
   if (const RotatingElements* rotating = model.rotating())
     m.load_force = std::max(m.load_force, rotating->spin().square(load_factor) * rotating->largest_force());
-  // what would bend the structure as the eigencurvature does: else a free member, in equilibrium without any force,
-  // would be measured against its own rounding errors
+  // load that would bend the structure like the eigencurvature: otherwise a free member, in equilibrium without any
+  // force, would be measured against its own rounding errors
   m.load_moment = std::max({m.load_moment, fields.couple, structure.bending_reference * fields.curvature});
   m.eigenstrain = std::max(fields.strain, fields.turn);
   if (!model.vertex_maps().import.is_null()) {
@@ -167,8 +167,7 @@ void scale_vertex_rows(const Model& model, const ResidualScales& scales, const K
 
 namespace {
 
-/// Largest magnitude among entries [first, end) of the increments of every element of a block; infinity for
-/// not-a-number.
+/// Largest magnitude among entries [first, end) of the increments of every element of a block; NaN counts as infinity.
 double largest_row(const ElementBlock& block, const KernelView<const double*>& interior, int first, int end) {
   const ElementPlaces place = block.increments_at();
   double largest = 0.0;
@@ -208,7 +207,7 @@ double equilibrium_norm(const Model& model, const MixedVector& scaled_residual) 
 
 namespace {
 
-/// The line fields of the model times these factors: the same array as long as the factors do not change.
+/// Line fields of the model times these factors; returns the same array while the factors do not change.
 KernelView<double* [3]> line_fields_of(const Model& model, std::vector<double> factors) {
   if (model.line_fields().rows() == 0) return {};
   LastLineFields& last = model.workspace().line_fields;
@@ -266,8 +265,8 @@ KernelView<double*> take_end_angles(const Model& model) {
   return model.workspace().end_angles.take("mixbeam::end_angles", model.structure().local_elements());
 }
 
-/// Element residuals, interior rows straight into `out`; `scales`: of these rows, null: unscaled; `spin`: of the frame
-/// that carries their masses; `fields_alone`: without all else.
+/// Evaluates the rows of the elements, interior rows directly in `out`. `scales`: of these rows, null: unscaled.
+/// `spin`: of the frame that carries their masses. `fields_alone`: line fields only.
 void evaluate_elements(const Model& model, const State& state, const KernelView<double* [3]>& line_fields,
                        const Vec& spin, const ResidualScales* scales, const KernelView<double*>& end_angles,
                        MixedVector& out, bool fields_alone = false) {
@@ -297,7 +296,7 @@ Vec spin_of(const Model& model, double load_factor) {
   return model.rotating() == nullptr ? Vec{} : model.rotating()->spin().at(load_factor);
 }
 
-/// Forces of the frame grow with the square of its amplitude.
+/// Adds the load derivative of the frame's forces, which grow with the square of its amplitude.
 void add_frame_slopes(const Model& model, const State& state, double load_factor, MixedVector& rows) {
   const FrameSpin& spin = model.rotating()->spin();
   ElementEquations equations = model.workspace().rows;

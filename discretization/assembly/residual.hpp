@@ -1,6 +1,6 @@
-/// The mixed residual of a state, and the reference values that make it dimensionless, theory (39), so that the same
-/// tolerance means the same accuracy for any units, slenderness and load: rows are divided by the large terms of the
-/// present state, not by a fixed stiffness.
+/// Mixed residual of a state, and the reference values that make it dimensionless, theory (39). Rows are divided by the
+/// large terms of the current state, not by a fixed stiffness: one tolerance means the same accuracy for any units,
+/// slenderness and load.
 #pragma once
 
 #include "discretization/assembly/model.hpp"
@@ -8,7 +8,7 @@
 
 namespace mixbeam {
 
-/// Sizes of a state and its loads (maxima over all ranks).
+/// Magnitudes of a state and its loads (maxima over all ranks).
 struct StateMagnitude {
   double force = 0.0;         ///< largest |N| component
   double moment = 0.0;        ///< largest |M| component
@@ -22,7 +22,7 @@ struct StateMagnitude {
 /// Collective.
 StateMagnitude magnitude_of(const Model& model, const State& state, double load_factor);
 
-/// `tolerance`: the scaled residual that will count as converged; floors keep round-off below it.
+/// Scales from magnitudes. `tolerance`: scaled residual that counts as converged; floors keep round-off below it.
 ResidualScales residual_scales(const StateMagnitude& state, double length, double shortest_element,
                                double bending_stiffness, double tolerance);
 
@@ -31,27 +31,27 @@ ResidualScales scales_of(const Model& model, const State& state, double load_fac
 
 /// Divides rows by their scales.
 void scale_rows(const Model& model, const ResidualScales& scales, MixedVector& rows);
-/// Takes scaled rows to forces, moments and integrals of strains.
+/// Converts scaled rows to forces, moments and integrals of strains.
 void unscale_rows(const Model& model, const ResidualScales& scales, MixedVector& rows);
-/// Divides the rows of the vertices alone.
+/// Divides only the rows of the vertices.
 void scale_vertex_rows(const Model& model, const ResidualScales& scales, const KernelView<double*>& rows);
 
 /// Largest force or moment row of a scaled residual: equilibrium without compatibility and supports.
 double equilibrium_norm(const Model& model, const MixedVector& scaled_residual);
-/// Largest row of N or M of a scaled residual: compatibility and the constitutive law.
+/// Largest row of N or M of a scaled residual: compatibility and constitutive law.
 double compatibility_norm(const Model& model, const MixedVector& scaled_residual);
 
-/// A state under its loads, and what its equations yield besides their rows.
+/// State under its loads, with results of the evaluation other than the rows.
 struct EvaluationPoint {
   State state{};
   double load_factor = 0.0;
   ResidualScales scales{};                         ///< divisors of the rows
   KernelView<double* [3]> line_fields {};          ///< at the load factor (StructureViews::field_value)
-  std::shared_ptr<const CarriedForces> carried{};  ///< by supports and joints: the rows do not show them
+  std::shared_ptr<const CarriedForces> carried{};  ///< by supports and joints: not visible in the rows
   KernelView<double*> end_angles{};                ///< (local element): relative rotation between element and vertices
 };
 
-/// Every row divided by its scale.
+/// Computes the rows, each divided by its scale.
 EvaluationPoint mixed_residual(const Model& model, const State& state, double load_factor, MixedVector& rows);
 
 /// d(scaled residual)/d(load factor).
@@ -61,13 +61,13 @@ void load_derivative(const Model& model, const State& state, double load_factor,
 /// Loads on elements between their vertices.
 enum class ElementLoads { none, line_loads, with_centrifugal };
 
-/// Unscaled rows of the elements alone, without point loads and supports: the forces and moments (spatial) that hold
-/// the elements at each vertex in place, and the interior rows.
+/// Unscaled rows of the elements, without point loads and supports: spatial forces and moments at each vertex that keep
+/// the elements in equilibrium, and the interior rows.
 void element_rows(const Model& model, const State& state, double load_factor, ElementLoads loads, MixedVector& rows);
 
 /// Rows of N and M of each element, or all others.
 enum class RowsOf { forces, motions };
-/// Clears such interior rows, or increments.
+/// Clears these interior rows of a residual or increment.
 void clear_rows(const Structure& structure, const KernelView<double*>& interior, RowsOf which);
 
 }  // namespace mixbeam

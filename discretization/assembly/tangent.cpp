@@ -85,7 +85,7 @@ StructureViews Tangent::structure_views() const {
   return views;
 }
 
-/// Matrices alone.
+/// Evaluates only the matrices.
 void Tangent::evaluate_rotating() const {
   const RotatingElements& rotating = *model_->rotating();
   const KernelView<int*> negative = arrays_->elements.interior_negative;
@@ -99,7 +99,7 @@ void Tangent::evaluate_rotating() const {
   }
 }
 
-/// Condenses interior rows and those of the elements' ends that stand in the workspace.
+/// Condenses interior rows and the rows of element ends in the workspace.
 void Tangent::condense_rotating(const KernelView<const double*>& interior) const {
   Kokkos::deep_copy(arrays_->rotating_rows, interior);
   const KernelView<double* [12]> ends = model_->workspace().rows.residual;
@@ -160,7 +160,7 @@ bool Tangent::condense_residual() {
   return true;
 }
 
-/// Rows of the vertices that the interior rows leave, spatial; `rhs` may lose these.
+/// Returns the spatial vertex rows due to the interior rows, which may be moved out of `rhs`.
 KernelView<double*> Tangent::condense_interior(MixedVector& rhs) {
   holds_residual_ = false;
   constants_.fill(0.0);
@@ -273,7 +273,7 @@ Tangent::InteriorCount Tangent::interior_count() const {
   const Structure& structure = model_->structure();
   long mine[2] = {0, 0};
   for_each_element(structure, [&](const ElementView& element) {
-    if (!element.is_owned()) return;  // counted by the rank that owns the vertex
+    if (!element.is_owned()) return;  // counted by the rank that owns its first vertex
     const int negative = arrays_->interior_negative(element.local());
     if (negative == kUncertainCount)
       mine[1] = 1;

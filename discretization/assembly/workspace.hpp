@@ -1,23 +1,23 @@
-/// Memory behind the evaluations of a model, for residual.cpp, cap.cpp and tangent.cpp alone: fresh pages of the system
-/// cost more than the computations in them.
+/// Memory reused by the evaluations of a model, only for residual.cpp, cap.cpp and tangent.cpp: fresh pages of the
+/// system cost more than the computations in them.
 #pragma once
 
 #include "discretization/assembly/cap.hpp"
 
 namespace mixbeam {
 
-/// Numbers of the elements that a tangent keeps.
+/// Data of the elements that a tangent keeps.
 struct TangentArrays {
   ElementEquations elements;  ///< condensed tangents and responses; rows are those of the workspace
   PlanarTangents planar;
   std::vector<PlanarBlock> planar_blocks;
   Teuchos::RCP<DofVector> condensed_rows;
-  KernelView<int*> interior_negative;      ///< (element), once it was asked for
-  std::vector<VibratingBlock> rotating{};  ///< in a frame: how each element is condensed, theory (75); else empty
-  KernelView<double*> rotating_rows{};  ///< interior right-hand side that was condensed last, as take_residual() has it
+  KernelView<int*> interior_negative;      ///< (element), allocated on first use
+  std::vector<VibratingBlock> rotating{};  ///< rotating frame: condensed elements, theory (75); else empty
+  KernelView<double*> rotating_rows{};  ///< interior right-hand side condensed last, in the form of take_residual()
 };
 
-/// Line fields that were added up last. An array that has been handed out is never written to again.
+/// Line fields summed last. An array that has been handed out is not written to again.
 struct LastLineFields {
   ViewPool<KernelView<double* [3]>> pool;
   std::vector<double> factors;
@@ -25,18 +25,18 @@ struct LastLineFields {
 };
 
 struct Workspace {
-  ElementEquations rows;  ///< of the elements: gathered as soon as they have been evaluated
+  ElementEquations rows;  ///< of the elements: gathered right after their evaluation
   LastLineFields line_fields;
   Teuchos::RCP<DofVector> ghosted_increment;
   ViewPool<KernelView<SectionConstants*>> sections;
   ViewPool<KernelView<double*>> end_angles;
-  std::vector<std::shared_ptr<TangentArrays>> tangents;  ///< free where they are not in use elsewhere
+  std::vector<std::shared_ptr<TangentArrays>> tangents;  ///< free if not in use elsewhere
 };
 
-/// Rows of the elements, summed at the vertices.
+/// Sums the rows of the elements at the vertices.
 void gather_rows(const Model& model, const KernelView<double*>& rows);
-/// Gathers the rows of a plane: two elements of a chain hold each other by the force that acts on the end of the one
-/// and, with the opposite sign, on the start of the other. `loads`: ElementEquations::planar_loads, empty: none.
+/// Same in a plane: neighbours in a chain exchange one force, which acts on the end of one element and, with the
+/// opposite sign, on the start of the next. `loads`: ElementEquations::planar_loads, empty: none.
 void gather_planar_rows(const Model& model, const KernelView<double* [2]>& loads, const KernelView<double*>& rows);
 
 }  // namespace mixbeam

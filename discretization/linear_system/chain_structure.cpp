@@ -8,10 +8,10 @@ namespace mixbeam {
 
 namespace {
 
-/// Links in a run: long enough that the runs' own matrices cost little, short enough that a thousand elements still
+/// Links per run: long enough that the matrices of the runs cost little, short enough that a thousand elements still
 /// fill the lanes of all threads.
 constexpr int kRunLength = 32;
-/// A chain that is cut at all is cut into at least as many runs, to fill the lanes of a register.
+/// Least number of runs of a chain that is cut: fills the lanes of a register.
 constexpr int kLeastRuns = 4;
 /// Chains up to this length are one run.
 constexpr int kShortChain = 8;
@@ -21,7 +21,7 @@ int number_of_runs(int links) {
   return std::max(kLeastRuns, (links + kRunLength - 1) / kRunLength);
 }
 
-/// Elements at each vertex, two at most are kept: more make a junction.
+/// Elements at each vertex; at most two are stored, more make a junction.
 struct Touching {
   int count = 0;
   int element[2] = {-1, -1};
@@ -41,7 +41,7 @@ ChainStructure::ChainStructure(const std::vector<std::array<int, 2>>& ends, std:
   while (std::any_of(chains.begin(), chains.end(), [](const Chain& c) { return c.links.size() > 1; }))
     add_level(chains);
   for (size_t c = 0; c < chains.size(); ++c) {
-    const bool turned = chains[c].links[0] % 2 == 1;  // an element that nothing was joined to
+    const bool turned = chains[c].links[0] % 2 == 1;  // a single element, traversed backwards
     const int a = chains[c].vertices.front(), b = chains[c].vertices.back();
     remaining_.push_back({chains[c].links[0] / 2, lowest[c], {turned ? b : a, turned ? a : b}});
   }
@@ -49,7 +49,7 @@ ChainStructure::ChainStructure(const std::vector<std::array<int, 2>>& ends, std:
             [](const RemainingLink& a, const RemainingLink& b) { return a.first_element < b.first_element; });
 }
 
-/// Chains between vertices that stay, every element in one of them. A ring without any such vertex keeps one.
+/// Traces chains between kept vertices; every element is in one. A ring without any such vertex keeps one.
 std::vector<ChainStructure::Chain> ChainStructure::trace(const std::vector<std::array<int, 2>>& ends,
                                                          std::vector<unsigned char>& kept) const {
   std::vector<Touching> touching(kept.size());
@@ -89,7 +89,7 @@ std::vector<ChainStructure::Chain> ChainStructure::trace(const std::vector<std::
   return chains;
 }
 
-/// Cuts every chain of more than one link into runs of nearly equal length, each of which becomes a link.
+/// Cuts every chain of more than one link into runs of nearly equal length and replaces each run by a link.
 void ChainStructure::add_level(std::vector<Chain>& chains) {
   std::vector<Run> runs;
   const int first_run = levels_.runs;
@@ -114,7 +114,7 @@ void ChainStructure::add_level(std::vector<Chain>& chains) {
   chains = std::move(shorter);
 }
 
-/// Runs of equal length side by side.
+/// Packs runs of nearly equal length side by side.
 ChainLevel ChainStructure::pack(const std::vector<Chain>& chains, const std::vector<Run>& runs, int first_run) const {
   std::vector<int> order(runs.size());
   std::iota(order.begin(), order.end(), 0);

@@ -1,6 +1,6 @@
-/// Members are chains: every vertex that joins just two elements and carries nothing of its own is eliminated inside
-/// the kernels (kernels/chains/level.hpp, theory (45)), level by level, until one link remains of each chain. Sparse
-/// solvers see the graph of junctions, supports and vertices whose loads follow or turn.
+/// Members are chains: every vertex that joins exactly two elements and has no load or constraint of its own is
+/// eliminated inside the kernels (kernels/chains/level.hpp, theory (45)), level by level, until one link of each chain
+/// remains. Sparse solvers only see the graph of junctions, supports and vertices with follower or rotating loads.
 #pragma once
 
 #include "kernels/chains/level.hpp"
@@ -10,28 +10,28 @@
 
 namespace mixbeam {
 
-/// A matrix over two local vertices that is left after the elimination: an element, or a run of them.
+/// Matrix over two local vertices that remains after the elimination: an element, or a run of them.
 struct RemainingLink {
   int link = 0;           ///< see LinkMatrices
-  int first_element = 0;  ///< lowest local element in it: the order of sums
+  int first_element = 0;  ///< lowest local element in it: determines the order of sums
   std::array<int, 2> vertex{};
 };
 
-/// Which vertices are eliminated, and in what order.
+/// Vertices to be eliminated, and their order.
 class ChainStructure {
  public:
   /// `ends`: local vertices of each local element; `kept`: (local vertex) not to be eliminated.
   ChainStructure(const std::vector<std::array<int, 2>>& ends, std::vector<unsigned char> kept);
 
   const ChainLevels& levels() const { return levels_; }
-  /// (local vertex): 1 where it is eliminated.
+  /// (local vertex): 1 if eliminated.
   const std::vector<unsigned char>& eliminated() const { return eliminated_; }
   int eliminated_vertices() const { return eliminated_vertices_; }
   const std::vector<RemainingLink>& remaining() const { return remaining_; }
 
  private:
   struct Chain {
-    std::vector<int> links;     ///< 2 * link + 1 where it is passed from its second end
+    std::vector<int> links;     ///< 2 * link + 1 if traversed from its second end, else 2 * link
     std::vector<int> vertices;  ///< one more than links
   };
   struct Run {

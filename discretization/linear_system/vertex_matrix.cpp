@@ -9,11 +9,11 @@ namespace {
 
 using Range = Kokkos::RangePolicy<ExecutionSpace>;
 
-/// A link at a vertex; both are places.
+/// Link at a vertex.
 struct Touch {
   int link, order;
-  int end;    ///< which end of the link the vertex is
-  int other;  ///< at its other end
+  int end;    ///< end of the link at the vertex
+  int other;  ///< place of the vertex at its other end
 };
 
 std::vector<std::vector<Touch>> links_at_vertices(const std::vector<RemainingLink>& links, int rows,
@@ -32,7 +32,7 @@ std::vector<std::vector<Touch>> links_at_vertices(const std::vector<RemainingLin
   return touching;
 }
 
-/// Places that share a block row: the vertex itself and its neighbours, ascending; a pair joined by several links once.
+/// Columns of a block row: the vertex itself and its neighbours, ascending and unique.
 std::vector<int> row_columns(int vertex, const std::vector<Touch>& touches) {
   std::vector<int> columns = {vertex};
   for (const Touch& touch : touches) columns.push_back(touch.other);
@@ -41,7 +41,7 @@ std::vector<int> row_columns(int vertex, const std::vector<Touch>& touches) {
   return columns;
 }
 
-/// The rows of a master take those of its slaves, and the rows of a slave see the master.
+/// Rows of a master get the columns of its slaves, and rows of a slave that of the master.
 void couple_joints(const std::vector<VertexJoint>& joints, const KernelView<int*>& place,
                    std::vector<std::vector<int>>& columns) {
   for (const VertexJoint& joint : joints) {
@@ -67,7 +67,7 @@ VertexMatrix::VertexMatrix(const Structure& structure, const VertexMaps& maps,
   build_graph(links, joints);
 }
 
-/// Rows are numbered through the ranks; ghosts learn their numbers from their owners.
+/// Rows are numbered through the ranks; ghosts get their numbers from their owners.
 void VertexMatrix::build_maps(const VertexMaps& maps, const std::vector<unsigned char>& present) {
   std::vector<int> vertices;
   place_ = KernelView<int*>("mixbeam::place", present.size());
@@ -123,7 +123,7 @@ void VertexMatrix::build_graph(const std::vector<RemainingLink>& links, const st
   build_matrix(columns, entries);
 }
 
-/// A matrix over the given block columns of each vertex, filled with zeros.
+/// Allocates a zero matrix with the given block columns of each vertex.
 void VertexMatrix::build_matrix(const std::vector<std::vector<int>>& columns, size_t entries) {
   using LocalGraph = DofMatrix::local_graph_host_type;
   LocalGraph::row_map_type::non_const_type row_start("mixbeam::row_start", kVertexDofs * columns.size() + 1);
