@@ -98,7 +98,7 @@ Conditions build_conditions(const Scene& scene, const Mesh& mesh, const Structur
 
 namespace {
 
-// Samples for each stage: a formula that turns a support at a rate above the one found here only costs load steps.
+// Samples per stage: a formula that rotates a support faster than found here only costs load steps.
 constexpr int kSlopeSamples = 64;
 
 double steepest_slope(const Support& support, int stages, const LoadClock& clock) {
@@ -181,15 +181,15 @@ namespace {
 
 // Supports as equations of a vertex: theory (41).
 //
-// The force rows are turned into the axes e_i of the support; a fixed one becomes e_i . (u - prescribed), a free one
-// keeps e_i . f, to which external_energy.hpp has added the spring k_i e_i . u. Rotations come in four ways:
-//   - free: the moment rows stay as they are;
-//   - all fixed: the rotation vector from the prescribed to the present triad;
+// The force rows are projected on the axes e_i of the support; a fixed one becomes e_i . (u - prescribed), a free one
+// keeps e_i . f, to which external_energy.hpp has added the spring k_i e_i . u. Rotations have four cases:
+// - free: the moment rows are unchanged;
+// - all fixed: the rotation vector from the prescribed to the current triad;
 //   - two fixed (a hinge about the third axis, any number of turns): the swings of Lambda_V (swing.hpp), and the moment
 //     about the third axis, with a spring there + k angle (State::turns);
-//   - one fixed, or springs and less than two: with theta the rotation vector of Lambda_V in the axes, a fixed one
-//   becomes theta_i, a
-//     free one (T(theta) e_i) . m + k_i theta_i, the derivative of the energy with respect to theta_i; |theta| < 2 pi.
+// - one fixed, or springs and fewer than two: with theta the rotation vector of Lambda_V in the axes, a fixed one
+// becomes theta_i, a free one (T(theta) e_i) . m + k_i theta_i, the derivative of the energy with respect to theta_i;
+// |theta| < 2 pi.
 
 Vec axis(const VertexSupport& support, int i) { return {{support.axes(i, 0), support.axes(i, 1), support.axes(i, 2)}}; }
 
@@ -207,7 +207,7 @@ int hinge_axis(const VertexSupport& support) {
   return 2;
 }
 
-/// Swing of Lambda_V against the hinge's axis; its frame is the axes in cyclic order, that of the hinge last.
+/// Swing of Lambda_V relative to the hinge axis; the frame is the axes in cyclic order, that of the hinge last.
 SwingTwist hinge_swing(const VertexSupport& support, const State& state, Mat& frame) {
   const int last = hinge_axis(support);
   for (int row = 0; row < 3; ++row)
@@ -215,7 +215,7 @@ SwingTwist hinge_swing(const VertexSupport& support, const State& state, Mat& fr
   return SwingTwist(triad_of(support, state), frame);
 }
 
-/// About its axes: none but that of the free one, counted.
+/// Angles about the axes: zero except for the counted one about the free axis.
 Vec hinge_angles(const VertexSupport& support, const State& state) {
   Mat frame;
   Vec angles{{0.0, 0.0, 0.0}};
@@ -223,13 +223,13 @@ Vec hinge_angles(const VertexSupport& support, const State& state) {
   return angles;
 }
 
-/// Directions by which the moment rows are multiplied: row i is e_i, or T(theta) e_i.
+/// Directions onto which the moment rows are projected: row i is e_i, or T(theta) e_i.
 Mat moment_directions(const VertexSupport& support, const State& state) {
   if (support.rotation_kind == SupportRotation::hinge) return support.axes;
   return support.axes * transpose(tangent_map(continued_log(triad_of(support, state))));
 }
 
-/// Rows of the vertex, spatial forces and moments, in the form described above; those of fixed components become zero.
+/// Projects the spatial rows of the vertex to the form described above; those of fixed components become zero.
 void project_rows(const VertexSupport& support, const State& state, const KernelView<double*>& rows) {
   const int v = support.vertex;
   if (support.turns_forces) set_rows_of(rows, v, kForcePart, support.axes * rows_of(rows, v, kForcePart));
@@ -252,7 +252,7 @@ void set_support_rows(const VertexSupport& support, const State& state, double l
   switch (support.rotation_kind) {
     case SupportRotation::free:
       break;
-    case SupportRotation::fixed:  // the rotation from the prescribed triad to the present one
+    case SupportRotation::fixed:  // rotation from the prescribed triad to the current one
       set_rows_of(rows, v, kMomentPart,
                   log_quaternion(triad_of(support, state) * conjugate(exp_quaternion(amplitude * support.rotation))));
       break;
@@ -297,7 +297,7 @@ void turn_force_rows(const VertexSupport& support, const MatrixRows& matrix) {
   }
 }
 
-/// The two swings in the rows of the fixed axes, the spring in that of the free one.
+/// Sets the two swings in the rows of the fixed axes and the spring in that of the free one.
 void set_hinge_rows(const VertexSupport& support, const State& state, const MatrixRows& matrix) {
   Mat frame;
   const SwingTwist swing = hinge_swing(support, state, frame);
@@ -330,8 +330,8 @@ void set_rotation_vector_rows(const VertexSupport& support, const State& state, 
   }
 }
 
-/// Derivative of the rows above; the matrix holds the derivative of the spatial rows, `moment` is the spatial moment
-/// row itself.
+/// Derivative of the rows above. The matrix holds the derivative of the spatial rows; `moment` is the spatial moment
+/// row.
 void project_matrix_rows(const VertexSupport& support, const State& state, const Vec& moment,
                          const MatrixRows& matrix) {
   turn_force_rows(support, matrix);
@@ -353,20 +353,20 @@ void project_matrix_rows(const VertexSupport& support, const State& state, const
   }
 }
 
-/// Distance from a whole number of turns beyond which a state is no equilibrium, and tells nothing.
+/// Largest distance from a whole number of turns; farther away the state is no equilibrium and cannot be counted.
 constexpr double kWholeTurn = 1e-3;
 
 // Joints as equations of two vertices, theory (43): the master, which the rest of the point shares, and the slave, the
-// end of one member with displacement and triad of its own.
+// end of one member with its own displacement and triad.
 //
-// The frame (b1, b2, a) of a joint turns with the master, a = Lambda_m a_0; p = x_s - x_m. In virtual motions that the
-// joint permits, du_s = du_m + dtheta_m x p (+ dq a for a slider) and dtheta_s = dtheta_m (+ dq a for a hinge), so
+// The frame (b1, b2, a) of a joint rotates with the master, a = Lambda_m a_0; p = x_s - x_m. Virtual motions admitted
+// by the joint are du_s = du_m + dtheta_m x p (+ dq a for a slider) and dtheta_s = dtheta_m (+ dq a for a hinge), so
 //   master:  f_m + f_s,   m_m + m_s + p x f_s;
 //   hinge:   u_s - u_m;   swings of Lambda_m^T Lambda_s against a_0 (swing.hpp),  a . m_s + k angle;
-//   ball:    u_s - u_m;   m_s (which the master then does without);
+// ball:    u_s - u_m;   m_s (which the master's row then omits);
 //   slider:  b1 . p, b2 . p, a . f_s + k a . p;   rotation vector of Lambda_s Lambda_m^T.
 
-/// Present position of a joint.
+/// Current configuration of a joint.
 struct JointState {
   Quat master, slave;
   Mat frame;   ///< rows b1, b2, a, spatial
@@ -384,7 +384,7 @@ struct JointState {
   Vec turn() const { return log_quaternion(slave * conjugate(master)); }
 };
 
-/// Moment of the slave's spatial rows in the master's moment row.
+/// Contribution of the slave's spatial rows to the master's moment row.
 Vec moment_on_master(const VertexJoint& joint, const JointState& at, const Vec& force, const Vec& moment) {
   const Vec by_force = cross(at.offset, force);
   return joint.kind == JointKind::ball ? by_force : by_force + moment;
@@ -412,7 +412,7 @@ void set_joint_rows(const VertexJoint& joint, const State& state, const KernelVi
   }
 }
 
-/// The slave's forces and moments on the master: p x f_s also changes with p.
+/// Adds the slave's forces and moments to the rows of the master: p x f_s also changes with p.
 void add_to_master(const VertexJoint& joint, const JointState& at, const Vec& force, const MatrixRows& matrix) {
   const int m = joint.master, s = joint.slave;
   const Mat identity = identity_matrix<double>();
@@ -423,7 +423,7 @@ void add_to_master(const VertexJoint& joint, const JointState& at, const Vec& fo
   matrix.add(m, kMomentPart, m, kForcePart, hat(force));
 }
 
-/// A row value . (u_s - u_m).
+/// Adds value . (u_s - u_m) to a row.
 void add_relative(const VertexJoint& joint, int row, VertexPart part, const Vec& value, const MatrixRows& matrix) {
   matrix.add(joint.slave, row, joint.slave, part, value);
   matrix.add(joint.slave, row, joint.master, part, -value);
@@ -434,7 +434,7 @@ void set_hinge_rows(const VertexJoint& joint, const JointState& at, const Vec& m
   const SwingTwist swing = at.swing(joint);
   for (int i = 0; i < 2; ++i)
     add_relative(joint, 3 + i, kMomentPart, transpose_times(at.frame, swing.swing_slope[i]), matrix);
-  // a turns with the master: (dtheta_m x a) . m = dtheta_m . (a x m)
+  // a rotates with the master: (dtheta_m x a) . m = dtheta_m . (a x m)
   matrix.add(s, 5, joint.master, kMomentPart, cross(at.direction(2), moment));
   add_relative(joint, 5, kMomentPart, joint.stiffness * transpose_times(at.frame, swing.angle_slope), matrix);
 }
@@ -449,13 +449,13 @@ void set_slider_rows(const VertexJoint& joint, const JointState& at, const Vec& 
     matrix.add(s, i, joint.master, kMomentPart, cross(b, factor * at.offset + (i < 2 ? 0.0 : 1.0) * force));
   }
   matrix.add(s, kMomentPart, s, kMomentPart, inverse);
-  // Lambda_s Lambda_m^T turns by -(Lambda_s Lambda_m^T) dtheta_m when the master does
+  // Lambda_s Lambda_m^T rotates by -(Lambda_s Lambda_m^T) dtheta_m with the master
   const Mat turn = rotation_matrix(at.slave * conjugate(at.master));
   matrix.add(s, kMomentPart, joint.master, kMomentPart, -1.0 * (inverse * turn));
 }
 
-/// Derivative of the rows above; the matrix holds the derivative of the spatial rows, and `force`, `moment` are the
-/// spatial rows of the slave themselves.
+/// Derivative of the rows above. The matrix holds the derivative of the spatial rows; `force`, `moment` are the spatial
+/// rows of the slave.
 void join_matrix_rows(const VertexJoint& joint, const State& state, const Vec& force, const Vec& moment,
                       const MatrixRows& matrix) {
   const JointState at(joint, state);
@@ -623,7 +623,7 @@ CarriedForces ConstraintRows::carried(const State& state, const KernelView<doubl
 }
 
 void ConstraintRows::project(const State& state, const CarriedForces& carried, const MatrixRows& rows) const {
-  // theory (44): beside second variations; loads have added their part
+  // theory (44), beside second variations; loads have added their part
   for (const CarriedForce& f : carried) rows.add(f.vertex, kMomentPart, f.vertex, kMomentPart, -0.5 * hat(f.moment));
   for (const VertexJoint& joint : joints_) {
     const CarriedForce& slave = carried[index_of(joint.slave)];

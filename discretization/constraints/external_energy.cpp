@@ -16,7 +16,7 @@ Vec displacement_of_vertex(int vertex, const State& state) {
   return load_vector(&state.views.vertex_displacement(vertex, 0));
 }
 
-/// Force and moment on one vertex; follower components are stored in the vertex frame (turned back by Lambda_V).
+/// Force and moment on one vertex; follower components are stored in the vertex frame (rotated back by Lambda_V).
 struct VertexLoad {
   int vertex = 0;  ///< owned local vertex
   SpatialLoad full{};
@@ -68,8 +68,8 @@ class PointLoads : public ExternalEnergy {
   void sizes(const State&, double load_factor, const Act& act) const override {
     for (const VertexLoad& load : loads_) act(load.vertex, load.scaled(load.amplitude(load_factor)));
   }
-  /// Loads whose virtual work is not that of a potential, or that follow the vertex: theory (44). The internal rows are
-  /// second variations; their derivative at equilibrium holds -hat(m)/2 beside them, m the total external moment on the
+  /// Tangent of loads that follow the vertex or whose virtual work has no potential: theory (44). The internal rows are
+  /// second variations; their derivative at equilibrium also contains -hat(m)/2, m the total external moment on the
   /// vertex.
   void add_tangent(const State& state, double load_factor, const MatrixRows& rows) const override {
     for (const VertexLoad& load : loads_) {
@@ -95,16 +95,16 @@ class PointLoads : public ExternalEnergy {
   }
 
  private:
-  /// A dead force alone has none: its vertex is eliminated with its chain. Other loads make the tangent unsymmetric,
-  /// and one vertex more among those that remain costs less than chains without symmetry.
+  /// A dead force has none: its vertex is eliminated with its chain. Other loads make the tangent unsymmetric, and one
+  /// more remaining vertex costs less than unsymmetric chains.
   static bool has_tangent(const VertexLoad& load) {
     return load.frame == LoadFrame::follower || norm(load.full.moment) > 0.0;
   }
   std::vector<VertexLoad> loads_;
 };
 
-/// Springs on displacements, along the axes of their support. Those on rotations depend on how the support holds the
-/// others: constraint_rows.hpp.
+/// Springs on displacements, along the axes of their support. Those on rotations depend on which rotations the support
+/// fixes: constraint_rows.hpp.
 class SupportSprings : public ExternalEnergy {
  public:
   explicit SupportSprings(const std::vector<VertexSupport>& supports) {
@@ -134,7 +134,7 @@ class SupportSprings : public ExternalEnergy {
     }
     return sum;
   }
-  /// The axes and stiffnesses of supports say so.
+  /// Always true: the axes and stiffnesses of supports are checked for it.
   bool keeps_in_plane(const Vec&, double) const override { return true; }
 
  private:
@@ -154,7 +154,7 @@ class SupportSprings : public ExternalEnergy {
   std::vector<Spring> springs_;
 };
 
-/// From the rows.
+/// Subtracts a load from the rows.
 struct Subtract {
   const KernelView<double*>& rows;
   void operator()(int vertex, const SpatialLoad& load) const {

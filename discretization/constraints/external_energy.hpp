@@ -1,6 +1,6 @@
-/// Energies that act on vertices beside the elements and need no condition in place of an equilibrium: loads, springs
-/// to the ground. Residual and its scales, tangent, potential, reactions and chains ask for them here alone, so that
-/// another one (an obstacle, a mass in a field) is a class and a line in external_energies().
+/// Energies that act on vertices in addition to the elements and need no constraint rows: loads, springs to the ground.
+/// Residual and its scales, tangent, potential, reactions and chains use only this interface, so another energy (an
+/// obstacle, a mass in a field) takes a class and a line in external_energies().
 #pragma once
 
 #include "discretization/constraints/constraint_rows.hpp"
@@ -11,29 +11,29 @@
 
 namespace mixbeam {
 
-/// On one rank, for its own vertices. Everything spatial.
+/// Energy on one rank, for its own vertices. All quantities are spatial.
 class ExternalEnergy {
  public:
   virtual ~ExternalEnergy() = default;
 
-  /// Owned local vertices at which it may add to the tangent: chains keep them.
+  /// Owned local vertices at which it may add to the tangent; chains keep them.
   virtual std::vector<int> vertices() const = 0;
-  /// Whether it belongs to the supports: then its forces are reactions, not loads.
+  /// True if it belongs to the supports: its forces are then reactions, not loads.
   virtual bool is_support() const { return false; }
   /// Calls act(vertex, force and moment on it).
   using Act = std::function<void(int, const SpatialLoad&)>;
   virtual void forces(const State& state, double load_factor, const Act& act) const = 0;
   /// Calls act with their derivatives with respect to the load factor.
   virtual void slopes(const State&, double, const Act&) const {}
-  /// Calls act with what counts as a load in the scales of the residual, theory (40), in any frame.
+  /// Calls act with loads that enter the scales of the residual, theory (40), in any frame.
   virtual void sizes(const State& state, double load_factor, const Act& act) const {
     if (!is_support()) forces(state, load_factor, act);
   }
-  /// The derivative of the rows, less half of what a moment on the vertex adds to it by theory (44).
+  /// Adds the derivative of the rows, minus half of the contribution of a moment on the vertex by theory (44).
   virtual void add_tangent(const State& state, double load_factor, const MatrixRows& rows) const = 0;
-  /// Moments and what turns with the structure have none.
+  /// Energy; zero for moments and loads that rotate with the structure, which have none.
   virtual double energy(const State& state, double load_factor) const = 0;
-  /// Whether it leaves in a plane what lies and moves in it.
+  /// True if it keeps motion in a plane with this normal.
   virtual bool keeps_in_plane(const Vec& /*normal*/, double /*tolerance*/) const { return false; }
 
   /// Adds its gradient to the rows (6 * owned vertex + component): the negative of forces and moments on the vertices.
@@ -44,7 +44,7 @@ class ExternalEnergy {
 
 using ExternalEnergies = std::vector<std::unique_ptr<const ExternalEnergy>>;
 
-/// All of a structure.
+/// All external energies of a structure.
 ExternalEnergies external_energies(const Scene& scene, const Mesh& mesh, const Structure& structure,
                                    const Conditions& conditions, const std::shared_ptr<const LoadClock>& clock);
 

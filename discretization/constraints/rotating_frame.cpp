@@ -10,16 +10,15 @@ namespace mixbeam {
 
 namespace {
 
-/// Distance from the axis over that from a point of it below which forces are measured as if they acted there: on an
-/// inclined axis a shaft has forces of rounding, 1e-16, which the tolerance of 1e-11 would not allow.
+/// Smallest distance from the axis, relative to that from a point on it, in the scale of forces: a shaft on an inclined
+/// axis has forces of rounding, 1e-16, which the tolerance of 1e-11 would not permit.
 constexpr double kOnAxis = 1e-4;
 
-/// Size, at amplitude 1, against which the centrifugal force on a mass one at `place`, from a point of the axis, is
-/// measured.
+/// Scale of the centrifugal force on a unit mass at `place`, from a point on the axis, at amplitude 1.
 double size_of_force(const FrameSpin& spin, const Vec& place) {
   const Vec& full = spin.full();
   const double speed = norm(cross(full, place));
-  const bool is_along_coordinate = std::count(&full[0], &full[0] + 3, 0.0) == 2;  // nothing is rounded
+  const bool is_along_coordinate = std::count(&full[0], &full[0] + 3, 0.0) == 2;  // no rounding
   const double least = is_along_coordinate && speed == 0.0 ? 0.0 : kOnAxis * norm(full) * norm(place);
   return norm(full) * std::max(speed, least);
 }
@@ -52,8 +51,8 @@ std::vector<VertexBody> vertex_bodies(const Scene& scene, const Mesh& mesh, cons
 
 namespace {
 
-/// Velocities along the axes of the undeformed body, spins about those that turn with it: their products of inertia
-/// are zero.
+/// Bodies with velocities along their undeformed axes and spins about the rotated ones, for which the products of
+/// inertia are zero.
 class BodiesInFrame : public ExternalEnergy {
  public:
   BodiesInFrame(const Mesh& mesh, const Structure& structure, std::vector<VertexBody> bodies, const FrameSpin& spin)
@@ -110,7 +109,7 @@ class BodiesInFrame : public ExternalEnergy {
             {-factor * transpose_times(axes, mass.force_row()), -factor * transpose_times(axes, mass.moment_row())});
       });
   }
-  /// Calls action(mass, its axes as rows): with one mass for all directions those of its inertia serve both.
+  /// Calls action(mass, its axes as rows). The mass is isotropic, so the axes of inertia can be used for both parts.
   template <class Action>
   void with_mass(size_t i, const Vec& spin, const State& state, const Action& action) const {
     const VertexBody& body = bodies_[i];

@@ -1,4 +1,4 @@
-/// The frame of a scene that turns, and what it carries: bodies at vertices, and elements with masses; theory (75).
+/// Rotating frame of a scene, with bodies at vertices and elements with mass in it; theory (75).
 #pragma once
 
 #include "discretization/constraints/external_energy.hpp"
@@ -9,14 +9,14 @@
 
 namespace mixbeam {
 
-/// How the frame of a scene turns.
+/// Rotation of the frame of a scene.
 class FrameSpin {
  public:
   /// At rest.
   FrameSpin() = default;
   FrameSpin(const Scene& scene, const std::shared_ptr<const LoadClock>& clock);
 
-  /// Whether it turns at any load factor.
+  /// True if it rotates at any load factor.
   bool turns() const { return dot(full_, full_) > 0.0; }
   const Vec& point() const { return point_; }
   /// Angular velocity at amplitude 1.
@@ -24,7 +24,7 @@ class FrameSpin {
   Vec at(double load_factor) const {
     return std::copysign(std::sqrt(square(load_factor)), amplitude_(load_factor)) * full_;
   }
-  /// The squared amplitude, with which centrifugal forces grow, and its derivative with respect to the load factor.
+  /// Squared amplitude, which scales centrifugal forces, and its derivative with respect to the load factor.
   double square(double load_factor) const { return std::max(0.0, square_(load_factor)); }
   double square_slope(double load_factor) const { return square_.slope(load_factor); }
 
@@ -33,14 +33,14 @@ class FrameSpin {
   Amplitude amplitude_{}, square_{};
 };
 
-/// A body at an owned local vertex.
+/// Body at an owned local vertex.
 struct VertexBody {
   int vertex = 0;
   Vec mass{}, inertia{};  ///< along and about its axes
   Mat axes{};             ///< rows: its axes in the undeformed structure
   int number = 0;         ///< in Scene::point_masses
 
-  /// Its axes as they are turned with the vertex, as rows.
+  /// Current axes, rotated with the vertex, as rows.
   Mat turned_axes(const State& state) const {
     return times_transpose(axes, rotation_matrix(load_quaternion(&state.views.vertex_rotation(vertex, 0))));
   }
@@ -49,7 +49,7 @@ struct VertexBody {
 /// All bodies of a scene at vertices of this rank.
 std::vector<VertexBody> vertex_bodies(const Scene& scene, const Mesh& mesh, const Structure& structure);
 
-/// Centrifugal forces and couples on bodies at vertices; null: without a frame, or bodies.
+/// Centrifugal forces and couples on bodies at vertices; null without a frame or bodies.
 std::unique_ptr<const ExternalEnergy> bodies_in_frame(const Scene& scene, const Mesh& mesh, const Structure& structure,
                                                       const std::shared_ptr<const LoadClock>& clock);
 
@@ -57,24 +57,23 @@ std::unique_ptr<const ExternalEnergy> bodies_in_frame(const Scene& scene, const 
 void fill_masses(const Scene& scene, const Mesh& mesh, const Structure& structure, const ElementBlock& block,
                  const KernelView<double**>& mass);
 
-/// Elements with masses in a frame that turns, on one rank: what they add to rows, potential and tangents.
+/// Elements with mass in a rotating frame, on one rank: their contributions to rows, potential and tangents.
 class RotatingElements {
  public:
   RotatingElements(const Scene& scene, const Mesh& mesh, const Structure& structure, const FrameSpin& spin);
 
   const FrameSpin& spin() const { return spin_; }
-  /// The frame of a block at some angular velocity.
+  /// Frame of a block at a given angular velocity.
   FrameViews frame(size_t block, const Vec& spin) const { return {blocks_[block].mass, blocks_[block].place, spin}; }
-  /// Gives that of some elements of it, which follow each other.
+  /// Frame of a range of consecutive elements of the block.
   FrameViews frame(size_t block, const Vec& spin, int first, int count) const {
     const auto rows = std::make_pair(first, first + count);
     return {Kokkos::subview(blocks_[block].mass, rows, Kokkos::ALL),
             Kokkos::subview(blocks_[block].place, rows, Kokkos::ALL), spin};
   }
-  /// Force per length on the undeformed structure times the length of its member, where that is largest, at
-  /// amplitude 1.
+  /// Largest force per length on the undeformed structure times the length of the member, at amplitude 1.
   double largest_force() const { return largest_force_; }
-  /// Adds a factor times the rows at an angular velocity to those of elements, scaled as ElementEquations tells.
+  /// Adds a factor times the rows at an angular velocity to those of elements, scaled as in ElementEquations.
   void add_rows(const Structure& structure, const State& state, const Vec& spin, double factor,
                 const ElementEquations& to) const;
   /// Potential of the elements that this rank owns.
@@ -86,7 +85,7 @@ class RotatingElements {
   double largest_force_ = 0.0;
 };
 
-/// Null without a frame that turns, or without a section that has a mass.
+/// Null without a rotating frame, or if no section has mass.
 std::unique_ptr<const RotatingElements> rotating_elements(const Scene& scene, const Mesh& mesh,
                                                           const Structure& structure, const FrameSpin& spin);
 

@@ -1,4 +1,4 @@
-/// How far a rotation is from being one about a given axis.
+/// Deviation of a rotation from one about a given axis.
 #pragma once
 
 #include "kernels/math/rotation.hpp"
@@ -9,11 +9,11 @@ namespace mixbeam {
 
 /// Rotation Q = swing * twist, the twist about the axis a, the swing about a direction normal to it. Vectors are
 /// components in a right-handed frame (b1, b2, a). Swings and angle are those of theory (42) for the quaternion of Q in
-/// that frame; the derivatives of the swings with respect to a spin from the left are (1, 0, 0) and (0, 1, 0) at zero
-/// swing, whatever the angle.
+/// that frame. At zero swing their derivatives with respect to a spin from the left are (1, 0, 0) and (0, 1, 0), for
+/// any angle.
 struct SwingTwist {
-  double swing[2];              ///< both zero exactly for a rotation about a
-  double angle;                 ///< of the twist, in (-2 pi, 2 pi]: it goes on beyond pi as long as the quaternion does
+  double swing[2];              ///< both exactly zero for a rotation about a
+  double angle;                 ///< of the twist, in (-2 pi, 2 pi]: continuous beyond pi, like the quaternion
   Vec3<double> swing_slope[2];  ///< derivatives for Q <- exp(eta) Q, components of eta in the frame
   Vec3<double> angle_slope;
 
@@ -36,8 +36,8 @@ struct SwingTwist {
   }
 };
 
-/// Rotation vector of a unit quaternion that changes sign with it: its norm 2 atan2(|v|, w) goes on beyond pi, up to
-/// 2 pi, as long as the quaternion changes continuously from the identity.
+/// Rotation vector of a unit quaternion; q and -q give different ones. Its norm 2 atan2(|v|, w) exceeds pi, up to 2 pi,
+/// if the quaternion has changed continuously from the identity.
 inline Vec3<double> continued_log(const Quaternion<double>& q) {
   if (q.w >= 0.0) return log_quaternion(q);
   const Vec3<double> v{{q.x, q.y, q.z}};

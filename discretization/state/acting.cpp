@@ -15,14 +15,14 @@ namespace mixbeam {
 
 namespace {
 
-/// A place on the centerline of a member.
+/// Place on the centerline of a member.
 struct PlaceOnMember {
   int member = 0;           ///< in the order of the scene
   double arc_length = 0.0;  ///< from its start [length]
   Vector3 position{};       ///< undeformed
 };
 
-/// Finds places of points. Members that are joined at a point follow all others.
+/// Finds the places of points. Members that are joined at a point come after all others.
 class PlaceFinder {
  public:
   PlaceFinder(const Scene& scene, const Mesh& mesh) : mesh_(mesh) {
@@ -52,7 +52,7 @@ class PlaceFinder {
       for (const auto& [index, s] : found->second)
         if (member.empty() || index == index_.at(member)) return {index, s, position_of(point)};
     }
-    return {0, 0.0, position_of(point)};  // of a scene whose points were not checked
+    return {0, 0.0, position_of(point)};  // only if the points of the scene were not checked
   }
 
  private:
@@ -80,13 +80,13 @@ class TableFiller {
     append("place", std::array<double, 2>{static_cast<double>(at.member), at.arc_length});
     append("position", at.position);
   }
-  /// Load factor at which a load with a stage or an amplitude begins to act; a formula may say anything and counts as
-  /// acting from the beginning. Not NaN: a comparison of two files would find them different.
+  /// Load factor at which a load with a stage or an amplitude begins to act; a formula is not analysed and acts from
+  /// the beginning. Not NaN, because a comparison of two files would find it different.
   template <class Load>
   void add_beginning(const Load& load) {
     add("begins", load.amplitude.empty() ? load.stage - 1.0 : kFromTheBeginning);
   }
-  /// Values along a member of this length: a constant, formulas, or a table times a factor.
+  /// Adds values along a member of this length: a constant, formulas, or a table times a factor.
   void add_along(const std::string& column, const Vector3& constant, const std::array<std::string, 3>& formula,
                  double length, const FieldTable* table = nullptr, double factor = 1.0) {
     std::vector<Vector3> values(kPlacesAlongMember, constant);
@@ -117,7 +117,7 @@ std::string word_of(JointKind kind) {
   return kind == JointKind::hinge ? "hinge" : kind == JointKind::ball ? "ball" : "slider";
 }
 
-/// Adds a row for each thing of one kind.
+/// Creates the tables, one row per item.
 class ActingTables {
  public:
   ActingTables(const Scene& scene, const Mesh& mesh) : scene_(scene), mesh_(mesh), places_(scene, mesh) {}
@@ -136,7 +136,7 @@ class ActingTables {
       row.add_beginning(support);
     });
   }
-  /// One row for each member that a joint joins.
+  /// One row per member connected by a joint.
   ActingTable joints() const {
     ActingTable table{"joints"};
     for (const Joint& joint : scene_.joints)
@@ -151,7 +151,7 @@ class ActingTables {
       }
     return table;
   }
-  /// One that follows is on its member.
+  /// Follower loads are placed on their member.
   ActingTable point_loads() const {
     return table_of("point_loads", scene_.point_loads, [&](TableFiller row, const PointLoad& load) {
       const bool follows = load.frame == LoadFrame::follower;
@@ -189,7 +189,7 @@ class ActingTables {
       row.add_beginning(frame);
     });
   }
-  /// All sections that differ, and which of them each member has.
+  /// Lists all different sections, and the one of each member.
   std::array<ActingTable, 2> sections() const {
     std::array<ActingTable, 2> tables{ActingTable{"sections"}, ActingTable{"members"}};
     std::map<std::tuple<std::string, std::string, std::string>, int> known;
@@ -214,7 +214,7 @@ class ActingTables {
     row.add("member", static_cast<double>(member));
     return mesh_.member_length[member];
   }
-  /// Named by the section at the start of a taper.
+  /// Named after the section at the start of a taper.
   static void add_section(TableFiller row, const SectionLaw& law) {
     for (int place = 0; place < kPlacesAlongMember; ++place) {
       const Section section = law.section(static_cast<double>(place) / (kPlacesAlongMember - 1));

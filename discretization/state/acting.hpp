@@ -1,5 +1,5 @@
-/// Supports, joints and loads of a structure, for result files and pictures: each with its place, patterns, wildcards
-/// and tables resolved; and the sections of its members.
+/// Supports, joints and loads of a structure, for result files and pictures: each at its place, with patterns,
+/// wildcards and tables resolved; and the sections of its members.
 #pragma once
 
 #include "discretization/mesh/mesh.hpp"
@@ -11,7 +11,7 @@
 
 namespace mixbeam {
 
-/// A table by its columns, filled row by row: numbers, as many for each row, or lines of a text. Columns: results.md.
+/// Table by columns, filled row by row: equally many numbers per row, or lines of a text. Columns: results.md.
 struct ActingTable {
   std::string name{};
   std::size_t rows = 0;
@@ -19,15 +19,15 @@ struct ActingTable {
   std::map<std::string, std::string> lines{};
 };
 
-/// Quantities that vary along a member are sampled at this many places from its start to its end, evenly spread.
+/// Number of equally spaced places along a member, ends included, at which varying quantities are sampled.
 inline constexpr int kPlacesAlongMember = 9;
 
 struct Acting {
   std::string units{};                ///< as Scene::units
-  std::vector<ActingTable> tables{};  ///< those that have rows
+  std::vector<ActingTable> tables{};  ///< those with rows
 };
 
-/// Lists all that acts in a scene and its mesh. A point lies on the first member there that no joint moves against it.
+/// Lists supports, joints, loads and sections. A point is on the first member there that no joint separates from it.
 Acting acting_on(const Scene& scene, const Mesh& mesh);
 
 }  // namespace mixbeam

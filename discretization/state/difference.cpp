@@ -14,8 +14,8 @@ namespace mixbeam {
 
 namespace {
 
-/// Displacement along an element in Legendre polynomials, which are orthogonal. From u = mean of both ends +
-/// xi (u_b - u_a) / 2 + h/2 sum_j beta_j B_j and B_j = (P_{j+1} - P_{j-1}) / (2 j + 1).
+/// Displacement along an element in Legendre polynomials, which are orthogonal: from u = mean of both ends + xi (u_b -
+/// u_a) / 2 + h/2 sum_j beta_j B_j and B_j = (P_{j+1} - P_{j-1}) / (2 j + 1).
 struct LegendreDisplacement {
   Vec coefficient[kMaximumOrder + 1];
 
@@ -65,7 +65,7 @@ ElementDifference compared(const ElementView& first, const ElementView& second) 
           middle(order, d2.coefficient)};
 }
 
-/// The vertex of the largest change on all ranks, the first of equal ones.
+/// Vertex of the largest change on all ranks, the first of equal ones.
 int farthest_of_ranks(const Teuchos::Comm<int>& comm, double mine, double largest, int vertex) {
   if (comm.getSize() == 1) return vertex;
   int candidate = mine == largest ? vertex : std::numeric_limits<int>::max(), first = candidate;
@@ -107,11 +107,11 @@ StateDifference difference(const Model& model, const State& first, const State& 
 namespace {
 
 constexpr double kTurn = 2.0 * kPi;
-/// Rotation vectors below this have an axis of too few digits: that of `near` serves, of which 20 bits are kept, so
-/// that its rounding does not count.
+/// The axis of a smaller rotation vector has too few digits: that of `near` is used instead, rounded to 20 bits so that
+/// its rounding does not matter.
 constexpr double kNoAxis = 1e-3, kAxisSteps = 1 << 20;
 
-/// The rotation vector of `turn` that is nearest to `near`.
+/// Rotation vector of `turn` that is closest to `near`.
 Vec rotation_near(const Quat& turn, const Vec& near) {
   const Vec least = log_quaternion(turn);
   const double angle = norm(least), length = norm(near);

@@ -18,7 +18,7 @@ void fit_force(const InteriorLayout& layout, const double* interior, int first, 
   }
 }
 
-/// The inverse, of a polynomial cut off at the degree that the points carry.
+/// Inverse of fit_force; degrees beyond that of the points are dropped.
 void put_force(const InteriorLayout& layout, const Coefficients& force, int first, int count, int component,
                double* interior) {
   for (int q = 0; q < count; ++q) {

@@ -1,4 +1,4 @@
-/// The fields of one element as polynomials, from the numbers of a state and back.
+/// Fields of one element as polynomials, to and from the numbers of a state.
 #pragma once
 
 #include "discretization/mesh/element_view.hpp"
@@ -11,7 +11,7 @@ namespace mixbeam {
 
 struct StrainEnergy;
 
-/// The numbers of a state by vertices and elements of the mesh: those of a snapshot, or of a share.
+/// Access to the numbers of a state by vertices and elements of the mesh, in a snapshot or in the share of a rank.
 template <class Number>
 class StateNumbers {
  public:
@@ -28,7 +28,7 @@ class StateNumbers {
 
   Number* displacement(int vertex) const { return arrays_[0] + 3 * static_cast<size_t>(vertex); }
   Number* rotation(int vertex) const { return arrays_[1] + 4 * static_cast<size_t>(vertex); }
-  /// Displacement of a vertex of an element of the mesh.
+  /// Displacement of an end vertex of a mesh element.
   Number* displacement(const MeshElement& element, int number, int end) const {
     return displacement(share_ == nullptr ? element.vertex[end] : view(number).vertex(end));
   }
@@ -55,31 +55,31 @@ class StateNumbers {
 
 using Coefficients = std::array<Vec, kMaximumOrder + 1>;  ///< of P_0 .. P_k
 
-/// Value of a polynomial where the Legendre polynomials have the values P.
+/// Value of a polynomial at a point with Legendre values P.
 Vec value_at(const Coefficients& coefficients, int degree, const double* P);
 
-/// The fields of one element, in polynomials. Coefficients that an order does not have are zero.
+/// Fields of one element as polynomials. Coefficients beyond its order are zero.
 struct ElementPolynomials {
-  Vec start{};                     ///< displacement there
+  Vec start{};                     ///< displacement at the start
   Coefficients slope{};            ///< u' = du/ds, degree k - 1
   Quat triad;                      ///< Lambda_lo
   Coefficients psi{};              ///< degree k - 1, [0] = 0
   Coefficients force{}, moment{};  ///< N of degree k - 1 or k, M of degree k
 };
 
-/// `start`, `end`: displacements there; `triad` and `interior` as in a StateSnapshot. `length`: of the element.
+/// `start`, `end`: displacements of the ends; `triad` and `interior` as in a StateSnapshot. `length`: of the element.
 ElementPolynomials polynomials_of(const Member& member, double length, const double* start, const double* end,
                                   const double* triad, const double* interior);
 
-/// Stores polynomials: the inverse, but for the displacements of the vertices. Coefficients that the order of the
-/// member does not have are cut off.
+/// Stores polynomials in the numbers of an element, the inverse except for the vertex displacements. Coefficients
+/// beyond the order of the member are dropped.
 void store_polynomials(const Member& member, const ElementPolynomials& element, double* triad, double* interior);
 
-/// N at xi in [-1, 1] through its Gauss points, material.
+/// N at xi in [-1, 1], material, interpolated between its Gauss points.
 Vec force_at(const ElementView& element, double xi);
-/// Adds the derivative of weight . force_at() by the numbers of the element to its interior rows.
+/// Adds the derivative of weight . force_at() with respect to the numbers of the element to its interior rows.
 void add_force_derivative(const ElementView& element, double xi, const Vec& weight, double* rows);
-/// Force at xi through its spatial components, which are smoother where the element turns.
+/// Force at xi, interpolated in spatial components, which are smoother where the element rotates.
 Vec force_through_space_at(const ElementView& element, double xi);
 
 /// Strain energy of one element, see sampling.hpp.

@@ -45,7 +45,7 @@ StateShare without_rows(const StateShare& state) {
   return kept;
 }
 
-/// The summary alone.
+/// Copies only the summary.
 template <class Summary, class Record>
 Record summary_of(const Record& record) {
   Record kept;

@@ -26,7 +26,7 @@ KnownSection SectionAlong::at(double arc_length) const {
 const SectionAlong& StressedSections::of(std::size_t index) {
   if (member_ == index) return along_;
   member_ = index;
-  if (sections_.empty())  // by whom no stress is asked for, as by most cases of a batch, pays for no names
+  if (sections_.empty())  // lazily: most cases of a batch request no stress
     for (const Section& section : scene_.sections) sections_.emplace(section.name, &section);
   const Member& member = scene_.members[index];
   const Section& section = *sections_.at(member.section);
@@ -40,15 +40,15 @@ const SectionAlong& StressedSections::of(std::size_t index) {
 
 namespace {
 
-/// Fewer samples of a member are not worth the start of threads.
+/// A member with fewer samples is not worth starting threads.
 constexpr std::size_t kSamplesForThreads = 64;
 
-/// Utilisation from which on a material is stressed beyond its strength.
+/// Utilisation above which a material is stressed beyond its strength.
 constexpr double kAllOfStrength = 1.0;
 
 constexpr double kNoStress = std::numeric_limits<double>::quiet_NaN();
 
-/// Force strains, and the strain at the edge of the section.
+/// Largest of the force strains and of the strain at the edge of the section.
 double largest_strain(const KnownSection& section, const Vector3& force, const Vector3& moment) {
   const double shear = std::max(std::abs(force[1]), std::abs(force[2]));
   if (!section.stresses) return std::max(std::abs(force[0]), shear);
@@ -85,7 +85,7 @@ SampleNumbers fill_sample(const SectionAlong& along, const ReferenceCurve& curve
   return numbers;
 }
 
-/// Share that the torque adds to the von Mises stress of an I.
+/// Share of the von Mises stress of an I section due to torque.
 double torsion_share(const KnownSection& section, SectionForces forces, double with_torque) {
   if (!section.open_walls || !(with_torque > 0.0)) return 0.0;
   forces.moment[0] = 0.0;
@@ -101,7 +101,7 @@ bool more_stressed(const StressedMember& a, const StressedMember& b) {
   return a.stresses.von_mises.value > b.stresses.von_mises.value;
 }
 
-/// Fills a member and adds what it has to the summary of this rank.
+/// Fills a member and updates the summary of this rank.
 void fill_member(const SectionAlong& along, const ReferenceCurve& curve, MemberSamples& member,
                  StressSummary& summary) {
   const std::size_t count = member.size();
@@ -110,7 +110,7 @@ void fill_member(const SectionAlong& along, const ReferenceCurve& curve, MemberS
     field->resize(count);
   std::vector<SampleNumbers> numbers(count);
   const auto fill = [&](std::size_t i) { numbers[i] = fill_sample(along, curve, i, member); };
-  const bool shared = along.plain != nullptr && count >= kSamplesForThreads;  // formulas of tapers belong to one thread
+  const bool shared = along.plain != nullptr && count >= kSamplesForThreads;  // formulas of tapers are not thread-safe
   for (std::size_t i = 0; i < count && !shared; ++i) fill(i);
   if (shared) Kokkos::parallel_for("mixbeam::stresses", Kokkos::RangePolicy<ExecutionSpace>(0, count), fill);
   std::size_t worst = count;
@@ -135,7 +135,7 @@ void fill_member(const SectionAlong& along, const ReferenceCurve& curve, MemberS
   if (summary.members.size() > kMostStressed) summary.members.pop_back();
 }
 
-/// A summary as numbers that ranks exchange; members by their number in the scene, -1: none.
+/// Summary as numbers exchanged between ranks; members by their number in the scene, -1: none.
 constexpr std::size_t kNumbersOfMember = 14, kNumbersOfLargest = 4;
 constexpr std::size_t kNumbersOfSummary = kMostStressed * kNumbersOfMember + 3 * kNumbersOfLargest;
 
@@ -176,7 +176,7 @@ void add_numbers(const double* n, const Scene& scene, StressSummary& summary) {
   }
 }
 
-/// The largest of all ranks, each of which has the largest of its own samples.
+/// Merges the summaries of all ranks, each over its own samples.
 StressSummary over_ranks(const Teuchos::Comm<int>& comm, const Scene& scene, const SampledMembers& members,
                          const StressSummary& mine) {
   std::map<std::string, int> index;

@@ -12,23 +12,23 @@
 
 namespace mixbeam {
 
-/// Members that a report names.
+/// Number of members in a report.
 inline constexpr std::size_t kMostStressed = 5;
 
-/// Error of the bending stress of a curved member that is worth a warning.
+/// Error of the bending stress of a curved member above which to warn.
 inline constexpr double kCurvatureError = 0.05;
 
-/// Stresses of one section, as far as they are known.
+/// Stresses of one section, if known.
 struct KnownSection {
   std::optional<SectionStresses> stresses{};
   std::optional<double> strength{};
-  bool open_walls = false;  ///< an I
+  bool open_walls = false;  ///< I section
 
   KnownSection() = default;
   explicit KnownSection(const Section& section);
 };
 
-/// The section of a member at any place: one for all, or from its taper.
+/// Section of a member at any place: constant, or from its taper.
 struct SectionAlong {
   const KnownSection* plain = nullptr;
   SectionLaw law{};
@@ -37,12 +37,11 @@ struct SectionAlong {
   KnownSection at(double arc_length) const;
 };
 
-/// Sections of the members of a scene, made when they are first asked for. Scene and mesh must outlive it; not for
-/// concurrent threads.
+/// Sections of the members of a scene, created on first use. Scene and mesh must outlive it; not thread-safe.
 class StressedSections {
  public:
   StressedSections(const Scene& scene, const Mesh& mesh) : scene_(scene), mesh_(mesh) {}
-  /// Stresses of a member (index in the scene), until the next one is asked for.
+  /// Section of a member (index in the scene), valid until the next call.
   const SectionAlong& of(std::size_t member);
 
  private:
@@ -54,9 +53,9 @@ class StressedSections {
   SectionAlong along_{};
 };
 
-/// Fills the stresses of all samples that this rank holds, of the section where they are (tapers), and finds the
-/// largest ones of the structure. A few microseconds for each sample, in parallel; the same bits for any number of
-/// threads. Collective.
+/// Computes the stresses of all samples that this rank holds, for the section at the sample (tapers), and finds the
+/// largest ones of the structure. A few microseconds per sample, in parallel; the same bits for any number of threads.
+/// Collective.
 StressSummary sample_stresses(const Scene& scene, const Mesh& mesh, const Communicator& comm, SampledMembers& members);
 
 }  // namespace mixbeam

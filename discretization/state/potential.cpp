@@ -10,7 +10,7 @@ namespace mixbeam {
 
 namespace {
 
-/// sum_q w_q N . R_N + sum_j M_j . R_{M_j}: with the strain energy the mixed functional.
+/// sum_q w_q N . R_N + sum_j M_j . R_{M_j}; plus the strain energy it is the mixed functional.
 double energy_of_misfits(const Model& model, const State& state, const MixedVector& rows) {
   double sum = 0.0;
   for_each_owned_element(model.structure(), state, [&](const ElementView& element) {
@@ -29,7 +29,7 @@ double energy_of_misfits(const Model& model, const State& state, const MixedVect
   return sum;
 }
 
-/// Rows of line loads times displacements: minus their work.
+/// Rows of line loads times displacements: the negative of their work.
 double potential_of_line_loads(const Model& model, const State& state, const MixedVector& loads) {
   double sum = 0.0;
   for (int v = 0; v < model.structure().owned_vertices; ++v)
@@ -49,7 +49,7 @@ double stored_in_springs(const Conditions& conditions, const State& state) {
   return sum;
 }
 
-/// Work of prescribed motions, with the mean of the reactions before and after.
+/// Work of prescribed motions, by the mean of the reactions before and after.
 double work_of_supports(const Model& model, const State& first, double from, const State& second, double to) {
   const std::vector<Reaction> before = reactions(model, first, from), after = reactions(model, second, to);
   double work = 0.0;

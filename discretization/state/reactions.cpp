@@ -29,7 +29,7 @@ using Rows = KernelView<const double*>;
 
 Vec vector_at(const Rows& rows, size_t first) { return load_vector(&rows(first)); }
 
-/// Makes the rows of the elements those that supports have to hold: those of loads added, slaves with their masters.
+/// Turns the rows of the elements into those that supports balance: adds loads, and slaves to their masters.
 void leave_to_supports(const Model& model, const State& state, double load_factor, const KernelView<double*>& rows) {
   for (const auto& energy : model.external())
     if (!energy->is_support()) energy->add_rows(state, load_factor, rows);
@@ -41,7 +41,7 @@ SpatialLoad reaction_of(const VertexSupport& support, const State& state, const 
                           rows_of(rows, support.vertex, kMomentPart));
 }
 
-/// From the rows that supports have to hold.
+/// Reactions from the rows that supports balance.
 std::vector<Reaction> reactions_in(const Model& model, const State& state, const KernelView<double*>& rows) {
   const std::vector<Support>& supports = model.scene().supports;
   std::vector<double> all(6 * supports.size(), 0.0);
@@ -59,8 +59,8 @@ std::vector<Reaction> reactions_in(const Model& model, const State& state, const
   return result;
 }
 
-/// Reference tangents of an element as a polynomial of degree k - 1 whose mean is the chord between the vertices: in a
-/// rigid rotation of the vertices this is what the displacements of the element can turn.
+/// Reference tangents of an element as a polynomial of degree k - 1 whose mean is the chord between the vertices: the
+/// part that the displacements of the element can reproduce in a rigid rotation of the vertices.
 struct TangentPolynomial {
   Vec coefficient[kMaximumOrder];  ///< of the Legendre polynomials
 
@@ -89,7 +89,7 @@ Vec chord_of(const Mesh& mesh, const MeshElement& element) {
   return to_vec3(mesh.vertex_position[element.vertex[1]]) - to_vec3(mesh.vertex_position[element.vertex[0]]);
 }
 
-/// Numbers of an element that the two sums below need.
+/// Data of an element for the two sums below.
 struct TurnedElement {
   const ElementView& view;
   const ElementBlock& block;
@@ -100,8 +100,8 @@ struct TurnedElement {
         block(element.block()),
         tangent(element, chord_of(mesh, mesh.elements[element.mesh_element()])) {}
 
-  /// Moment of the spatial forces n at the Gauss points over the part of the reference tangent that the quadrature does
-  /// not share with the polynomial: see Balance::curve_moment.
+  /// Moment of the spatial forces n at the Gauss points about the difference between the reference tangent and the
+  /// polynomial: see Balance::curve_moment.
   Vec curve_moment() const {
     Vec sum{{0.0, 0.0, 0.0}};
     const int axial = axial_points(block.order, block.force_integration);
@@ -110,8 +110,8 @@ struct TurnedElement {
     return sum;
   }
 
-  /// Virtual work of line loads in the motions of the interior of the element, when everything turns: `rows` is what
-  /// the loads add to the rows of this element.
+  /// Virtual work of line loads in the motion of the element interior under a rigid rotation: `rows` is the
+  /// contribution of the loads to the rows of this element.
   Vec moment_of_interior_load(const double* rows) const {
     Vec sum = -(rotation_matrix(view.triad()) * load_vector(rows + block.interior.spin()));
     for (int j = 1; j < block.order; ++j)
@@ -142,10 +142,10 @@ struct PartSums {
   Vec center() const { return 0.5 * to_vec3(sum(box.low, box.high)); }
 };
 
-/// Everything that the balance adds up, of one rank, part by part.
+/// Sums of the balance on one rank, part by part.
 class BalanceSums {
  public:
-  /// Without `parts`, the structure is one. `reactions`: null where they are not asked for.
+  /// Without `parts` the structure is one part. `reactions`: null if not needed.
   BalanceSums(const Model& model, const State& state, double load_factor, const StructureParts& parts,
               std::vector<Reaction>* reactions = nullptr)
       : model_(model), state_(state), load_factor_(load_factor), parts_(parts), sums_(parts.count) {
@@ -182,7 +182,7 @@ class BalanceSums {
   }
   Vec arm(int vertex, const PartSums& part) const {
     const int global = model_.structure().local_vertex_to_global[vertex];
-    // far from the origin positions hold fewer digits of displacements: what differs little goes first
+    // far from the origin positions hold fewer digits of displacements: the similar ones are subtracted first
     return (to_vec3(model_.mesh().vertex_position[global]) - part.center()) +
            load_vector(&state_.views.vertex_displacement(vertex, 0));
   }
@@ -222,8 +222,8 @@ class BalanceSums {
   std::vector<PartSums> sums_;
 };
 
-/// `force`, `moment`: the largest at work. A force at work is a moment too, by the length of the structure: a row of
-/// forces that is in equilibrium to 1e-11 of it leaves that much of a moment, however small the moments are.
+/// `force`, `moment`: largest in the structure. A force also counts as a moment, by the length of the structure: force
+/// rows in equilibrium to 1e-11 leave as much of a moment, however small the moments are.
 Balance to_balance(const Vec& center, const Wrench& applied, const Wrench& reactions, const Vec& curve, double force,
                    double moment) {
   Balance result;

@@ -1,5 +1,5 @@
-/// Numbers, words and fields of results, each declared once: result files write and read them, summaries and Python
-/// hand them out, and results.md lists them.
+/// Numbers, words and fields of results, each declared once: used to read and write result files, for summaries and
+/// Python, and to list them in results.md.
 #pragma once
 
 #include "discretization/state/member_samples.hpp"
@@ -10,21 +10,21 @@
 
 namespace mixbeam {
 
-/// How a field of a record is kept.
+/// Storage of a field of a record.
 enum class Kept {
   always,
-  if_known,  ///< left out where is_known_value() denies it, and kept as it is where a file lacks it
-  inside     ///< of the program alone
+  if_known,  ///< left out unless is_known_value(); unchanged if a file lacks it
+  inside     ///< only inside the program
 };
 
-/// A member of a record. Its shape follows from its type: one number or word, or a vector at each sample.
+/// Field of a record. Its shape follows from its type: one number or word, or a vector per sample.
 template <class Record, class Value>
 struct Field {
   const char* name;  ///< in files and programs
   Value Record::*member;
-  const char *unit, *meaning;  ///< "": no dimension
+  const char *unit, *meaning;  ///< "": dimensionless
   Kept kept;
-  const char* in_summary;  ///< name there, where it is another one
+  const char* in_summary;  ///< name there, if different
 };
 
 template <class Record, class Value>
@@ -33,7 +33,7 @@ constexpr Field<Record, Value> field(const char* name, Value Record::*member, co
   return {name, member, unit, meaning, kept, in_summary};
 }
 
-/// In summaries alone, whose page says what it means.
+/// Field of summaries only, whose page explains it.
 template <class Record, class Value>
 constexpr Field<Record, Value> field(const char* name, Value Record::*member, Kept kept = Kept::always) {
   return {name, member, "", "", kept, nullptr};
@@ -53,7 +53,7 @@ inline constexpr auto kFields<StepSummary> =
                field("force_energy", &StepSummary::force_energy, "force * length", "of force strains"),
                field("moment_energy", &StepSummary::moment_energy, "force * length", "of moment strains")};
 
-/// Numbers that a path needs to go on; see also kFieldsAlongPath.
+/// Numbers needed to continue a path; see also kFieldsAlongPath.
 template <>
 inline constexpr auto kFields<PathPoint> =
     std::tuple{field("step_size", &PathPoint::step_size, "", "as the control of step sizes gave it"),
@@ -68,7 +68,7 @@ inline constexpr auto kFieldsAlongPath =
                field("direction", &PathPoint::direction, "", "sign of the change of the load factor"),
                field("negative", &PathPoint::negative, "", "eigenvalues below zero; -1: not counted"),
                field("branched", &PathPoint::branched, "", "1: the path has left the primary one")};
-/// Fields present where loads have formulas only.
+/// Fields present only if loads have formulas.
 inline constexpr auto kFieldsOfPiece =
     std::tuple{field("piece", &PathPoint::piece, "", "load factor at which the piece begins"),
                field("parameter", &PathPoint::parameter, "", "of the step in the piece")};
@@ -149,7 +149,7 @@ void visit_fields(Record& record, const Visit& visit) {
   visit_fields(record, kFields<std::remove_const_t<Record>>, visit);
 }
 
-/// Counts that are not known are below zero.
+/// Unknown counts are negative.
 inline bool is_known_value(double value) { return !std::isnan(value); }
 inline bool is_known_value(int value) { return value >= 0; }
 template <class Value>

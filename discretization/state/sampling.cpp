@@ -26,7 +26,7 @@ void set_strains(const Matrix6& compliance, PointSample& sample) {
 
 static_assert(sizeof(PointSample) == 26 * sizeof(double), "PointSample is sent as an array of doubles");
 
-/// Each sample is on one rank, and zero on all others.
+/// Each sample is nonzero on one rank only.
 void sum_samples_over_ranks(const Teuchos::Comm<int>& comm, PointSample* samples, size_t count) {
   sum_over_ranks(comm, reinterpret_cast<double*>(samples), sizeof(PointSample) / sizeof(double) * count);
 }
@@ -42,7 +42,7 @@ bool answers_for(const Structure& structure, int mesh_element) {
 
 namespace {
 
-/// Theory (8), from the displacements of both vertices and the bubbles of degree 1 and more.
+/// Displacement by theory (8), from the displacements of both vertices and the bubbles of degree 1 and higher.
 Vec displacement_at(const ElementView& view, double xi, const Vec& first, const Vec& second, const double* bubbles) {
   Vec displacement = (0.5 * (1.0 - xi)) * first + (0.5 * (1.0 + xi)) * second;
   double B[kMaximumOrder + 1];
@@ -92,10 +92,10 @@ void set_strains(const Structure& structure, const Mesh& mesh, int local_element
 
 namespace {
 
-/// Share of a member within which a place is meant to be a vertex: positions are written with few digits.
+/// Share of a member within which a place counts as a vertex: positions are written with few digits.
 constexpr double kAtVertex = 1e-9;
 
-/// Element of a member that contains a place; at a vertex the one after it, or the one before it.
+/// Element of a member that contains a place; at a vertex the one behind it, or the one before it.
 int element_at(const MeshMember& member, double s, bool before_vertex) {
   return member.element_behind(s + kAtVertex * member.curve.length * (before_vertex ? -1.0 : 1.0));
 }
@@ -149,18 +149,18 @@ double deformed_length(const Model& model, const State& state, int member) {
 }
 
 int smooth_points(int order) {
-  constexpr int kFewestPoints = 5;  // a quarter of a radian from chord to chord in an element that turns by one radian
+  constexpr int kFewestPoints = 5;  // a quarter of a radian per chord if an element rotates by one radian
   return std::max(kFewestPoints, 2 * order + 1);
 }
 
 int recorded_points(int order, int elements) {
-  constexpr int kChordsOfMember = 1000;  // 50 to a turn of a coil of twenty: 2e-3 of its radius from chord to arc
+  constexpr int kChordsOfMember = 1000;  // 50 per turn of a coil of twenty: chords within 2e-3 of its radius
   return std::clamp(1 + (kChordsOfMember + elements - 1) / elements, 2, smooth_points(order));
 }
 
 namespace {
 
-/// How many samples every element of a member has.
+/// Number of samples per element of each member.
 class SamplePlan {
  public:
   SamplePlan(const Scene& scene, const Mesh& mesh, int points_per_element)
@@ -204,7 +204,7 @@ void put(const PointSample& sample, int element, size_t place, MemberSamples& me
   member.material_moment[place] = vector_algebra::to_array(sample.moment);
 }
 
-/// Place of one of `points` equidistant points along an element.
+/// Coordinate xi of one of `points` equidistant points along an element.
 double sample_point(size_t point, size_t points) {
   return -1.0 + 2.0 * static_cast<double>(point) / static_cast<double>(points - 1);
 }

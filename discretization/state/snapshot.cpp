@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kRoot = 0, kTag = 0;
 
-/// Its bytes: messages are counted in entries.
+/// MPI type of the bytes of an entry, so that message sizes count entries.
 template <class Entry>
 struct EntryType {
   MPI_Datatype type;
@@ -50,7 +50,7 @@ std::vector<Entry> receive(int from, MPI_Comm comm) {
   return entries;
 }
 
-/// One array of a snapshot, and which of its rows a share holds.
+/// One array of a snapshot, and the share with the rows held of it.
 struct SnapshotArray {
   std::vector<double> StateSnapshot::*array;
   RowShare StateShare::*share;
@@ -71,7 +71,7 @@ void place(const std::vector<RowRun>& runs, const std::vector<double>& held, siz
   }
 }
 
-/// All shares, on rank 0.
+/// Collects all shares on rank 0.
 StateSnapshot collected(const Communicator& comm, const StateShare& mine) {
   StateSnapshot snapshot;
   snapshot.in_plane = mine.held.in_plane;
@@ -93,7 +93,7 @@ StateSnapshot collected(const Communicator& comm, const StateShare& mine) {
   return snapshot;
 }
 
-/// Numbers of a snapshot for some vertices and elements: of each vertex, then of each element.
+/// Extracts numbers of a snapshot: of the given vertices, then of the given elements.
 std::vector<double> numbers_for(const std::vector<int>& vertices, const std::vector<int>& elements,
                                 const StateSnapshot& snapshot, const std::vector<size_t>& interior_first) {
   std::vector<double> numbers;
@@ -112,7 +112,7 @@ std::vector<double> numbers_for(const std::vector<int>& vertices, const std::vec
   return numbers;
 }
 
-/// Returns the numbers of this rank; rank 0 has the snapshot.
+/// Returns the numbers of this rank from the snapshot of rank 0.
 std::vector<double> own_numbers(const Model& model, const StateSnapshot& snapshot) {
   const Communicator comm = model.map()->getComm();
   const std::vector<int>&vertices = model.structure().local_vertex_to_global,
@@ -141,7 +141,7 @@ void require_sizes(const Model& model, const StateSnapshot& snapshot) {
         "the state does not belong to this mesh: numbers of vertices, elements or orders differ");
 }
 
-/// Number of interior unknowns of each element of the member.
+/// Number of interior unknowns per element of the member.
 size_t interior_unknowns(const Member& member) {
   const InteriorLayout layout{member.order, force_point_count(member.order, member.force_integration)};
   return static_cast<size_t>(layout.unknowns());
@@ -171,7 +171,7 @@ void add_elements(const Model& model, const State& state, StateShare& share) {
   share.held.element_triad.reserve(4 * structure.local_element_to_mesh.size());
   share.held.interior.reserve(structure.interior_size);
   int member = 0;
-  size_t of_member = 0;  // place of its first unknown
+  size_t of_member = 0;  // offset of its first unknown
   const auto to_next_member = [&] {
     of_member += interior_unknowns(model.scene().members[member]) * mesh.elements_of(member);
     ++member;

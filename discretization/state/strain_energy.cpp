@@ -10,7 +10,7 @@ namespace mixbeam {
 
 namespace {
 
-/// Half the work of N on its strain and of M on its strain, where a general section couples them.
+/// Half the work of N and of M on their strains, which a general section couples.
 StrainEnergy general_element_energy(const ElementView& element) {
   const int k = element.order(), n = element.layout().force_points;
   const GeneralSection<> section{&element.block().compliance(element.index(), 0), {k, n}, 0.0, 0.0};

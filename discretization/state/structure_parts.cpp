@@ -14,7 +14,7 @@ namespace {
 
 double largest_component(const Vec3<double>& v) { return std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])}); }
 
-/// Sizes that residual scales are made of, see residual_scales.
+/// Magnitudes behind residual scales, see residual_scales.
 struct PartSize {
   StateMagnitude state{};
   vector_algebra::Box box{};  ///< undeformed
@@ -23,7 +23,7 @@ struct PartSize {
   double length() const { return std::max(longest_member, box.diagonal()); }
 };
 
-/// Sizes and residuals of the parts of one state.
+/// Magnitudes and residuals of the parts of one state.
 class PartMeasure {
  public:
   PartMeasure(const Model& model, const EvaluationPoint& point, const StructureParts& parts)
@@ -45,7 +45,7 @@ class PartMeasure {
   }
 
   const std::vector<ResidualScales>& scales() const { return scales_; }
-  /// Largest row of each part of a residual that is scaled for the whole structure.
+  /// Largest row of each part, from a residual scaled for the whole structure.
   std::vector<double> largest_rows(const MixedVector& residual, const ResidualScales& whole) const;
 
  private:
@@ -140,7 +140,7 @@ StructureParts structure_parts(const Model& model, const std::vector<int>& part_
   parts.of_vertex.resize(mesh.vertices());
   for (const MeshElement& element : mesh.elements)
     for (const int vertex : element.vertex) parts.of_vertex[vertex] = part_of_member[element.member];
-  for (const MeshJoint& joint : mesh.joints) {  // a master that no element ends at
+  for (const MeshJoint& joint : mesh.joints) {  // a master may have no element
     parts.of_vertex[joint.master] = parts.of_vertex[joint.slave] = part_of_member[joint.member];
   }
   for (const int element : structure.local_element_to_mesh)

@@ -15,13 +15,13 @@ namespace mixbeam {
 
 namespace {
 
-/// Vertices of two meshes at this distance or less are the same, over the length of the elements there: stations are
-/// written with a dozen digits, and no element is so short beside its neighbours.
+/// Largest distance of two vertices considered equal in two meshes, relative to the elements there: stations are
+/// written with a dozen digits, and no element is that short compared with its neighbours.
 constexpr double kSamePlace = 1e-6;
-constexpr double kAllowedMean = 1e-12;  ///< of psi in an element that takes a state over: rounding [radian]
+constexpr double kAllowedMean = 1e-12;  ///< of psi in an element of the new mesh: rounding [radian]
 constexpr double kSameLength = 1e-12;   ///< of a member in two meshes, relative
 
-/// Discrete rotations of an undeformed element.
+/// Discrete rotations of an undeformed element, in the polynomials of its order.
 struct UndeformedRotation {
   int order;
   ReferenceElement reference;
@@ -33,19 +33,19 @@ struct UndeformedRotation {
   Quat at(double xi) const { return reference.triad * exp_quaternion(relative_rotation(reference, order, xi)); }
 };
 
-/// Whether the undeformed rotations are Lambda_0(s) in elements of this order.
+/// True if the undeformed rotations are Lambda_0(s) in elements of this order.
 bool has_exact_undeformed_rotation(const ReferenceCurve& curve, int order) {
   return curve.has_constant_curvature() && (order > 1 || dot(curve.start_curvature, curve.start_curvature) == 0.0);
 }
 
-/// A point at which the fields are handed over.
+/// Point at which fields are transferred.
 struct FieldPoint {
-  double xi = 0.0, weight = 0.0;  ///< in the new element; weights sum up to 2
+  double xi = 0.0, weight = 0.0;  ///< in the new element; weights add up to 2
   Vec slope, force, moment;
   Quat rotation;  ///< Lambda_E, or its change Lambda_E Lambda_E0^T
 };
 
-/// The old fields on one member.
+/// Old fields on one member.
 class MemberFields {
  public:
   MemberFields(const Discretization& d, const StateNumbers<const double>& state, int member)
@@ -57,7 +57,7 @@ class MemberFields {
   double length(int index) const { return mesh_.element_length(index); }
   /// Element that contains the point just after s.
   int element_behind(double s) const { return mesh_.element_behind(s); }
-  /// Its vertex (0 .. elements) at this arc length, or -1.
+  /// Vertex (0 .. elements) at this arc length, or -1.
   int vertex_at(double s) const {
     const int index = element_behind(s);
     const double allowed = kSamePlace * length(index);
@@ -113,13 +113,13 @@ class MemberFields {
   const StateNumbers<const double>& state_;
   int member_;
   const MeshMember& mesh_;
-  // of the element looked at last
+  // of the element evaluated last
   int polynomials_of_ = -1, undeformed_of_ = -1;
   ElementPolynomials polynomials_;
   std::optional<UndeformedRotation> undeformed_;
 };
 
-/// Carries the state of one member over.
+/// Transfers the state of one member.
 class MemberTransfer {
  public:
   MemberTransfer(const Discretization& from, const StateNumbers<const double>& state, const Discretization& to,
@@ -144,7 +144,7 @@ class MemberTransfer {
     const int first = fields_.vertex_at(start);
     const bool coincides = first >= 0 && first < fields_.elements() && fields_.vertex_at(end) == first + 1;
     ElementPolynomials element;
-    if (coincides) element = fields_.element(first);  // Legendre series cut off or continued by zeros
+    if (coincides) element = fields_.element(first);  // Legendre series truncated or extended by zeros
     if (!coincides || !same_undeformed_) {
       collect_points(start, end);
       if (!coincides) project(element);
@@ -173,8 +173,8 @@ class MemberTransfer {
     store_quaternion(normalized(fields_.point(element, xi, true).rotation), q);
   }
 
-  /// Gauss points in every piece that the old elements cut the new one into, enough to integrate products of old and
-  /// new polynomials, and of undeformed rotations and new polynomials, exactly.
+  /// Collects Gauss points in every piece of the new element between old vertices, enough to integrate products of old
+  /// and new polynomials, and of undeformed rotations and new polynomials, exactly.
   void collect_points(double start, double end) {
     points_.clear();
     const GaussPoints& rule = gauss_points(std::max((fields_.order() + member_.order) / 2 + 1, member_.order));
@@ -207,7 +207,7 @@ class MemberTransfer {
     }
   }
 
-  /// Lambda_lo and psi that turn the undeformed rotations of the new element as the points say.
+  /// Fits Lambda_lo and psi to the rotations at the points, applied to the undeformed rotations of the new element.
   void fit_rotations(int index, ElementPolynomials& element) {
     std::vector<Quat> target;
     std::vector<double> xi, weight;
@@ -236,8 +236,8 @@ class MemberTransfer {
   const Member& member_;
   const MeshMember& mesh_;
   const StateNumbers<double>& result_;
-  bool same_undeformed_;            ///< then rotations themselves are carried over, not their change
-  std::vector<FieldPoint> points_;  ///< of the element at work
+  bool same_undeformed_;            ///< if so, rotations themselves are transferred, not their change
+  std::vector<FieldPoint> points_;  ///< of the current element
 };
 
 void require_same_members(const Discretization& from, const Discretization& to) {
@@ -269,7 +269,7 @@ StateSnapshot transfer(const Discretization& from, const StateSnapshot& state, c
 
 namespace {
 
-/// Whether every rank has the same vertices and elements of both. Collective.
+/// True if every rank has the same vertices and elements of both. Collective.
 bool have_same_shares(const Model& a, const Model& b) {
   const Mesh &mesh = a.mesh(), &other = b.mesh();
   bool same = mesh.first_element == other.first_element && mesh.member_length == other.member_length &&
@@ -287,7 +287,7 @@ bool have_same_shares(const Model& a, const Model& b) {
   return all == 1;
 }
 
-/// Nothing travels where all elements coincide.
+/// Transfers without communication, for coinciding elements.
 State transfer_share(const Model& from, const State& state, const Model& to) {
   State carried = allocate_state(to.structure());
   Kokkos::deep_copy(carried.views.vertex_displacement, state.views.vertex_displacement);
@@ -333,7 +333,7 @@ State transfer(const Model& from, const State& state, const Model& to) {
     throw std::invalid_argument(problem.empty() ? "the state cannot be carried over to the other mesh" : problem);
   if (!is_by_shares) carried = restore(to, result);
   carried.in_plane = state.in_plane && to.plane().has_value();
-  if (from.constraints().counts()) {  // the ranks may share out supports and joints in another way
+  if (from.constraints().counts()) {  // the ranks may distribute supports and joints differently
     from.constraints().keep_turns(state, carried);
     const std::vector<int> mine = carried.turns;
     Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, static_cast<int>(mine.size()), mine.data(), carried.turns.data());
