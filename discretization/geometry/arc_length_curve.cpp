@@ -13,17 +13,17 @@ namespace mixbeam {
 namespace {
 
 constexpr int kGaussPoints = 16;
-// The Gauss rule over a panel agrees with that over its halves to this accuracy; then that of the halves, which are
-// kept, is better by 2^-32, far below rounding. [share of the length], [radian]
+// The Gauss rule over a panel must agree with that over its halves to this accuracy; that of the halves, which are
+// kept, is then better by 2^-32, far below rounding. [share of the length], [radian]
 constexpr double kPanelTolerance = 1e-13;
 constexpr double kSmallestCosine = 0.87;     // half a radian
-constexpr int kMostHalvings = 40;            // a curve that is still not smooth there turns back
-constexpr std::size_t kMostPanels = 100000;  // a curve that turns more often is a mistake
-constexpr double kSmallestSpeed = 1e-6;      // share of the speed near by: slower is a stop
-// Arc length is inverted until a correction is this share of the panel, which leaves its square, or this share of t:
-// rounding, in which Newton's method would go to and fro.
+constexpr int kMostHalvings = 40;            // a curve still not smooth then reverses
+constexpr std::size_t kMostPanels = 100000;  // more are a mistake
+constexpr double kSmallestSpeed = 1e-6;      // relative to the speed nearby: slower is a stop
+// Arc length is inverted until a correction is below this share of the panel, which leaves its square, or this share of
+// t: rounding, within which Newton's method would alternate.
 constexpr double kInversionTolerance = 1e-14, kRoundingOfParameter = 1e-15;
-constexpr int kMostIterations = 60;  // bisection alone ends with fewer
+constexpr int kMostIterations = 60;  // bisection alone needs fewer
 
 struct GaussRule {
   std::array<double, kGaussPoints> points{}, weights{};
@@ -63,7 +63,7 @@ Vec3<double> start_tangent(const PolynomialCurve& curve) {
   const double speed = norm(velocity);
   if (!(speed > kSmallestSpeed * norm(piece.velocity(0.5 * (piece.first() + piece.last())))))
     throw no_tangent(piece.first());
-  // a range that runs backwards
+  // sign of a range that runs backwards
   return (piece.last() > piece.first() ? 1.0 : -1.0) * unit(velocity);
 }
 
@@ -110,7 +110,7 @@ void ArcLengthCurve::add_panels(const PolynomialPiece& piece, double first, doub
   for (const double t : {first, last})
     if (!(norm(piece.velocity(t)) > kSmallestSpeed * whole.whole.largest_speed)) throw no_tangent(t);
   const Panel other_half(piece, middle, last, half.end(), half.end_triad);
-  // agreement of the panel and its halves; false when anything is not a number
+  // agreement of the panel and its halves; false if anything is NaN
   const double length = other_half.end() - half.start;
   if (half.whole.smallest_cosine >= kSmallestCosine && other_half.whole.smallest_cosine >= kSmallestCosine &&
       std::abs(whole.end() - whole.start - length) <= kPanelTolerance * length &&
@@ -130,7 +130,7 @@ const ArcLengthCurve::Panel& ArcLengthCurve::panel_at(double s) const {
   return *(after - 1);
 }
 
-/// Newton's method, and bisection where it leaves the bracket.
+/// Uses Newton's method, and bisection if it leaves the bracket.
 double ArcLengthCurve::Panel::parameter(double s) const {
   const double size = whole.length, wanted = std::clamp(s - start, 0.0, size);
   const double enough = std::max(kInversionTolerance * std::abs(last - first),

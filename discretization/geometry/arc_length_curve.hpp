@@ -1,4 +1,4 @@
-/// Polynomial curves by arc length, with the frame that turns least.
+/// Polynomial curves by arc length, with the rotation-minimising frame.
 #pragma once
 
 #include "discretization/geometry/polynomial_curve.hpp"
@@ -9,18 +9,18 @@
 
 namespace mixbeam {
 
-/// A curve over its arc length s in [0, length] with the rotation-minimising triad: g1 is the tangent, and the triad
-/// never turns about it (Bishop, Amer. Math. Monthly 82 (1975)), whatever curvature and torsion are.
+/// Curve over its arc length s in [0, length] with the rotation-minimising triad: g1 is the tangent, and the triad
+/// never rotates about it (Bishop, Amer. Math. Monthly 82 (1975)), for any curvature and torsion.
 ///
 /// The curve is cut into panels so short that their tangents stay within half a radian of the first one, a. In a panel
-/// the triad is the one of its start, carried along by the smallest rotation from a to the tangent g1, and turned about
-/// g1 by the area on the unit sphere that the triangle from a to the moving tangent sweeps:
+/// the triad is that of its start, transported by the smallest rotation from a to the tangent g1, and rotated about g1
+/// by the area on the unit sphere that the arc from a to the moving tangent sweeps:
 ///   theta' = a . (g1 x g1') / (1 + a . g1).
-/// So arc length and triad are Gauss integrals of known functions: no differential equation is solved.
+/// Arc length and triad are thus Gauss integrals of known functions: no differential equation is solved.
 class ArcLengthCurve {
  public:
-  /// Start triad: g1 is along the tangent at the start (deviations of rounding size are removed). Throws
-  /// std::invalid_argument where the curve has no tangent: where it stops or turns back.
+  /// `start_triad`: g1 is along the tangent at the start (rounding is removed). Throws std::invalid_argument if the
+  /// curve has no tangent somewhere: where it stops or reverses.
   ArcLengthCurve(PolynomialCurve curve, const Quaternion<double>& start_triad);
 
   double length() const { return panels_.back().end(); }
@@ -50,7 +50,7 @@ class ArcLengthCurve {
     double forward() const { return last > first ? 1.0 : -1.0; }
     double end() const { return start + whole.length; }
     Integrals integrate(double t) const;
-    /// `angle`: theta there.
+    /// Transported triad; `angle`: theta at t.
     Quaternion<double> carried_triad(double t, double angle) const;
     double parameter(double s) const;  ///< t of an arc length
   };
@@ -67,7 +67,7 @@ class ArcLengthCurve {
 Quaternion<double> smallest_rotation(const Vec3<double>& from, const Vec3<double>& to);
 Quaternion<double> turn_about_first_axis(double angle);
 
-/// Unit tangent at the start of a curve. Throws std::invalid_argument when the curve does not move there.
+/// Unit tangent at the start of a curve. Throws std::invalid_argument if the velocity vanishes there.
 Vec3<double> start_tangent(const PolynomialCurve& curve);
 
 }  // namespace mixbeam

@@ -1,4 +1,4 @@
-/// Curves given by formulas: make_formula_curve of polynomial_curve.hpp.
+/// Curves given by formulas: implements make_formula_curve of polynomial_curve.hpp.
 #include "discretization/geometry/polynomial_curve.hpp"
 #include "discretization/text/expression.hpp"
 #include "discretization/text/number_text.hpp"
@@ -17,25 +17,25 @@
 namespace mixbeam {
 namespace {
 
-constexpr std::size_t kSamples = 64;  // of a piece: a full turn of a helix needs 30
-// Coefficients have decayed when the last quarter of them is at rounding, relative to the coordinates.
+constexpr std::size_t kSamples = 64;  // per piece: a full turn of a helix needs 30
+// Coefficients have decayed if the last quarter of them is at rounding, relative to the coordinates.
 constexpr double kRoundingLevel = 1e-15;
-// Formulas with cancellation end in noise above it: accepted when it is flat from the middle on, and not larger.
+// Formulas with cancellation end in noise above it: accepted if flat from the middle on, and not larger than this.
 constexpr double kNoiseLevel = 1e-12;
 constexpr double kFlat = 4.0;
-// Probes the whole range, densely enough for a bump of 1e-4 of its width, and what they miss by [of the coordinates].
+// Probes over the whole range, dense enough for a bump of 1e-4 of its width; deviation allowed [of the coordinates].
 constexpr int kLooks = 16384;
 constexpr double kPassedBy = 1e-10;
-// Coefficients up to this multiple of the last ones say nothing.
+// Coefficients up to this multiple of the last ones are noise.
 constexpr double kInsignificant = 3.0;
 // A piece shorter than 2^-30 of the range hides a jump or kink; a jump of the curvature needs 2^-26.
 constexpr int kMostHalvings = 30;
-constexpr std::size_t kMostPieces = 1000;  // some ten oscillations each: more of them are a mistake
+constexpr std::size_t kMostPieces = 1000;  // some ten oscillations each: more are a mistake
 // Neighbouring pieces meet up to rounding; real jumps and kinks are larger than these. [length of the curve], [radian]
 constexpr double kSmallestJump = 1e-9;
 constexpr double kSmallestKink = 1e-5;
 
-/// cos(pi m / (2 kSamples)), the numbers of the discrete cosine transform.
+/// cos(pi m / (2 kSamples)), used by the discrete cosine transform.
 class CosineTable {
  public:
   CosineTable() {
@@ -83,7 +83,7 @@ class FormulaInterpolation {
     return r;
   }
 
-  /// Chebyshev coefficients of the interpolant; `size` is the largest coordinate.
+  /// Chebyshev coefficients of the interpolant; sets `size` to the largest coordinate.
   std::vector<Vec3<double>> interpolate(double first, double last, double& size) const {
     static const CosineTable cosine;
     std::vector<Vec3<double>> sample(kSamples), coefficient(kSamples, Vec3<double>{{0.0, 0.0, 0.0}});
@@ -107,7 +107,7 @@ class FormulaInterpolation {
     return result;
   }
 
-  /// Whether the formulas do something between the samples of a piece, at one of those of the whole range in it.
+  /// True if the formulas deviate between the samples of a piece, at one of the probes of the whole range inside it.
   bool passes_by(const PolynomialPiece& piece, double size) const {
     const double share = (piece.last() - piece.first()) / (range_[1] - range_[0]);
     const int looks = std::max(1, static_cast<int>(std::ceil(share * kLooks)));
@@ -138,7 +138,7 @@ class FormulaInterpolation {
     pieces_.emplace_back(first, last, std::move(c));
   }
 
-  /// Halving may hit a jump or kink exactly, which leaves smooth pieces.
+  /// Halving may hit a jump or kink exactly and leave smooth pieces.
   void check_joints() const {
     double length = 0.0;
     for (const PolynomialPiece& piece : pieces_)

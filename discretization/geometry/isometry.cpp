@@ -17,7 +17,7 @@ Isometry Isometry::shift(const Vector3& vector) {
 
 Isometry Isometry::rotation(const Vector3& center, const Vector3& axis, double angle) {
   const Vector3 n = unit(axis);
-  // 1 - cos without cancellation; a quarter turn should not leave 6e-17 where a zero belongs
+  // 1 - cos without cancellation; a rotation by 90 degrees should not leave 6e-17 in place of zero
   const double half_sine = std::sin(0.5 * angle);
   constexpr double kRounding = 4e-16;
   const auto cleaned = [](double value) { return std::abs(value) < kRounding ? 0.0 : value; };

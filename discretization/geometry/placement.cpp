@@ -19,12 +19,12 @@ using namespace vector_algebra;
 
 // Three points within this angle of a line: the radius would be a million lengths, with few digits left.
 constexpr double kStraight = 1e-6;
-// A direction that should be normal to the axis: coordinates are written with six digits. [radian]
+// Error of a direction that should be normal to the axis: coordinates are written with six digits. [radian]
 constexpr double kNormalTolerance = 1e-6;
-// A half circle whose radius is half the distance of its ends up to rounding.
+// For a half circle, whose radius is half the distance of its ends up to rounding.
 constexpr double kHalfCircleTolerance = 1e-12;
 
-/// `v` without its part along the unit vector `axis`, of unit length.
+/// `v` without its part along the unit vector `axis`, normalised.
 Vector3 unit_normal_part(const Vector3& v, const Vector3& axis, const std::string& name) {
   require(norm(v) >= kShortestLength, name + " has no direction");
   const Vector3 direction = unit(v);
@@ -37,7 +37,7 @@ void arc_through(Curve& curve, const Vector3& start, const Vector3& through, con
   require(size >= kShortestLength, "its three points coincide");
   const Vector3 u = scaled(1.0 / size, difference(through, start));
   const Vector3 v = scaled(1.0 / size, difference(end, start));
-  const Vector3 normal = cross(u, v);  // start, through, end turn right-handed about it
+  const Vector3 normal = cross(u, v);  // start, through, end follow each other right-handed about it
   const Vector3 w = difference(v, u);
   require(norm(normal) > kStraight * std::max({norm(u) * norm(v), norm(u) * norm(w), norm(v) * norm(w)}),
           "its three points lie on a line, or two of them coincide");

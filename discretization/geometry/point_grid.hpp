@@ -1,4 +1,4 @@
-/// Finding the points near a place, each in constant time.
+/// Search for the points near a place, in constant time each.
 #pragma once
 
 #include "discretization/scene/scene.hpp"
@@ -10,19 +10,19 @@
 
 namespace mixbeam {
 
-/// Numbers of points by the cell of a regular grid in which they lie.
+/// Numbers of points by the cell of a regular grid that contains them.
 class PointGrid {
  public:
-  /// Coordinates differ by less than 1e17 cells.
+  /// Coordinates must differ by less than 1e17 cells.
   PointGrid(const std::vector<Point>& points, double cell) : cell_(cell), origin_(points.front().position) {
     for (const Point& point : points) insert(point.position);
   }
 
-  /// The point gets the next number: 0, 1, 2, ...
+  /// Adds a point with the next number: 0, 1, 2, ...
   void insert(const Vector3& position) { points_in_[key(cell_of(position, 0.0))].push_back(count_++); }
 
-  /// Calls visit(number) for every point that is within `reach` of `position` along each axis, and for some others:
-  /// different cells may share a key. Whoever visits compares positions anyway.
+  /// Calls visit(number) for every point within `reach` of `position` along each axis, and for some others, as
+  /// different cells may share a key: visitors must compare positions.
   template <typename Visit>
   void around(const Vector3& position, double reach, const Visit& visit) const {
     const Cell first = cell_of(position, -reach), last = cell_of(position, reach);

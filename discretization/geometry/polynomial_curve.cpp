@@ -26,7 +26,7 @@ std::vector<Vec3<double>> derivative(const std::vector<Vec3<double>>& c, double 
   return d;
 }
 
-// Neighbouring points closer than this share of the coordinates differ by rounding errors only.
+// Neighbouring points closer than this share of the coordinates differ only by rounding errors.
 constexpr double kShortestRelativeChord = 1e-12;
 
 /// Second derivatives M at the knots of a spline through points with chords h, from
@@ -43,7 +43,7 @@ class KnotEquations {
     for (std::size_t i = 1; i < h_.size(); ++i) set_row(i, i - 1, i);
   }
 
-  /// The ends: a direction of the tangent, or none.
+  /// Open spline: each end has a tangent direction, or none.
   std::vector<Vector3> solve_open(const std::array<Vector3, 2>& tangents) {
     const std::size_t last = h_.size();
     diagonal_[0] = 2.0 * h_[0];
@@ -60,7 +60,7 @@ class KnotEquations {
     return solve(gsl_linalg_solve_symm_tridiag);
   }
 
-  /// The last point is the first one.
+  /// Closed spline: the last point is the first one.
   std::vector<Vector3> solve_closed() {
     set_row(0, h_.size() - 1, 0);
     for (auto* numbers : {&diagonal_, &above_}) numbers->resize(h_.size());
@@ -138,7 +138,7 @@ PolynomialPiece::PolynomialPiece(double first, double last, std::vector<Vec3<dou
       velocity_(derivative(position_, last - first)),
       acceleration_(derivative(velocity_, last - first)) {}
 
-/// Clenshaw's recurrence.
+/// Uses Clenshaw's recurrence.
 Vec3<double> PolynomialPiece::evaluate(const std::vector<Vec3<double>>& c, double t) const {
   const double x = ((t - first_) - (last_ - t)) / (last_ - first_);
   Vec3<double> here{{0.0, 0.0, 0.0}}, after{{0.0, 0.0, 0.0}};

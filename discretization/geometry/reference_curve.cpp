@@ -13,7 +13,7 @@ namespace {
 
 using namespace vector_algebra;
 
-// A length below this share of the coordinates it is a difference of consists of rounding errors.
+// A difference of coordinates below this share of them consists of rounding errors.
 constexpr double kShortestRelativeLength = 1e-12;
 // The start of an arc lies in its plane up to this share of the radius: coordinates are written with six digits.
 constexpr double kOutOfPlaneTolerance = 1e-6;
@@ -22,8 +22,8 @@ bool is_finite(const Vector3& v) { return std::isfinite(v[0]) && std::isfinite(v
 
 bool is_path(const Curve& curve) { return curve.shape == CurveShape::spline || curve.shape == CurveShape::parametric; }
 
-/// Part of `v` normal to the unit vector `tangent`, of unit length. The second pass removes what rounding leaves of the
-/// tangent in the first one when v is nearly parallel to it.
+/// Part of `v` normal to the unit vector `tangent`, normalised. The second pass removes the tangential rounding of the
+/// first one if v is nearly parallel to the tangent.
 Vector3 unit_normal_part(const Vector3& v, const Vector3& tangent) {
   const Vector3 normal = unit(difference(v, scaled(dot(v, tangent), tangent)));
   return unit(difference(normal, scaled(dot(normal, tangent), tangent)));
@@ -57,7 +57,7 @@ void check_curve(const Curve& curve, const Vector3& start, const Vector3& end) {
     check_turning_curve(curve, start);
 }
 
-/// g2 of a line whose member leaves the choice to the program, see make_reference_curve.
+/// Default g2 of a line, see make_reference_curve.
 Vector3 default_second_axis_of_line(const Vector3& tangent) {
   const Vector3 horizontal = {-tangent[1], tangent[0], 0.0};  // e3 x g1
   return norm(horizontal) > kParallelToE3 ? horizontal : Vector3{0.0, 1.0, 0.0};
@@ -88,7 +88,7 @@ Quaternion<double> carried_triad(const ReferenceCurve& curve, double s) {
   return curve.start_triad * exp_quaternion(s * (curve.start_curvature - Vec3<double>{{curve.twist_rate, 0.0, 0.0}}));
 }
 
-/// Where a wanted second axis points at s, and its derivative; no unit vectors.
+/// Requested direction of the second axis at s, and its derivative; not normalised.
 struct WantedAxis {
   Vector3 direction{}, slope{};
 };
@@ -100,7 +100,7 @@ WantedAxis wanted_axis(const ReferenceCurve& curve, double s, const Vector3& tan
   return {across(to_array(curve.position(s) - *curve.second_axis->point)), across(tangent)};
 }
 
-/// g2 before the twist, and the rate at which it turns about the tangent.
+/// g2 before the twist, and its rate of rotation about the tangent.
 struct SecondAxisAt {
   Vector3 g2{};
   double rate = 0.0;
@@ -114,9 +114,9 @@ SecondAxisAt second_axis_at(const ReferenceCurve& curve, double s, const Vector3
   return {g2, turning / norm(difference(wanted.direction, scaled(along, g1)))};
 }
 
-constexpr int kAxisSamples = 256;  // a spline or formula that turns its second axis over between two of them is refused
+constexpr int kAxisSamples = 256;  // a spline or formula whose second axis flips between two of them is refused
 
-/// Away from places where the wanted axis runs along the tangent, and not beyond one.
+/// Rejects places where the requested axis is along the tangent, and a change of its side there.
 void check_second_axis(const ReferenceCurve& curve) {
   Vector3 before{};  // in the carried triad
   for (int i = 0; i <= kAxisSamples; ++i) {
@@ -132,7 +132,7 @@ void check_second_axis(const ReferenceCurve& curve) {
   }
 }
 
-/// Where the member wants g2 everywhere; a line keeps a direction by itself.
+/// Direction requested for g2 everywhere; a line keeps a direction anyway.
 std::optional<ReferenceCurve::SecondAxis> directed_axis(const Member& member) {
   if (!member.second_axis_from) {
     if (!member.keeps_second_axis || member.curve.shape == CurveShape::line) return std::nullopt;
@@ -160,7 +160,7 @@ ReferenceCurve make_turning_curve(const Member& member, const Vector3& start, co
   const double twist_rate = member.twist / curve.length;
   if (member.curve.shape == CurveShape::line) {
     curve.start_curvature = {{twist_rate, 0.0, 0.0}};
-    if (member.second_axis_from) curve.twist_rate = twist_rate;  // against an axis that may turn along the line
+    if (member.second_axis_from) curve.twist_rate = twist_rate;  // relative to an axis that may rotate along the line
     return curve;
   }
   // Lambda_0 kappa0 = (angle / length) axis
@@ -195,7 +195,7 @@ Vec3<double> ReferenceCurve::position(double s) const {
   return origin + s * (rotation_matrix(start_triad) * mean_tangent);
 }
 
-// The product of two unit quaternions is a unit quaternion up to rounding, which would enter the triad fourfold.
+// The product of two unit quaternions has unit length only up to rounding, which would enter the triad fourfold.
 Quaternion<double> ReferenceCurve::triad(double s) const {
   if (is_straight()) return normalized(start_triad);
   if (has_constant_curvature()) return normalized(start_triad * exp_quaternion(s * start_curvature));
@@ -238,7 +238,7 @@ ReferenceCurve make_reference_curve(const Member& member, const Vector3& start, 
   const auto make = is_path(member.curve) ? make_path : make_turning_curve;
   const std::optional<ReferenceCurve::SecondAxis> axis = directed_axis(member);
   if (!axis) return make(member, start, end);
-  Member directed = member;  // at its start already
+  Member directed = member;  // with the right g2 at its start
   if (axis->point) {
     const Vec3<double> from = to_vec3(start) - *axis->point;
     directed.second_axis = to_array(from - dot(from, axis->direction) * axis->direction);
@@ -261,7 +261,7 @@ Vector3 radius_vector(const Curve& curve, const Vector3& position) {
 bool defines_end(const Curve& curve) { return curve.shape != CurveShape::line && curve.shape != CurveShape::spline; }
 
 Vector3 curve_end(const Curve& curve, const Vector3& start) {
-  // Rodrigues' rotation of the radius vector about the axis, which keeps start - radius where it is.
+  // Rodrigues' rotation of the radius vector about the axis, which fixes start - radius.
   const Vector3 axis = axis_direction(curve);
   const Vector3 radius = radius_vector(curve, start);
   const Vector3 turned = sum(scaled(std::cos(curve.angle), radius), scaled(std::sin(curve.angle), cross(axis, radius)));
