@@ -55,8 +55,8 @@ const std::vector<std::string>& common_quantities();
 /// Declaration of the list "Expected"; `own_quantities` are those of the application besides common_quantities().
 ListSpec expected_values_spec(const std::vector<std::string>& own_quantities = {});
 
-/// Validates and reads the list. `path`: where it stands below the root of `source`; `asked`: the numbers that the list
-/// "Quantities" names.
+/// Validates and reads the list. `path`: its place below the root of `source`; `asked`: names of the numbers in the
+/// list "Quantities".
 std::vector<ExpectedValue> read_expected_values(Teuchos::ParameterList& list, const ParameterSource& source,
                                                 const std::vector<std::string>& own_quantities = {},
                                                 const ParameterPath& path = {"Expected"},

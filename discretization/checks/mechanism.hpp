@@ -12,8 +12,8 @@ namespace mixbeam {
 /// Throws InputError if anything can move without strain in the undeformed structure: a connected part as a rigid body,
 /// or parts against each other in their joints (a bar between two ball joints spins about its own axis). Supports in
 /// any axes and springs hold, too. The message names the members, the motion and the point that moves most. `path`:
-/// where the scene stands below the root of `source`. Returns why joints were left out of the check, or nothing: the
-/// elimination is dense, so it takes a limited number of joined parts.
+/// place of the scene below the root of `source`. Returns the reason if joints were left out of the check, else
+/// nothing: the elimination is dense, so the number of joined parts is limited.
 std::string check_supports(const Scene& scene, const ParameterSource& source, const ParameterPath& path = {"Scene"});
 
 /// Velocity of a rigid body: translation + rotation x (position - center).

@@ -113,7 +113,7 @@ std::string warned_place(const std::string& list, const std::string& name) {
 
 // Geometry.
 
-// Coordinates that people type agree to six digits where they are meant to be the same.
+// Coordinates typed by people agree to six digits if they are intended to be equal.
 constexpr double kSamePlace = 1e-6;            // of the size of the structure
 constexpr double kMostRoundingOfPlace = 1e-9;  // of that size: below the usual errors of Newton's method and meshes
 // Walking along all members takes time in proportion to this number; beyond it the search is left out.
@@ -299,9 +299,9 @@ StiffnessRange stiffness_range(const SceneSurvey& survey) {
   return found;
 }
 
-/// Strain of fibres at twice the radius of gyration r (a round rod) of a member of length l that a force bends: as a
-/// lever, 2 F l r / EI, but no more than of the elastica, whose curvature stays below sqrt(2 F / EI). Zero where the
-/// force is not far above what the member bears.
+/// Strain of fibres at twice the radius of gyration r (a round rod) of a member of length l bent by a force: as a
+/// lever, 2 F l r / EI, but at most that of the elastica, whose curvature stays below sqrt(2 F / EI). Zero unless the
+/// force is far above what the member bears.
 double strain_by(double force, const StiffnessRange& stiffness) {
   const double bending = stiffness.most_bending, axial = stiffness.most_axial, length = stiffness.longest;
   if (bending == 0.0 || !std::isfinite(axial) || force * length * length < kLoadOfStrain * bending) return 0.0;
@@ -355,7 +355,7 @@ void warn_of_weightless(const std::string& what, const SceneSurvey& survey, Warn
                          "; usually \"Density\" in \"Material\", or \"Mass\", of their sections is missing");
 }
 
-/// Warns of densities in g/cm^3, if all sections have them: one alone may stand for something rigid.
+/// Warns of densities in g/cm^3, if all sections have them: a single one may represent something rigid.
 void warn_of_light(const SceneSurvey& survey, WarningList& list) {
   if (survey.scene.gravity < kLeastOfEarth || survey.scene.gravity > kMostOfEarth) return;
   const Section* lightest = nullptr;
@@ -418,7 +418,7 @@ void warn_of_narrow_formulas(const SceneSurvey& survey, WarningList& list) {
     warn_of_narrow(scene.members[formula.member], formula, list);
 }
 
-/// Warns of loads too large or small for the stiffnesses, usually a slip of units, and of scenes without any.
+/// Warns of loads too large or small for the stiffnesses, usually a slip of units, and where nothing acts.
 void add_load_warnings(const SceneSurvey& survey, WarningList& list) {
   const Scene& scene = survey.scene;
   const ForceSurvey found = forces_of(survey);

@@ -86,7 +86,7 @@ class ParameterSource {
   /// Keeps a mistake; `path`: its place, unless it knows that itself.
   void keep(const InputError& mistake, const ParameterPath& path = {}) const;
   bool is_full() const { return kept_->mistakes.size() >= Kept::kMost; }
-  /// Whether some mistake stands at or below this path.
+  /// Whether there is a mistake at or below this path.
   bool has_mistake(const ParameterPath& path) const;
   bool has_mistakes() const { return !kept_->mistakes.empty(); }
   /// Notes that a mistake could not be replaced by an allowed value.

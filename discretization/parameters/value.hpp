@@ -16,7 +16,7 @@ namespace mixbeam {
 /// No array of booleans: Teuchos cannot store one.
 enum class ParameterType { boolean, integer, real, text, integer_array, real_array, text_array };
 
-/// The alternatives stand in the order of ParameterType, after the empty one.
+/// The alternatives are in the order of ParameterType, after the empty one.
 using ParameterValue = std::variant<std::monostate, bool, int, double, std::string, Teuchos::Array<int>,
                                     Teuchos::Array<double>, Teuchos::Array<std::string>>;
 

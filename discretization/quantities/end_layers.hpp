@@ -11,8 +11,8 @@ namespace mixbeam {
 /// exp(-s / l): ratio of the modified Bessel functions that are the coefficients of the exponential.
 inline constexpr double kLayersPerOrder = 2.0;
 
-/// Layer at one end of an element that is too long for its order beside the thickness sqrt(EI / N), where a member ends
-/// or something is attached to it. There the member turns from the direction of its vertex into that of its force.
+/// Layer at one end of an element that is longer than its order allows for the thickness sqrt(EI / N), where a member
+/// ends or something is attached to it. There the member turns from the direction of its vertex into that of its force.
 struct EndLayer {
   int member = 0, element = 0;  ///< in the scene of the model; within the member
   int side = 1;                 ///< of the vertex: 1 at the start of the element, -1 at its end

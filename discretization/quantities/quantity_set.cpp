@@ -33,7 +33,7 @@ constexpr const char* kArcLength = ".arc_length";
 /// Numbers of a quantity: a scalar is the first, a vector the first three; a triad is g1, g2, g3.
 using Numbers = std::array<double, 9>;
 
-/// Stands for an index: the norm of the vector.
+/// Index that means the norm of the vector.
 constexpr int kNorm = -1;
 
 Numbers not_there() {
@@ -137,7 +137,7 @@ struct QuantityPlace {
   std::string point{};                 ///< name; empty: a place along a member
   int member = -1;                     ///< in the scene
   double position = 0.0;               ///< arc length over length of the member
-  std::optional<double> arc_length{};  ///< the arc length that was asked for in place of that share [length]
+  std::optional<double> arc_length{};  ///< requested arc length in place of that share [length]
 };
 
 /// Resolves names of places and members in a scene.
@@ -185,7 +185,7 @@ class QuantityPlaces {
     return found;
   }
 
-  /// Members that a name or pattern stands for.
+  /// Members that a name or pattern matches.
   std::vector<int> members(const std::string& text, const InputPlace& place) const {
     if (const Member* const member = names_.member(text)) return {index_of(member)};
     std::vector<int> found;
@@ -195,7 +195,7 @@ class QuantityPlaces {
     return found;
   }
 
-  /// Supported points that a name or pattern stands for.
+  /// Supported points that a name or pattern matches.
   std::vector<QuantityPlace> supported(const std::string& text, const InputPlace& place) const {
     std::vector<std::string> points;
     std::set<std::string> seen;
@@ -253,7 +253,7 @@ class QuantityPlaces {
   std::vector<std::string> points_{};  ///< on members
 };
 
-/// A quantity of which every name has been found.
+/// A quantity with all names resolved.
 struct QuantitySet::Resolved {
   Resolved(const Quantity& quantity) : asked(quantity), kind(quantity_kind(quantity.kind)) {}
 

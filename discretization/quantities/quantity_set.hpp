@@ -57,7 +57,7 @@ class QuantitySet {
     std::size_t quantity = 0;  ///< in the list
     bool is_value = true;      ///< false: place of an extreme
     bool is_member = false;    ///< index of a member
-    bool is_limited = false;   ///< as its quantity says, see asked()
+    bool is_limited = false;   ///< its quantity has a limit, see asked()
   };
   const std::vector<Column>& columns() const { return columns_; }
   std::vector<std::string> names() const;

@@ -24,7 +24,7 @@ const std::vector<std::string> kStiffnesses = {"EA", "GA2", "GA3", "GIt", "EI2",
 constexpr std::size_t kMatrixSize = 36;
 constexpr std::size_t kTriangleSize = 21;
 constexpr double kRigid = std::numeric_limits<double>::infinity();
-/// The square of a thin strip's product of inertia equals that of its moments; numbers are written with ten digits.
+/// For a thin strip the square of the inertia product is that of the moments; numbers are written with ten digits.
 constexpr double kRoundedProduct = 1e-9;
 
 /// Parameters that are allowed only with Shape.

@@ -35,7 +35,7 @@ int opened(const std::filesystem::path& path, DiskAccess access, bool shared) {
   if (access == DiskAccess::create) {
     mode |= O_CREAT | O_EXCL;
     require_no_input(path.string());
-    ::unlink(path.c_str());  // of a run that was killed, or a link that somebody has put there
+    ::unlink(path.c_str());  // left by a killed run, or a link put there by somebody
   }
   const std::string action = access == DiskAccess::create ? "create the file" : "open the file";
   const int descriptor = ::open(path.c_str(), mode, kAsTheUserWants);

@@ -103,7 +103,7 @@ void replace_file(const std::filesystem::path& path, const std::function<void(co
 /// When a file replaces an existing one of its name.
 enum class Appears { at_once, when_closed };
 
-/// A text that grows line by line, each of which reaches the file at once. Throws FileError.
+/// A text that grows line by line; each line reaches the file at once. Throws FileError.
 class TextFile {
  public:
   /// A file that appears when it is closed is removed if it is never closed.

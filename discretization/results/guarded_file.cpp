@@ -24,7 +24,7 @@ GuardedFile::Block& GuardedFile::block(std::uint64_t number) {
   const auto known = blocks_.find(number);
   if (known != blocks_.end()) return known->second;
   if ((blocks_.size() + 1) * seal_.block > kMostBytesHeld) make_room();
-  Block block;  // held once it is complete: HDF5 asks again for what could not be read
+  Block block;  // kept only when complete: HDF5 asks again after a failed read
   block.bytes.resize(seal_.block);
   const std::uint64_t first = number * seal_.block;
   if (first < written_) {

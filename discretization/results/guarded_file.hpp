@@ -15,8 +15,8 @@ namespace mixbeam {
 
 class GuardedFile {
  public:
-  /// `seal`: of `file`; both must outlive this. `checked`: false for files that were never sealed, of which the seal
-  /// has no sums.
+  /// `seal`: of `file`; both must outlive this. `checked`: false for files that were never sealed, whose seal has no
+  /// sums.
   GuardedFile(DiskFile& file, Seal& seal, bool checked = true) : file_(file), seal_(seal), checked_(checked) {}
 
   std::uint64_t size() const { return seal_.bytes; }

@@ -12,7 +12,7 @@ namespace mixbeam::hdf5 {
 struct Driver {
   H5FD_t common;  ///< the library's own, first
   File::Medium* medium;
-  haddr_t end;  ///< of what is allocated
+  haddr_t end;  ///< of the allocated space
 
   static Driver& of(H5FD_t* file) { return *reinterpret_cast<Driver*>(file); }
   static const Driver& of(const H5FD_t* file) { return *reinterpret_cast<const Driver*>(file); }

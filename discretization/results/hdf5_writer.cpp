@@ -11,8 +11,8 @@ constexpr hsize_t kTableChunk = 16;  // rows and columns
 constexpr double kMissing = NAN;
 constexpr hsize_t kMonitorChunkRows = 64;  // 512 bytes a column: small for short runs, few chunks for long ones
 
-// Called from the innermost error outwards: keeps the first description, which is the cause. Not all of those of an
-// allocation say of what.
+// Called from the innermost error outwards: keeps the first description, which is the cause. Some failed allocations do
+// not say of what.
 herr_t keep_innermost(unsigned depth, const H5E_error2_t* error, void* reason) {
   if (depth != 0 || error->desc == nullptr) return 0;
   std::string& text = *static_cast<std::string*>(reason);
@@ -23,7 +23,7 @@ herr_t keep_innermost(unsigned depth, const H5E_error2_t* error, void* reason) {
   return 0;
 }
 
-// The library's texts for failed system calls end in numbers of no use to a user; keep what the system said.
+// The library's texts for failed system calls end in numbers useless to a user; keeps the system's own message.
 std::string system_message(const std::string& reason) {
   const std::string key = "error message = '";
   const auto start = reason.find(key);
@@ -497,7 +497,7 @@ void read_attribute(hid_t object, const std::string& name, double& value) {
 }
 
 void read_attribute(hid_t object, const std::string& name, int& value) {
-  constexpr int kMost = 1'000'000'000;  // of what is counted; whoever adds one to it remains among the integers
+  constexpr int kMost = 1'000'000'000;  // counts; adding one must not overflow
   const StoredValues stored = open_attribute(object, name, Stored::integers);
   require(H5Aread(stored.id, H5T_NATIVE_INT, &value), "read attribute " + name);
   if (value < -kMost || value > kMost) refuse("read attribute " + name, "its value is beyond all counts");

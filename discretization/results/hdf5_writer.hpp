@@ -17,7 +17,7 @@
 
 namespace mixbeam::hdf5 {
 
-/// A call of the HDF5 library failed; the message says what was tried and the library's innermost reason.
+/// A call of the HDF5 library failed; the message gives the attempted action and the library's innermost reason.
 class Error : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };

@@ -26,7 +26,7 @@ class SyncBudget {
   bool affords(std::uint64_t bytes) const;
   /// Runs `sync` and measures its cost.
   void spend(const std::function<void()>& sync);
-  /// Begins the time of a step: the last one was published.
+  /// Starts the time of the next step, when one is published.
   void start_step() { since_ = Clock::now(); }
 
  private:
@@ -49,8 +49,8 @@ class PublishedFile {
   /// Rank 0: makes the first copy with `write`; the file of that name stays until that is published.
   void begin(std::uint64_t block, const Write& write);
 
-  /// A step: makes the next copy the same bytes as the published one; rank 0 changes it and tells where the numbers of
-  /// tables lie; every rank writes those of its rows; rank 0 seals the copy.
+  /// A step: makes the next copy equal to the published one; rank 0 changes it and shares the places of the tables'
+  /// numbers; every rank writes those of its rows; rank 0 seals the copy.
   void catch_up();
   /// Rank 0: changes to large blocks, before the first large step.
   void use_large_blocks();

@@ -41,8 +41,8 @@ auto naming_file(const std::filesystem::path& path, const Action& action, const 
 }
 /// Whether a file holds the results of a run, and not a table.
 bool holds_run(hid_t file);
-/// Throws InputError with `name`, that of the file, unless it is a result file whose format this program knows, and has
-/// its seal where its format has one.
+/// Throws InputError with `name`, that of the file, unless it is a result file of a format that this program knows,
+/// with a seal if its format has one.
 void require_known_format(hid_t file, const std::string& name, bool is_sealed);
 ResultHeader read_header(hid_t file);
 

@@ -4,9 +4,9 @@
 ///
 /// A run may be killed at any moment: see published_file.hpp.
 ///
-/// Rank 0 alone calls the HDF5 library. It makes room for the large datasets, closes the file and tells where their
-/// numbers lie; then each rank writes its rows there by plain system calls, so that neither samples nor states travel.
-/// At last rank 0 seals the file (seal.hpp): the bytes are the same for any number of ranks.
+/// Rank 0 alone calls the HDF5 library. It reserves room for the large datasets, closes the file and shares the places
+/// of their numbers; then each rank writes its rows there by plain system calls, so that neither samples nor states are
+/// sent. Finally rank 0 seals the file (seal.hpp): the bytes are the same for any number of ranks.
 #pragma once
 
 #include "discretization/results/disk_file.hpp"
@@ -76,7 +76,7 @@ class ResultFile {
   PublishedFile file_;
   std::vector<SampledMember> members_;  ///< of every step, those of this rank at least
   std::size_t member_count_ = 0, sample_count_ = 0;
-  StepSummary previous_;           ///< describes what is monitored
+  StepSummary previous_;           ///< for what is monitored
   std::vector<XdmfStep> labels_;   ///< of all published steps; names of stresses known to rank 0
   std::size_t steps_in_xdmf_ = 0;  ///< known to rank 0
   bool failed_ = false;

@@ -42,7 +42,7 @@ class RowWriter {
     return reinterpret_cast<Number*>(file_.buffer()) + columns_ * rows_++;
   }
 
-  /// Writes what is left. Called at the end.
+  /// Writes the remaining rows. To be called at the end.
   void finish() {
     if (rows_ == 0) return;
     const std::size_t bytes_of_row = columns_ * sizeof(Number);
@@ -103,7 +103,7 @@ ResultTable known_table(const std::string& name, RankNumber rank, std::size_t co
   return table_of(name, share, columns, values + columns * first);
 }
 
-/// A field at the samples of all members: value(member, sample held of it, room for its numbers).
+/// A field at the samples of all members: value(member, index of a held sample, room for its numbers).
 template <class Number = double, class Value>
 ResultTable sample_table(const std::string& name, std::size_t columns, const SampledMembers& members,
                          const Value& value) {

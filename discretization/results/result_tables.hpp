@@ -1,5 +1,5 @@
-/// The large datasets of a result file: fields at samples, vertices and elements, of which each rank writes the rows
-/// that it holds, and their XDMF description. Layout: apps/docs/results.md.
+/// The large datasets of a result file: fields at samples, vertices and elements, with their XDMF description. Each
+/// rank writes the rows that it holds. Layout: apps/docs/results.md.
 #pragma once
 
 #include "discretization/results/disk_file.hpp"

@@ -11,7 +11,7 @@ namespace mixbeam {
 
 namespace {
 
-/// Columns of tables of what acts that hold lines of a text; the others hold numbers.
+/// Columns of acting tables that hold lines of a text; the others hold numbers.
 constexpr std::array<const char*, 4> kTextColumns = {"name", "shape", "kind", "point"};
 /// Columns that hold numbers of members or, where `sections` of the members says so, of sections.
 constexpr std::array<const char*, 3> kNumberColumns = {"place", "member", "section"};

@@ -19,7 +19,7 @@ struct SampledStep {
   std::string stable{};
 };
 
-/// Holds the file open. All members throw InputError, which names the file, for what no run writes.
+/// Holds the file open. All members throw InputError, which names the file, for content that no run writes.
 class SampledFile {
  public:
   explicit SampledFile(const std::filesystem::path& path);

@@ -60,7 +60,7 @@ void write_seal(DiskFile& file, const Seal& seal);
 /// Reads a block, with zeros after the content.
 void read_block(const DiskFile& file, const Seal& seal, std::uint64_t number, std::byte* bytes);
 
-/// Seals what a file holds.
+/// Seal for the content of a file.
 Seal seal_of(const DiskFile& file, std::uint64_t bytes, std::uint64_t block);
 
 /// Sums of the blocks that a sequence of writes covers. Consecutive writes count as one; a block is left out if another

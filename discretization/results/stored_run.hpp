@@ -63,8 +63,8 @@ class StoredRun {
   /// State of the step at this position in steps().
   StateSnapshot state(std::size_t position) const;
 
-  /// Critical points between the step before and the one at this position: what they are, and their states; without
-  /// fields at samples and monitored quantities.
+  /// Critical points between the step before and the one at this position, with their states; without fields at samples
+  /// and monitored quantities.
   std::vector<RecordedCriticalPoint> critical_points(std::size_t position) const;
   /// Jump that led to a step, if any.
   std::optional<RecordedJump> jump(std::size_t position) const;

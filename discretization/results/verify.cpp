@@ -112,7 +112,7 @@ class Walk {
         attempt(path + "/" + child.name, [&] { visit(group, child, path + "/" + child.name); });
     });
   }
-  /// Notes what goes wrong with an object.
+  /// Notes an error that an object causes.
   template <class Action>
   void attempt(const std::string& path, const Action& action) {
     try {
@@ -129,7 +129,7 @@ class Walk {
  private:
   void visit(hid_t parent, const hdf5::ObjectLink& link, const std::string& path) {
     if (!visited_.insert(link.address).second) throw hdf5::Error("it is in another place of the file too");
-    constexpr std::ptrdiff_t kMostSlashes = 8;  // more than results have, and no more than a copy goes down
+    constexpr std::ptrdiff_t kMostSlashes = 8;  // more than results have, and no more than a copy follows
     if (std::count(path.begin(), path.end(), '/') > kMostSlashes) throw hdf5::Error("it lies deeper than results do");
     // Opening a dataset takes the library a hundred times as long as comparing it with one that has been opened.
     const RawHeader header = has_plain_addresses_ ? raw_header(file_.content(), link.address) : RawHeader{};
@@ -220,7 +220,7 @@ void rehearse_copy(hid_t source) {
   if (placeholder < 0) return;  // no place for a rehearsal
   ::close(placeholder);
   DiskFile file(name, DiskAccess::create);
-  ::unlink(name.c_str());  // it goes away with this process, however that ends
+  ::unlink(name.c_str());  // it disappears with this process, however that ends
   Seal seal;
   seal.block = kLargeBlock;
   GuardedFile content(file, seal);
@@ -228,11 +228,11 @@ void rehearse_copy(hid_t source) {
   copy_steps(source, target, step_groups(source).size(), read_monitor(source));
   try {
     target.close();
-  } catch (const DiskError&) {  // no room for it: no fault of the file
+  } catch (const DiskError&) {  // no room for it is no fault of the file
   }
 }
 
-/// Looks with the library into a file whose bytes have been checked.
+/// Examines with the library a file whose bytes have been checked.
 void look_inside(SealedFile& file, const fs::path& path, const std::vector<Damage>& found, FileReport& report) {
   Walk walk(found, file);
   std::vector<std::string> groups;

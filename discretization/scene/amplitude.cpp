@@ -25,8 +25,8 @@ constexpr int kSamplesOutside = 1021;
 constexpr double kLeastSwing = 1e-9, kRounding = 1e-13;
 /// Distance below which turning points are merged; largest width of a jump.
 constexpr double kSamePlace = 1e-12, kJumpWidth = 1e-15;
-/// Halving an interval with a jump keeps at least this share of its change in one half; of other changes an eighth is
-/// left after so many halvings.
+/// An interval with a jump keeps more than this share of its change after so many halvings towards the larger change;
+/// others keep about an eighth.
 constexpr double kShareOfJump = 0.3;
 constexpr int kHalvings = 3;
 /// Intervals with this share of the range, or so many times the change of their neighbours, may hold a jump.
@@ -301,7 +301,7 @@ const std::string& growth_of(const Load& load, Stage) {
 }
 std::string growth_of(const RotatingFrame& frame, Stage stages) { return centrifugal_growth(frame, stages); }
 
-/// Adds what acts by itself to `alone`, the rest to the sums of its place.
+/// Adds loads that act by themselves to `alone`, the rest to the sums of its place.
 template <class Load, class Kind>
 void add_to(std::map<Place, std::vector<Together>>& places, std::set<std::pair<Stage, std::string>>& alone,
             const Load& load, const Kind&, Stage stages) {

@@ -96,7 +96,7 @@ class PieceSearch {
     std::vector<double> value{};
   };
 
-  /// Samples of [a, b]: those of the first look if enough of them lie there.
+  /// Samples of [a, b]: those of the whole member if enough of them lie there.
   Look look_at(double a, double b) const {
     const double margin = 1e-3 / kFirstLook;
     const int first = static_cast<int>(std::ceil((a + margin) * kFirstLook - 0.5)),

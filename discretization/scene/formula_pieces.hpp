@@ -17,7 +17,7 @@ inline constexpr double kNearestPlaces = 1e-6;
 
 using FormulaFunction = std::function<double(double x)>;  ///< of x = relative arc length
 
-/// Pieces of [0, 1] on each of which a function is a polynomial of degree 7, up to 1e-9 of its integral over all.
+/// Pieces of [0, 1] in each of which a function is a polynomial of degree 7, up to 1e-9 of its whole integral.
 struct FormulaPieces {
   std::vector<double> end{0.0, 1.0};  ///< ascending
   std::vector<double> places{};       ///< inside (0, 1), where a mesh needs vertices: jumps, kinks, short pieces

@@ -9,9 +9,9 @@ namespace mixbeam {
 std::vector<std::string> alternatives(const Scene& scene);
 
 /// The scene of one case or combination: its loads and prescribed motions and those without a case, no names of cases,
-/// and the number of stages that these loads use. Supports stay; what a support prescribes in another case is left out.
-/// An empty name gives what acts in all cases. A combination scales loads, eigenstrains and prescribed motions of its
-/// cases. Throws std::invalid_argument, with the nearest name, for a case the scene does not have.
+/// and the number of stages that these loads use. Supports stay, without motions prescribed in other cases. An empty
+/// name keeps only loads of all cases. A combination scales loads, eigenstrains and prescribed motions of its cases.
+/// Throws std::invalid_argument, with the nearest name, for a case the scene does not have.
 Scene scene_of_case(const Scene& scene, const std::string& name);
 
 /// Whether a support prescribes a motion other than zero.

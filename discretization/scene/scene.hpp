@@ -1,4 +1,4 @@
-/// The scene: what a user describes, as plain structs in any consistent set of units (angles in radians).
+/// The scene that a user describes, as plain structs in any consistent set of units (angles in radians).
 /// Reading and validating a scene is `read_scene` (read_scene.hpp); turning it into elements is `Mesh` (mesh.hpp).
 #pragma once
 
@@ -140,9 +140,9 @@ struct Member {
   bool keeps_elements = false;  ///< likewise the elements
 };
 
-/// When a load or a prescribed motion acts: its amplitude is clamp(load_factor - (stage - 1), 0, 1),
-/// so stage 1 grows while the load factor goes from 0 to 1, stage 2 from 1 to 2, and finished stages stay (outside the
-/// range of all stages see Amplitude).
+/// Stage in which a load or prescribed motion grows: its amplitude is clamp(load_factor - (stage - 1), 0, 1), so that
+/// stage 1 grows while the load factor goes from 0 to 1, stage 2 from 1 to 2, and finished stages stay constant
+/// (outside the range of all stages see Amplitude).
 using Stage = int;
 
 enum class JointKind {

@@ -33,7 +33,7 @@ LargestStress largest_normal(const StressField& field, const NormalStress& norma
   return {tension, p};
 }
 
-/// A section of which only some points are known.
+/// Stress field known at some points only.
 class PointStressField final : public StressField {
  public:
   explicit PointStressField(const Section& section)

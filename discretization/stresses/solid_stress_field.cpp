@@ -71,8 +71,8 @@ Complex dilogarithm(Complex w, double angle) {
 }
 
 /// f(z) = amplitude (S(p (-l + d z)) + sign S(p (-l - d z))) of z = x2 + i x3, where S(w) is
-/// alternating: sum over m = 1, 2, 3, ... of (-1)^m / m^2 exp(m w) / (1 + q^m)
-/// odd:         sum over n = 1, 3, 5, ... of (-1)^((n-1)/2) / n^2 exp(n w) / (1 + q^n), or 1 - q^n,
+///   alternating: sum over m = 1, 2, 3, ... of (-1)^m / m^2 exp(m w) / (1 + q^m)
+///   odd:         sum over n = 1, 3, 5, ... of (-1)^((n-1)/2) / n^2 exp(n w) / (1 + q^n), or 1 - q^n,
 /// with q = exp(-2 p l), at most 0.05. Then tau_13 + i tau_12 = f(z): equilibrium and compatibility are the equations
 /// of Cauchy and Riemann. At the edge the sums converge slowly: there their part without q is taken in closed form.
 class RectangleSeries {

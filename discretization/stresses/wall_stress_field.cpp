@@ -186,7 +186,7 @@ class WallStressField : public FieldOfWalls {
     wall.middle = side * arm;
     wall.thickness = t;
     wall.corner = along2 ? (1.0 - kInset) * t : t;
-    // S of both walls across this one, and of what lies beyond x in the two along it
+    // first moments of both walls across this one, and of the parts beyond x of the two along it
     const Parabola carried = {0.5 * other * 0.5 * (length - t) / i_along + 0.5 * reach * reach / i_along, 0.0,
                               -0.5 / i_along};
     const Parabola led = {0.0, -side * arm / i_across, 0.0};  // from its middle to the walls that carry
