@@ -78,7 +78,7 @@ class QuantitySet {
   /// The set with extremes fixed at their places in a state of these values: smooth functions of state and scene.
   QuantitySet pinned(const QuantityState& at, const std::vector<double>& values) const;
   /// Derivative of a column of a pinned set with respect to the state, at the values of all columns there. Throws
-  /// std::invalid_argument for what has none. One process only.
+  /// std::invalid_argument if it has none. One process only.
   StateDerivative derivative(std::size_t column, const QuantityState& at, const std::vector<double>& values) const;
 
  private:

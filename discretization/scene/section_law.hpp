@@ -29,9 +29,9 @@ class SectionLaw {
   /// other is not.
   SectionLaw(const Scene& scene, const Member& member);
 
-  /// Section at x = relative arc length in [0, 1]. Along a taper with end section and weight w(x): dimensions
-  /// (1 - w) start + w end where both sections come from shapes of one kind, otherwise the stiffness matrix in that
-  /// way. Throws std::invalid_argument where the weight is not finite.
+  /// Section at x = relative arc length in [0, 1]. In a taper with weight w(x), interpolates (1 - w) start + w end the
+  /// dimensions if both sections have shapes of one kind, otherwise the stiffness matrix. Throws std::invalid_argument
+  /// if the weight is not finite.
   Section section(double x) const;
   /// Section for a given weight; members without end section have one section only.
   Section section_of_weight(double weight) const;
