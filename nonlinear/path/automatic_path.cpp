@@ -1,11 +1,11 @@
-// A load path without tuning: load steps as large as Newton's method takes them, and where one fails or the stability
-// changes within it, the path itself, by its length, through limit points and snap-backs.
+// A load path without tuning: load steps as large as Newton's method permits; where one fails or the stability changes
+// within it, arc-length steps along the path, through limit points and snap-backs.
 //
-// Or from one stable state to the next: load steps that follow the path as long as it is stable, and where it ends or
-// turns unstable a jump down the total potential.
+// Or from one stable state to the next: load steps that follow the path while it is stable, and where it ends or
+// becomes unstable a jump down the total potential.
 //
 // LOCA's constrained group is used without its stepper, which cannot be resumed exactly along the arc length (its
-// scaling depends on all steps so far), does not tell why a step failed, and knows no events between steps.
+// scaling depends on all previous steps), does not report why a step failed, and has no events between steps.
 #include "discretization/assembly/equation_place.hpp"
 #include "discretization/state/difference.hpp"
 #include "discretization/state/potential.hpp"
@@ -82,13 +82,13 @@ class AutomaticPath {
   bool arrived() const { return goal_.is_reached(here_.state, here_.load_factor); }
   double goal_now() const { return goal_.at(here_.state, here_.load_factor); }
 
-  /// Within a stage the path may be resumed here: what is kept of earlier tangents must not decide bits.
+  /// Makes the station. The path may be resumed here within a stage, so bits must not depend on earlier tangents.
   Station station_at(const Correction& found, const PathDirection* along) {
     if (!goal_.is_reached(found.state, found.load_factor)) problem_->forget_tangents();
     return judge_.station(found.state, found.load_factor, along);
   }
 
-  /// The state at the start of the stage, or what is needed to go on from a completed step.
+  /// Solves at the start of the stage, or restores the data of a completed step to continue from it.
   bool begin() {
     recorder_.enter_stage(range_.stage, range_.attempts);
     size_ = rule_.initial;
@@ -118,7 +118,7 @@ class AutomaticPath {
     return true;
   }
 
-  /// From here on is looked for motion and for the path's return.
+  /// Sets the origin for detecting motion of the controlled displacement, and the return of the path.
   void begin_way() {
     way_.emplace(here_);
     start_of_goal_ = goal_now();
@@ -144,7 +144,8 @@ class AutomaticPath {
     recorder_.converged(step);
   }
 
-  /// Where elements turn by many radians each, Newton's method in the plane arrives less often than that in space.
+  /// Counts a failure and leaves the plane after several: if elements rotate by many radians each, Newton's method
+  /// converges less often in the plane than in space.
   void not_converged() {
     recorder_.not_converged();
     if (++failures_in_a_row_ >= path_limit.failures_in_plane) here_.state.in_plane = false;
@@ -152,7 +153,7 @@ class AutomaticPath {
 
   bool take(const Correction& found, const StepTest& test) {
     const PathDirection moved = increments(found);
-    // A step of the load is one along a path on which the load grows.
+    // A load step runs along the path in the direction of growing load.
     const PathDirection* along = !along_path_ && !goal_.is_controlled() ? nullptr : &moved;
     Station next = station_at(found, along);
     const int tangents = problem_->work.factorizations;
@@ -180,14 +181,14 @@ class AutomaticPath {
     return true;
   }
 
-  /// A path from a regular start cannot close: one that does has changed to another path which came close, and is
-  /// followed once more, closely where another may come close.
+  /// Closeness here. A path from a regular start cannot close: if it does, it has changed to a nearby path, and is
+  /// followed again, more closely where other paths may be near.
   int closeness() const {
     const bool is_unstable = here_.stability && here_.stability->negative > 0;
     return (parameters_.analysis.trace ? 1 : 0) + (is_unstable ? parameters_.analysis.closeness : 0);
   }
 
-  /// Whether the load moves what is controlled at first: else no step of it has a direction.
+  /// Whether the load moves the controlled displacement at first: otherwise no step of that has a direction.
   bool moves_at_first() const {
     return !goal_.is_controlled() || !here_.has_tangent() || goal_.is_moved_by(measure_, here_.tangent);
   }
@@ -216,29 +217,29 @@ class AutomaticPath {
 
   bool is_at_start() const { return here_.load_factor == range_.from && !range_.before && !goal_.is_controlled(); }
 
-  /// Whether the loads turn members as they set in, and so tell limp ones to which side they sag. A column under thrust
-  /// alone may be as limp, but buckles to either side.
+  /// Whether the initial loads rotate members, and so determine to which side limp ones sag. A column under pure thrust
+  /// may be as limp, but buckles to either side.
   bool sets_out_sideways() const {
     return !here_.has_tangent() || here_.tangent.x.largest_vertex_spin() > path_limit.least_sideways_spin;
   }
 
-  /// Whether a step from the start, which no direction there tells of, has led to the one state that cables hang in.
+  /// Whether a step from the start, where no direction predicts it, has led to the only stable state of cables.
   bool hangs(const Station& next) const {
     const bool is_stable = next.stability && next.stability->verdict() != Verdict::unstable;
-    const auto is_limp = [&] {  // a truss that has snapped through is in tension, too, but has passed limit points
+    const auto is_limp = [&] {  // a truss in tension after snap-through, in contrast, has passed limit points
       return !here_.has_tangent() || has_limp_members(problem_->model, here_.state, range_.to);
     };
     return is_at_start() && !along_path_ && is_stable && sets_out_sideways() && is_limp() &&
            hangs_in_tension(problem_->model, next.state, next.load_factor);
   }
 
-  /// Where loads turn back the path does so too, and steps along it would have to turn on the spot.
+  /// Halves the load step. Where loads turn back the path does so too, and arc-length steps would have to reverse.
   bool shorten_load_step(double size) {
     size_ = 0.5 * std::abs(size);
     return size_ >= rule_.minimum;
   }
 
-  /// Whether the loads turn back within reach of the next step along the path; then it is one of the load.
+  /// Whether the loads turn back within reach of the next step along the path, which then becomes a load step.
   bool meets_turning_loads() {
     if (goal_.is_controlled() || !(here_.tangent.load > 0.0)) return false;
     const double reach =
@@ -256,21 +257,21 @@ class AutomaticPath {
     }
     along_path_ = true;
     const double rate = goal_.rate(here_.tangent);
-    // A path sets out towards its goal; a displacement that the load does not move at first is met later, or not.
+    // Start towards the goal. A displacement that the load does not move at first may reach it later, or not.
     if (moves_at_first() && goal_.is_controlled() && rate * (goal_.value() - goal_now()) < 0.0)
       here_.tangent = scaled(here_.tangent, -1.0);
     const double spin = here_.tangent.x.largest_vertex_spin();
     length_ = spin > 0.0 ? path_limit.first_spin / spin : 1.0;
     const double to_goal = std::abs((goal_.value() - goal_now()) / rate);
     if (std::isfinite(to_goal)) length_ = std::min(length_, to_goal);
-    // one stage; where loads are not proportional not as far as the load step that has failed: it would be tried again
+    // At most one stage; if loads are not proportional less than the failed load step, which would be tried again.
     const double farthest =
         judge_.loads().is_straight(here_.load_factor, range_.to) ? 1.0 : size_ / path_limit.reach_of_turns;
     length_ = std::min(length_, farthest / std::max(std::abs(here_.tangent.load), 1e-300));
     return true;
   }
 
-  /// Newton's method from the predicted point, at the goal where the prediction or the path passes it.
+  /// Newton's method from the predicted point, or at the goal if the prediction or the path passes it.
   bool attempt(Correction& result, double& length) {
     const double rest = goal_.value() - goal_now();
     const double largest = rule_.maximum / std::max(std::abs(goal_.rate(here_.tangent)), 1e-300);
@@ -302,7 +303,7 @@ class AutomaticPath {
     const PathDirection moved = increments(found);
     const double cosine = std::abs(measure_.cosine(before.x, moved.x));
     const bool is_still =
-        measure_.motion(moved.x) < path_limit.no_motion;  // the load alone measures the path: it has no angle
+        measure_.motion(moved.x) < path_limit.no_motion;  // only the load measures the path: there is no angle
     const double angle = is_still ? 0.0 : 2.0 * std::acos(std::clamp(cosine, 0.0, 1.0));
     length_ = length * growth_along_path(found.iterations, angle, closeness());
   }
@@ -323,7 +324,7 @@ class AutomaticPath {
     return false;
   }
 
-  /// By more than rounding.
+  /// Whether a controlled displacement has passed its target by more than rounding.
   bool has_passed_goal(const State& state, double load_factor) const {
     return goal_.is_controlled() && !goal_.is_reached(state, load_factor) &&
            (goal_.value() - goal_.at(state, load_factor)) * (goal_.value() - start_of_goal_) < 0.0;
@@ -335,7 +336,7 @@ class AutomaticPath {
                          std::abs(goal_.value() - goal_.at(start_->state, 0.0)) + path_limit.still;
   }
 
-  /// Under control the load factor has no end, but beyond some size nothing is to be expected.
+  /// Whether the load factor is within a limit, beyond which a controlled displacement is unlikely to reach its target.
   bool stays_in_reach() {
     if (has_passed_goal(here_.state, here_.load_factor))
       throw GaveUp{"the controlled displacement has passed its target"};
@@ -344,8 +345,8 @@ class AutomaticPath {
            path_limit.largest_controlled_load * (critical_load_ > 0.0 ? critical_load_ : first_load_);
   }
 
-  /// Where a displacement is controlled that does not move at first, nothing tells in which sense the load moves it:
-  /// what a growing one does not reach a falling one may.
+  /// Restarts with a falling load, once. If a controlled displacement does not move at first, the sense in which the
+  /// load moves it is unknown: a falling load may reach the target.
   bool set_out_backwards() {
     const std::string where = "load factor " + rounded(here_.load_factor, 6);
     if (!start_) {
@@ -361,8 +362,7 @@ class AutomaticPath {
     return start_along_path();
   }
 
-  /// Steps to where a path leads that leaves its start infinitely steep, as those of limp cables and of rods do that
-  /// cannot stretch.
+  /// Steps to the first point of a path with infinite initial slope, like that of limp cables and of inextensible rods.
   bool set_out_steeply() {
     if (!is_at_start() || sets_out_in_vain_) return false;
     const bool is_limp = has_limp_members(problem_->model, here_.state, range_.to);
@@ -381,7 +381,7 @@ class AutomaticPath {
     return true;
   }
 
-  /// Steps onto the branch that crosses the path at `from`, if that is asked for.
+  /// Steps onto the branch that crosses the path at `from`, if requested.
   bool take_branch(const CriticalPoint& from, std::vector<CriticalPoint>& passed) {
     if (from.kind != CriticalKind::bifurcation || branched_ || parameters_.analysis.branch == Branch::primary)
       return false;
@@ -426,7 +426,7 @@ class AutomaticPath {
     return size_ >= rule_.minimum;
   }
 
-  /// Along the stable path, if it goes as far.
+  /// Steps along the stable path to the target, if it leads there.
   bool follows_to(double target) {
     const PathDirection way = scaled(here_.tangent, (target - here_.load_factor) / here_.tangent.load);
     const bool predicts = here_.cap_ratio == 0.0 && std::isfinite(way.load) && std::isfinite(way.x.maximum_norm());
@@ -449,7 +449,7 @@ class AutomaticPath {
     return true;
   }
 
-  /// `from_stable`: the path may go on from `here_` all the same, and Newton's method have missed it.
+  /// Descends to a stable state at the target. `from_stable`: Newton's method may have missed the path from `here_`.
   bool jump(double target, bool from_stable) {
     if (descent_ == nullptr)
       descent_ = std::make_unique<Descent>(problem_, parameters_, corrector_, *recorder_.counts(), measure_,
@@ -495,12 +495,12 @@ class AutomaticPath {
   StepJudge judge_;
   const PathMeasure& measure_;
   std::unique_ptr<Descent> descent_{};
-  Station here_;              ///< where the path stands
-  std::optional<Way> way_{};  ///< since the stage, a branch or a resumed path began, as start_of_goal_
+  Station here_;              ///< present point
+  std::optional<Way> way_{};  ///< since the start of the stage, branch or resumed path, like start_of_goal_
   double start_of_goal_ = 0.0;
-  std::optional<Station> start_{};                 ///< of a path under control that has not tried falling loads
-  double first_load_ = 0.0, critical_load_ = 0.0;  ///< sizes of load factors; 0: not known yet
-  bool along_path_ = false;                        ///< steps along the path; else to the goal
+  std::optional<Station> start_{};                 ///< under displacement control, until falling loads were tried
+  double first_load_ = 0.0, critical_load_ = 0.0;  ///< magnitudes of load factors; 0: not known yet
+  bool along_path_ = false;                        ///< steps run along the path; false: to the goal
   double size_ = 0.0;                              ///< of the next step to the goal
   double length_ = 0.0;                            ///< of the next step along the path
   bool branched_ = false;

@@ -13,7 +13,7 @@ namespace mixbeam {
 
 namespace {
 
-/// Vertices with weights: a displacement that is asked for.
+/// Vertices with weights, whose sum is a displacement.
 using VertexWeights = std::vector<std::pair<int, double>>;
 
 /// Sums of the weighted displacements over the length of the structure: (component, mode).
@@ -37,7 +37,7 @@ std::array<std::vector<double>, 3> displacements(const Model& model, const Verte
   return sums;
 }
 
-/// Mean over the elements first .. last - 1 of the mesh.
+/// Weights of the mean over elements first .. last - 1 of the mesh.
 VertexWeights mean_of(const Mesh& mesh, int first, int last) {
   double length = 0.0;
   for (int e = first; e < last; ++e) length += mesh.element_length(mesh.elements[e]);
@@ -54,7 +54,7 @@ double norm(const std::vector<double>& v) {
   return std::sqrt(sum);
 }
 
-/// The first component that is nearly the largest, -1 where none moves.
+/// First component that is nearly the largest; -1 if none moves.
 int leading(const std::array<std::vector<double>, 3>& sums) {
   const double largest = std::max({norm(sums[0]), norm(sums[1]), norm(sums[2])});
   for (int c = 0; c < 3 && largest > path_limit.moves; ++c)
@@ -62,7 +62,7 @@ int leading(const std::array<std::vector<double>, 3>& sums) {
   return -1;
 }
 
-/// Shares of the modes in the direction; empty: the rule finds none.
+/// Coefficients of the modes in the direction; empty: the rule finds none.
 std::vector<double> shares_by_rule(const Model& model, const std::vector<MixedVector>& modes) {
   const auto whole = model.whole_mesh();
   const Mesh& mesh = *whole;

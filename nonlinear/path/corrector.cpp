@@ -30,7 +30,7 @@ Corrector::~Corrector() { LOCA::destroyGlobalData(global_); }
 
 namespace {
 
-/// The row as LOCA's constrained group wants it.
+/// Adapter that presents the row to LOCA's constrained group.
 class LinearControl : public LOCA::MultiContinuation::ConstraintInterfaceMVDX {
  public:
   using Constraint = LOCA::MultiContinuation::ConstraintInterface;
@@ -111,7 +111,7 @@ Teuchos::RCP<BeamGroup> group_at(const Teuchos::RCP<LOCA::GlobalData>& global, c
   return Teuchos::rcp(new BeamGroup(global, problem, guess.state, guess.load_factor, {}, choice));
 }
 
-/// A prediction is that of a capped tangent: only an iteration of its own tells what the cap has left out.
+/// Requires one iteration after a prediction by a capped tangent, whose cap has left out an unknown part.
 class AfterOneIteration : public NOX::StatusTest::Generic {
  public:
   explicit AfterOneIteration(const Teuchos::RCP<NOX::StatusTest::Generic>& later) : later_(later) {}
@@ -135,13 +135,13 @@ Correction Corrector::at_load(const State& from, double load_factor, int most_it
                               bool from_stable) {
   TangentChoice choice;
   choice.may_iterate = from_stable;
-  choice.enough = newton_limit.enough_for_increments;  // what the next iteration removes need not be solved for
+  choice.enough = newton_limit.enough_for_increments;  // the next iteration removes the rest
   const auto start = group_at(global_, problem_, {from, load_factor}, choice);
   if (way == nullptr) return solve(start, most_iterations);
   start->computeF();
   const auto group = Teuchos::rcp(new BeamGroup(*start, NOX::DeepCopy));
   step_within_rotation(*group, *start, BeamVector(*way), parameters_.newton.maximum_rotation);
-  // Where the rate at the start says nothing of the whole way (loads by formula), Newton's method starts without it.
+  // If the rate at the start does not represent the whole step (loads by formula), start without the prediction.
   const bool helps = group->getNormF() < start->getNormF() || group->equilibrium_norm() < start->equilibrium_norm();
   return helps ? solve(group, most_iterations, true) : solve(start, most_iterations);
 }

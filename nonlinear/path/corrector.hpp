@@ -1,5 +1,4 @@
-/// Newton's method at one point of a path: at a given load factor, or with the load factor as an unknown and one
-/// control row.
+/// Newton's method at one point of a path: at a given load factor, or with an unknown load factor and a control row.
 #pragma once
 
 #include "nonlinear/newton/newton_setup.hpp"
@@ -11,40 +10,39 @@
 
 namespace mixbeam {
 
-/// What Newton's method found, or how it failed.
+/// Result of Newton's method, or the cause of its failure.
 struct Correction {
   bool converged = false;
-  State state;               ///< the last iterate
-  double load_factor = 0.0;  ///< likewise
+  State state;               ///< of the last iterate
+  double load_factor = 0.0;  ///< of the last iterate
   MixedVector moved;         ///< sum of all increments since the start
   int iterations = 0;
   double residual = 0.0;  ///< scaled maximum norm
   std::string cause{};    ///< of a failure, in a few words
 };
 
-/// Where the iteration starts: at `state` moved by `moved`.
+/// Start of the iteration: `state` moved by `moved`.
 struct Guess {
   const State& state;
   double load_factor;
-  const MixedVector* moved = nullptr;  ///< null: not at all
+  const MixedVector* moved = nullptr;  ///< null: no motion
 };
 
 class Corrector {
  public:
-  /// `record` must outlive this object. What is done to check a step is counted apart and no failed attempt of the
-  /// path. Throws InputError for NOX parameters that NOX refuses.
+  /// `record` must outlive this object. NewtonPurpose::check: work is counted separately, and failures are no failed
+  /// attempts of the path. Throws InputError for NOX parameters that NOX refuses.
   Corrector(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, SolveRecord& record,
             NewtonPurpose purpose = NewtonPurpose::step);
   ~Corrector();
   Corrector(const Corrector&) = delete;
   Corrector& operator=(const Corrector&) = delete;
 
-  /// Equilibrium at a load factor. What the tangent says of the way there (increments for the whole step, null where it
-  /// is not known) takes the place of the first iteration, limited as that is.
-  /// `from_stable`: networks may be iterated with.
+  /// Finds equilibrium at a load factor. `way`: increments for the whole step predicted by the tangent, which replace
+  /// the first iteration and are limited like it; null: unknown. `from_stable`: networks may be solved by iteration.
   Correction at_load(const State& from, double load_factor, int most_iterations, const MixedVector* way = nullptr,
                      bool from_stable = false);
-  /// Equilibrium at which the row holds.
+  /// Finds equilibrium with an unknown load factor, for which the row holds.
   Correction on_row(const Guess& guess, const ControlRow& row, int most_iterations);
 
   const Teuchos::RCP<LOCA::GlobalData>& global() const { return global_; }

@@ -16,13 +16,12 @@ const char* name_of(CriticalKind kind) {
 
 namespace {
 
-/// A prediction by the cubic through known points has the error of the one along the tangents at both ends times the
-/// ratio of the products of the distances to the four points of support. The latter are not quite those of the path
-/// where rotations do not commute.
+/// Number of known points through which a cubic predicts others. Its error is that of the cubic along the tangents at
+/// both ends, times the ratio of the products of the distances to the four supporting points.
 constexpr size_t kSupports = 4;
 constexpr size_t kFarSamples = 3;
-/// On the way to a root the next sample is taken where the polynomial through so many passes zero, but every so many
-/// times half-way, since polynomials may mislead. Three samples as a rule.
+/// Samples of the polynomial whose zero is the next sample on the way to a root, and period at which the bracket is
+/// halved instead, since polynomials may mislead. Three samples usually suffice.
 constexpr size_t kPolynomialSamples = 5;
 constexpr int kHalfway = 5;
 
@@ -54,8 +53,7 @@ double slope_of(const Samples& samples, size_t count, double x, double PassingSa
   return slope;
 }
 
-/// Zero of a function in [a, b], by secants that keep the bracket (rule of false position, Illinois); not a number
-/// where it does not change its sign.
+/// Finds the zero of a function in [a, b] by regula falsi (Illinois); NaN if it does not change its sign.
 template <class Function>
 double root_of(const Function& function, double a, double b) {
   double fa = function(a), fb = function(b);
@@ -81,8 +79,8 @@ void sort_by_distance(Samples& samples, double at) {
   });
 }
 
-/// Where the polynomial through the first `count` samples passes zero; at a limit point where that of the load factor,
-/// which is known to more digits than its rate, is stationary.
+/// Finds the zero of the polynomial through the first `count` samples; at a limit point the stationary point of that of
+/// the load factor, which has more digits than its rate.
 double root_of_samples(const Samples& samples, size_t count, bool is_limit, double low, double high) {
   const bool by_load = is_limit && count >= 4;
   return root_of(
@@ -95,7 +93,7 @@ double root_of_samples(const Samples& samples, size_t count, bool is_limit, doub
 
 }  // namespace
 
-/// Through the nearest points known, where they are nearer than the ends of the step.
+/// Predicts a point by the cubic through the nearest known points, if they are nearer than the ends of the step.
 PathDirection CriticalPointFinder::predicted(double at) const {
   std::vector<const Known*> nearest;
   for (const Known& known : known_) nearest.push_back(&known);
@@ -137,8 +135,8 @@ CriticalPointFinder::Sample CriticalPointFinder::sample(double at, Asked asked) 
   return result;
 }
 
-/// Whether the tangents of samples beside a critical point are those of one smooth path: an imperfect structure turns
-/// aside there, and the other side of its corner belongs to another path.
+/// Throws if tangents beside a critical point do not belong to one smooth path: the path of an imperfect structure
+/// turns off sharply there, and points beyond the corner belong to another path.
 void CriticalPointFinder::require_smoothness(const Station& a, const Station& b) const {
   if (straight_ || !a.has_tangent() || !b.has_tangent()) return;
   if (measure_.cosine(a.tangent.x, b.tangent.x) < path_limit.smooth_cosine)
@@ -157,7 +155,7 @@ const SpaceValues& CriticalPointFinder::values_of(Sample& sample, const Space& s
   return sample.seen;
 }
 
-/// Throws where there are none.
+/// Modes in the space at a sample; throws if there are none.
 const std::vector<EigenMode>& CriticalPointFinder::modes_of(Sample& sample, const Space& space) {
   const std::vector<EigenMode>& modes = values_of(sample, space).modes;
   if (modes.empty()) throw NotLocated("a critical point could not be located: the tangent loses its symmetry");
@@ -171,7 +169,7 @@ bool CriticalPointFinder::sees_changes(Bracket& bracket, const Space& space) {
          std::abs(low.negative() - high.negative()) == bracket.changes();
 }
 
-/// That of the larger bracket, or the modes at one of the ends.
+/// Chooses a space for the bracket: that of the larger bracket, or the modes at one of the ends.
 void CriticalPointFinder::choose_space(Bracket& bracket) {
   if (bracket.space && sees_changes(bracket, bracket.space)) return;
   bracket.space.reset();
@@ -185,8 +183,8 @@ void CriticalPointFinder::choose_space(Bracket& bracket) {
   }
 }
 
-/// Whether elements become unstable inside, between vertices that stand still, or the tangent has no symmetry and its
-/// count only tells the sign of the determinant: then no eigenvalue of the vertices needs to pass zero.
+/// Whether elements become unstable inside, between fixed vertices, or the tangent is unsymmetric and its count only
+/// means the sign of the determinant: then no eigenvalue of the vertices needs to pass zero.
 bool CriticalPointFinder::needs_counting(const Bracket& bracket) {
   if (turns(bracket) || bracket.space) return false;
   if (!bracket.low.station.stability->symmetric || !bracket.high.station.stability->symmetric)
@@ -198,12 +196,12 @@ bool CriticalPointFinder::needs_counting(const Bracket& bracket) {
   return changes == bracket.changes() || (changes > 0 && bracket.width() < path_limit.together);
 }
 
-/// Samples that divide the bracket; none where its eigenvalues vanish at one place: their secants say so, and once more
-/// close to that place.
+/// Takes samples that divide the bracket; none if its eigenvalues vanish together, according to their secants in the
+/// bracket and again close to their zero.
 std::vector<CriticalPointFinder::Sample> CriticalPointFinder::between(const Bracket& bracket) {
   using Modes = std::vector<EigenMode>;
   const auto secant_places = [&](const Modes& low, const Modes& high) {
-    std::vector<double> places;  // as shares
+    std::vector<double> places;  // as shares of the bracket
     const int first = bracket.first_crossing(), last = first + bracket.changes();
     for (int i = first; i < last; ++i) places.push_back(low[i].eigenvalue / (low[i].eigenvalue - high[i].eigenvalue));
     std::sort(places.begin(), places.end());
@@ -236,7 +234,7 @@ void CriticalPointFinder::isolate(Bracket bracket, std::vector<Bracket>& found) 
   const int changes = bracket.changes();
   const bool first_only = !found.empty() && !separates_, is_short = bracket.width() < path_limit.together;
   if (changes == 0 && !turns(bracket)) return;
-  if (changes == 0 && is_short)  // else a limit point and another one are two
+  if (changes == 0 && is_short)  // otherwise there are two points, one of them a limit point
     return require_smoothness(bracket.low.station, bracket.high.station);
   if (changes > 0 && (first_only || (turns(bracket) && (changes == 1 || is_short)))) {
     found.push_back(std::move(bracket));
@@ -261,10 +259,10 @@ void CriticalPointFinder::isolate(Bracket bracket, std::vector<Bracket>& found) 
   }
 }
 
-// Where in a bracket a critical point lies, and the state there: theory (60), (61).
+// Location of the critical point in a bracket, and the state there: theory (60), (61).
 
-/// On one path the load factor turns only where the count changes: a sample in the bracket of a bifurcation with a rate
-/// of the other sign lies behind other critical points, or on another path.
+/// Throws MorePoints if a sample in the bracket of a bifurcation has a rate of the load factor of the other sign: on
+/// one path that requires further critical points.
 void CriticalPointFinder::require_order(const Bracket& bracket, const Sample& here) {
   const double rate = here.station.tangent.load, low = bracket.low.station.tangent.load,
                high = bracket.high.station.tangent.load;
@@ -273,8 +271,8 @@ void CriticalPointFinder::require_order(const Bracket& bracket, const Sample& he
   throw MorePoints{sample(here.at, Asked::count)};
 }
 
-/// Theory (60): at a limit point the load's rate along the path passes zero, else the mean of the eigenvalues that
-/// vanish together, which is smooth even where they cross.
+/// Evaluates the value that passes zero, theory (60): at a limit point the rate of the load factor along the path, else
+/// the mean of the eigenvalues that vanish together, which is smooth even if they cross.
 PassingSample CriticalPointFinder::passing(const Bracket& bracket, Sample& sample) {
   PassingSample result{sample.at, sample.station.tangent.load, sample.station.load_factor};
   if (turns(bracket)) return result;
@@ -285,7 +283,7 @@ PassingSample CriticalPointFinder::passing(const Bracket& bracket, Sample& sampl
   return result;
 }
 
-/// Of the eigenvalues that vanish together.
+/// Modes of the eigenvalues that vanish together.
 std::vector<MixedVector> CriticalPointFinder::critical_modes(const Bracket& bracket, Sample& sample) {
   const std::vector<EigenMode>& seen = modes_of(sample, bracket.space);
   std::vector<MixedVector> modes;
@@ -293,8 +291,8 @@ std::vector<MixedVector> CriticalPointFinder::critical_modes(const Bracket& brac
   return modes;
 }
 
-/// Theory (61), the critical modes taken out of every increment of Newton's method at the root's load: regular where
-/// the path crosses other ones.
+/// Finds the state by theory (61): Newton's method at the root's load with critical modes deflated from every
+/// increment, which is regular where the path crosses others.
 State CriticalPointFinder::state_at_bifurcation(double at, double load_factor,
                                                 const std::vector<MixedVector>& critical) {
   const PathDirection guess = predicted(at);
@@ -314,14 +312,14 @@ State CriticalPointFinder::state_at_bifurcation(double at, double load_factor,
   return group.state();
 }
 
-/// Where samples beside a critical point lie: multiples of this.
+/// Distance of samples from a critical point, which they take at multiples of it.
 double CriticalPointFinder::distance_at(const Bracket& bracket, double at) const {
   const double to_end = std::min(at - bracket.low.at, bracket.high.at - at), width = bracket.width();
   return std::clamp(0.25 * to_end, path_limit.least_distance * width,
                     (turns(bracket) ? path_limit.distance_of_limit : path_limit.distance_of_samples) * width);
 }
 
-/// The place as well as the distance of samples asks for; adds what was sampled on the way, the ends first.
+/// Locates the root as accurately as the distance of samples requires; returns the samples on the way, ends first.
 double CriticalPointFinder::coarse_root(Bracket& bracket, std::vector<PassingSample>& samples) {
   const Asked asked = turns(bracket) ? Asked::tangent : Asked::state;
   samples = {passing(bracket, bracket.low), passing(bracket, bracket.high)};
@@ -345,7 +343,7 @@ double CriticalPointFinder::coarse_root(Bracket& bracket, std::vector<PassingSam
   return at;
 }
 
-/// Of no modes where the count changes and nothing passes zero.
+/// Locates the point by bisection of the count. The result has no modes if nothing passes zero.
 CriticalPoint CriticalPointFinder::locate_by_count(const Bracket& bracket) {
   Sample low = bracket.low, high = bracket.high;
   while (high.at - low.at > path_limit.counted_place) {
@@ -361,20 +359,20 @@ CriticalPoint CriticalPointFinder::locate_by_count(const Bracket& bracket) {
   point.modes = std::abs(high.negative() - low.negative());
   point.error = std::abs(high.station.load_factor - low.station.load_factor);
   if (high.station.stability->symmetric) return point;
-  // counted as negative from the error of an eigenvalue on
+  // An eigenvalue counts as negative only beyond its error, which shifts the place of the change.
   const double noise = find_modes(point);
   const Station& start = bracket.low.station;
   const std::vector<EigenMode> far = stability_.modes_near_zero(start.state, start.load_factor, 1);
   if (far.empty()) return point;
-  const double left = noise / std::abs(far.front().eigenvalue);  // of what the eigenvalue was
+  const double left = noise / std::abs(far.front().eigenvalue);  // relative to the eigenvalue at the start
   point.error += left * std::abs(point.load_factor - start.load_factor);
-  // Two complex eigenvalues that meet below zero and become real change the count, too.
+  // The count also changes if two complex eigenvalues meet below zero and become real.
   if (point.modes % 2 == 0 && left > path_limit.passed_zero) point.modes = 0;
   return point;
 }
 
-/// Samples at multiples of the distance to both sides of `near`, which are those of one smooth path; the first of them
-/// in `beside`.
+/// Takes samples at multiples of the distance on both sides of `near`, which must lie on one smooth path; returns the
+/// first of them in `beside`.
 std::vector<PassingSample> CriticalPointFinder::samples_beside(const Bracket& bracket, double near, double distance,
                                                                Sample& beside) {
   std::vector<Sample> nearest;
@@ -437,7 +435,8 @@ CriticalPoint CriticalPointFinder::locate(Bracket& bracket) {
   return point;
 }
 
-/// Returns the error of the eigenvalue nearest to zero; of several at one place how far they are from it.
+/// Finds the modes at a point. Returns the error of the eigenvalue nearest to zero; for several, at least their largest
+/// magnitude.
 double CriticalPointFinder::find_modes(CriticalPoint& point) {
   std::vector<EigenMode> modes = stability_.modes_near_zero(point.state, point.load_factor, point.modes);
   if (modes.empty()) return 0.0;
@@ -449,18 +448,18 @@ double CriticalPointFinder::find_modes(CriticalPoint& point) {
   return error;
 }
 
-/// An end of the step; a little beyond it where an eigenvalue is zero there, which belongs to no side.
+/// Sample at an end of the step, or a little beyond it if an eigenvalue is zero there and belongs to neither side.
 CriticalPointFinder::Sample CriticalPointFinder::end_of_step(double at, const Station& station) {
   if (station.stability->null == 0) return {at, station};
   try {
     Sample beyond = sample(at == 0.0 ? -path_limit.beyond_step : at + path_limit.beyond_step, Asked::count);
     if (beyond.station.stability->null == 0) return beyond;
-  } catch (const NotLocated&) {  // the path has a corner there, as between stages
+  } catch (const NotLocated&) {  // the path has a corner there, for example between stages
   }
   return {at, station};
 }
 
-/// Whether all that passes zero in the step does so at one place.
+/// Whether all eigenvalues that pass zero in the step do so at one point.
 bool CriticalPointFinder::is_one_point(Bracket whole) {
   if (turns(whole) || whole.changes() > path_limit.most_multiple) return false;
   choose_space(whole);

@@ -1,4 +1,4 @@
-/// Finds the points within a step at which eigenvalues of the tangent pass zero: theory (60).
+/// Location of the points within a step at which eigenvalues of the tangent pass zero: theory (60).
 #pragma once
 
 #include "nonlinear/path/step_judge.hpp"
@@ -10,21 +10,21 @@
 
 namespace mixbeam {
 
-/// The change of the count within a step is not explained by critical points of one path.
+/// Thrown if critical points of one path do not explain the change of the count within a step.
 class NotLocated : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// A point of a step, with what passes zero at its critical point.
+/// Point of a step (share of the chord), with the value that passes zero at the critical point.
 struct PassingSample {
   double at, passing, load_factor;
 };
 
-/// More eigenvalues than these are not separated: the first one is located, of the others the number is reported.
+/// Number of eigenvalues up to which they are separated. Of more, the first is located and the others are counted.
 inline constexpr int kMostSeparated = 6;
 
-/// Of one step, whose counts at both ends are known and differ.
+/// Finder for one step, whose counts at both ends are known and differ.
 class CriticalPointFinder {
  public:
   CriticalPointFinder(StepJudge& judge, const PathPiece& piece)
@@ -40,7 +40,7 @@ class CriticalPointFinder {
     known_.push_back({1.0, scaled(piece.moved, 1.0)});
   }
 
-  /// In the order of the path. Points of a step with more than a few are not located one by one but the first, see
+  /// Finds the points, in the order of the path. If there are more than kMostSeparated, only the first is located, see
   /// CriticalPoint::located. Throws NotLocated, LinearSolverError. Collective.
   std::vector<CriticalPoint> find();
 
@@ -50,28 +50,28 @@ class CriticalPointFinder {
   struct Sample {
     double at = 0.0;  ///< share of the chord
     Station station;
-    Space space{};       ///< the last one asked for
-    SpaceValues seen{};  ///< with it
+    Space space{};       ///< the last one used
+    SpaceValues seen{};  ///< its values
     int negative() const { return station.stability->negative; }
   };
-  /// What is asked of a sample beside its state.
+  /// Data of a sample: state alone, with its tangent, or also with the count.
   enum class Asked { state, tangent, count };
   /// Two samples between which eigenvalues pass zero.
   struct Bracket {
     Sample low, high;
-    Space space{};  ///< sees all that passes zero; none: not known
+    Space space{};  ///< sees all that passes zero; none: unknown
     int changes() const { return std::abs(high.negative() - low.negative()); }
     double width() const { return high.at - low.at; }
-    /// Of the values that the space sees at both ends.
+    /// Index of the first value of the space that changes its sign.
     int first_crossing() const { return std::min(low.seen.negative(), high.seen.negative()); }
   };
-  /// A state of the path, as increments since the start of the step.
+  /// Known state of the path, as increments since the start of the step.
   struct Known {
     double at;
     PathDirection moved;
   };
 
-  /// There is more than one critical point in a bracket: it is to be divided at this sample.
+  /// Thrown if a bracket contains several critical points; it must be divided at this sample.
   struct MorePoints {
     Sample sample;
   };
@@ -106,10 +106,10 @@ class CriticalPointFinder {
   const Model& model_;
   const PathPiece& piece_;
   double chord_;
-  bool straight_;   ///< to rounding: tangents have no directions of their own
-  bool separates_;  ///< its critical points are few enough to be located one by one
+  bool straight_;   ///< up to rounding, in which the directions of tangents are lost
+  bool separates_;  ///< there are few enough critical points to locate each
   std::vector<Known> known_;
-  int samples_ = 0;  ///< taken
+  int samples_ = 0;  ///< number taken
 };
 
 }  // namespace mixbeam

@@ -16,14 +16,14 @@ namespace mixbeam {
 
 namespace {
 
-/// Inverse iterations towards the lowest mode: any direction of negative curvature serves.
+/// Number of inverse iterations towards the lowest mode: any direction of negative curvature is sufficient.
 constexpr int kInverseIterations = 8;
-/// In place of a number of negative eigenvalues: the tangent has no factors, and stiffer springs may give it some.
+/// Count returned if the tangent could not be factorised, so that springs are stiffened.
 constexpr long kSingular = 1;
 
 }  // namespace
 
-/// K + shift S, S the measure of motions that eigenvalues refer to (IndependentUnknowns), and its factors.
+/// K + shift S and its factors, S the matrix to which eigenvalues refer (units of IndependentUnknowns).
 class Descent::ShiftedTangent {
  public:
   ShiftedTangent(BeamProblem& problem, double residual_tolerance)
@@ -41,15 +41,15 @@ class Descent::ShiftedTangent {
     springs_ = KernelView<double*>("mixbeam::descent::springs", unit.extent(0));
   }
 
-  /// S.
+  /// Diagonal of S.
   const MixedVector& unit_springs() const { return unit_; }
   Tangent& tangent() { return *tangent_; }
 
-  /// Negative eigenvalues. Throws LinearSolverError.
+  /// Factorises; returns the number of negative eigenvalues. Throws LinearSolverError.
   long factorize(const EvaluationPoint& point, double shift) {
     const KernelView<const double*> unit = unit_.vertex();
     for (size_t i = 0; i < unit.extent(0); ++i) springs_(i) = shift * unit(i);
-    tangent_.reset();  // its arrays are used again
+    tangent_.reset();  // so that its arrays are reused
     tangent_.emplace(problem_.model, point, cap_for(problem_.model, point.scales, stability_limit.cap_of_count),
                      TangentKind{true, true, springs_});
     solver_->factorize(*tangent_);
@@ -58,7 +58,7 @@ class Descent::ShiftedTangent {
   }
 
   void solve(const DofVector& b, DofVector& x) { solver_->solve(b, x); }
-  /// Newton's increment for the rows of the vertices; NaN where there is none.
+  /// Computes Newton's increment for the condensed rows; NaN if the solve fails.
   void solve_and_recover(MixedVector& increment) {
     DofVector& rhs = tangent_->condensed_rows();
     rhs.scale(-1.0);
@@ -71,7 +71,7 @@ class Descent::ShiftedTangent {
   }
 
  private:
-  /// Where joints and inclined supports take the symmetry from the matrix that is solved.
+  /// Counts for structures with joints and inclined supports, whose solved matrix is unsymmetric.
   long negative_of_reduced() {
     if (unknowns_ == nullptr) unknowns_ = std::make_unique<IndependentUnknowns>(problem_.model);
     const SparseMatrix& matrix = unknowns_->reduce(*tangent_);
@@ -105,7 +105,7 @@ Descent::~Descent() = default;
 
 double Descent::potential(const State& state) const { return potential_energy(problem_->model, state, load_factor_); }
 
-/// Negative eigenvalues of the tangent at a point. Asks whether to leave.
+/// Factorises the tangent at a point and counts its negative eigenvalues. May throw from leave_if_asked.
 long Descent::factorize(const EvaluationPoint& point, double shift) {
   if (problem_->leave_if_asked) problem_->leave_if_asked();
   ++factorizations_;
@@ -117,7 +117,7 @@ long Descent::factorize(const EvaluationPoint& point, double shift) {
   }
 }
 
-/// Forces and moments of the springs as the equations take them, unscaled.
+/// Unscaled forces and moments of the springs, projected on free motions.
 MixedVector Descent::spring_forces(const State& state, const MixedVector& moved, double shift) const {
   MixedVector forces = problem_->model.create_vector();
   forces.fill(0.0);
@@ -128,7 +128,7 @@ MixedVector Descent::spring_forces(const State& state, const MixedVector& moved,
   return forces;
 }
 
-/// Newton's method on the equations with springs from the vertices to where they stand in `centre`.
+/// Newton's method on the equations with springs from the vertices to their positions in `centre`.
 Descent::Relaxed Descent::relax(const State& centre, double shift) {
   const Model& model = problem_->model;
   Relaxed result{Outcome::failed, centre};
@@ -158,8 +158,8 @@ Descent::Relaxed Descent::relax(const State& centre, double shift) {
   return result;
 }
 
-/// Prescribed motions take place, the rest follows as far as the tangent, stiffened where that must be, tells. Without
-/// them nothing moves.
+/// Applies prescribed motions; the rest follows by one increment of the tangent, with springs if it is indefinite.
+/// Returns the start if there are none.
 State Descent::moved_by_supports(const State& start) {
   const Model& model = problem_->model;
   MixedVector rows = model.create_vector(), increment = rows.clone(false);
@@ -176,15 +176,15 @@ State Descent::moved_by_supports(const State& start) {
   return std::isfinite(increment.maximum_norm()) ? model.apply(start, increment, 1.0) : start;
 }
 
-/// Theory (68): a motion, of largest rotation or displacement / L one, along which the tangent is negative, and its
-/// sign that of branches. None where none was found. The tangent with these springs must have no negative eigenvalue.
+/// Finds a motion along which the tangent is negative, theory (68), with largest rotation or displacement / L of one
+/// and the sign of branches. None if none is found. The tangent with these springs must have no negative eigenvalue.
 std::optional<MixedVector> Descent::falling_motion(const State& state, double shift) {
   const Model& model = problem_->model;
   MixedVector rows = model.create_vector(), mode = rows.clone(false);
   if (factorize(mixed_residual(model, state, load_factor_, rows), shift) > 0) return std::nullopt;
   mode.fill(0.0);
   const KernelView<double*> entries = mode.vertex();
-  for (size_t i = 0; i < entries.extent(0); ++i) {  // no symmetry of the structure shares these numbers
+  for (size_t i = 0; i < entries.extent(0); ++i) {  // pseudo-random, so that the start has no symmetry
     const int vertex = model.structure().local_vertex_to_global[i / kVertexDofs];
     const double number = std::sin(1.0 + 12.9898 * vertex + 78.233 * static_cast<double>(i % kVertexDofs)) * 43758.5453;
     entries(i) = (i % kVertexDofs < 3 ? model.structure().length : 1.0) * (number - std::floor(number) - 0.5);
@@ -215,7 +215,7 @@ std::optional<MixedVector> Descent::falling_motion(const State& state, double sh
   return motion;
 }
 
-/// Down the potential, or along the motion where that is level.
+/// Moves the state in the sense of the motion that lowers the potential, or along the motion if that is level.
 State Descent::pushed(const State& state, const MixedVector& motion, double amplitude) const {
   const Model& model = problem_->model;
   const State along = model.apply(state, motion, amplitude), against = model.apply(state, motion, -amplitude);
@@ -251,10 +251,10 @@ DescentResult Descent::from(const State& start, double load_factor) {
   factorizations_ = 0;
   State here = moved_by_supports(start);
   const double stress = std::max(1.0, stress_of(model, magnitude_of(model, here, load_factor)));
-  double lowest = HUGE_VAL;  // no potential before the loads are on
+  double lowest = HUGE_VAL;  // the first potential is taken under the new loads
   double shift = path_limit.first_shift * stress, softest = path_limit.first_shift * stress,
          amplitude = path_limit.first_push;
-  bool falls_aside = false;  // the tangent is known to have a negative eigenvalue here
+  bool falls_aside = false;  // the tangent has a negative eigenvalue here
   while (factorizations_ < kMostFactorizationsOfDescent && shift <= path_limit.most_shift * stress) {
     if (!falls_aside && shift < softest) {
       softest = path_limit.springs_soften * shift;

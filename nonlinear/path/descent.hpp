@@ -1,10 +1,10 @@
-/// Descent from any state along the total potential to a stable equilibrium: what a jump does, theory (67).
+/// Descent from any state along the total potential to a stable equilibrium, which models a jump, theory (67).
 ///
-/// Steps of a gradient flow, each to the minimum of the potential with springs from all vertices to where they stood:
-/// so the potential falls from step to step, and Newton's method has a tangent without negative eigenvalues, with all
-/// rows of the mixed system solved together as on any path. Springs stiffen until no pivot is negative and the
-/// potential has fallen, and soften from step to step; without them what is reached is an equilibrium. Where the
-/// tangent itself has a negative eigenvalue the structure is pushed along its mode first.
+/// Takes steps of a gradient flow, each to the minimum of the potential with springs from all vertices to their
+/// previous positions: the potential falls from step to step, and Newton's method has a tangent without negative
+/// eigenvalues, with all rows of the mixed system solved together as on any path. Springs stiffen until no pivot is
+/// negative and the potential has fallen, and soften from step to step; the equilibrium is finally found without them.
+/// If the tangent itself has a negative eigenvalue the structure is pushed along its mode first.
 #pragma once
 
 #include "nonlinear/path/corrector.hpp"
@@ -18,10 +18,10 @@
 
 namespace mixbeam {
 
-/// Factorisations of one descent, at most.
+/// Limit of factorisations of one descent.
 inline constexpr int kMostFactorizationsOfDescent = 500;
 
-/// The state at the end, or why there is none.
+/// Final state, or the cause of failure.
 struct DescentResult {
   std::optional<Correction> found{};
   std::string cause{};
@@ -32,14 +32,14 @@ class Descent {
  public:
   using Observer = std::function<void(const DescentProgress&)>;
 
-  /// All must outlive this object.
+  /// All arguments must outlive this object.
   Descent(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, Corrector& corrector,
           Stability& stability, const PathMeasure& measure, const Observer& observer);
   ~Descent();
   Descent(const Descent&) = delete;
   Descent& operator=(const Descent&) = delete;
 
-  /// A stable equilibrium at a load factor. Collective.
+  /// Finds a stable equilibrium at a load factor. Collective.
   DescentResult from(const State& start, double load_factor);
 
  private:

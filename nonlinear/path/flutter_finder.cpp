@@ -14,19 +14,18 @@ namespace mixbeam {
 
 namespace {
 
-/// Frequencies that are looked at, at least: a round column has each of them twice.
+/// Least number of frequencies examined: a round column has each of them twice.
 constexpr int kLeastModes = 6, kLeastDamped = 4;
-/// Imaginary part over the size beyond which omega^2 is complex: values that are equal differ by the root of rounding.
+/// Ratio of imaginary part to magnitude above which omega^2 is complex: equal values differ by the root of rounding.
 constexpr double kComplex = 1e-6;
-/// Rate of growth over the size of the exponent beyond which a motion grows: as kComplex; of damped ones rounding of
-/// Sample::largest_growth().
+/// Ratio of the growth rate to |s| above which a motion grows, consistent with kComplex; for damped motions the
+/// rounding of Sample::largest_growth().
 constexpr double kGrows = 0.5 * kComplex, kDampedGrows = 1e-13;
-/// Complex values within this of each other, or of the conjugate, meet together.
+/// Relative distance within which complex values, or their conjugates, meet together.
 constexpr double kTogether = 1e-4;
-/// Change of the load factor, over it, at which a flutter point is located: beyond, the rounding of the discriminant
-/// decides.
+/// Relative change of the load factor at which a flutter point is located: below, rounding of the discriminant decides.
 constexpr double kLocated = 1e-13;
-/// Samples: ten as a rule, by halving alone 45; and on the way to the first complex values.
+/// Limits of samples (usually ten, by bisection alone 45) and of halvings on the way to the first complex values.
 constexpr int kMostSamples = 90, kMostHalvings = 20;
 
 bool is_complex(const std::complex<double>& squared) { return std::abs(squared.imag()) > kComplex * std::abs(squared); }
@@ -70,7 +69,7 @@ int FlutterFinder::Sample::growing() const {
   }));
 }
 
-/// What is computed is 1 / s, with the rounding of the largest: that of the least exponent.
+/// Scales rates by the rounding of 1 / s, which are the computed values: that of the largest, with the least exponent.
 double FlutterFinder::Sample::largest_growth() const {
   double least = HUGE_VAL, largest = -HUGE_VAL;
   for (const std::complex<double>& rate : rates) least = std::min(least, std::abs(rate));
@@ -83,8 +82,8 @@ size_t FlutterFinder::Sample::most_growing() const {
   return static_cast<size_t>(std::max_element(rates.begin(), rates.end(), grows_less) - rates.begin());
 }
 
-/// The variance over the square of the mean: of two values a quarter of the square of their difference, real also
-/// where they are not; smooth where they meet.
+/// Variance over the square of the mean: for two values a quarter of the square of their difference, which is real even
+/// if they are complex, and smooth where they meet.
 double FlutterFinder::Cluster::discriminant(const Sample& sample) const {
   const std::complex<double> mean = this->mean(sample);
   std::complex<double> sum{};
@@ -111,7 +110,7 @@ std::optional<FlutterFinder::Sample> FlutterFinder::between(const Sample& from, 
   return look(found.state, load_factor);
 }
 
-/// The complex ones with the lowest frequency, and those equal to them.
+/// Cluster of the complex values with the lowest frequency and those equal to them.
 FlutterFinder::Cluster FlutterFinder::cluster_of(const Sample& sample) {
   const auto& all = sample.squared;
   const size_t first = static_cast<size_t>(std::find_if(all.begin(), all.end(), is_complex) - all.begin());
@@ -124,8 +123,9 @@ FlutterFinder::Cluster FlutterFinder::cluster_of(const Sample& sample) {
   return cluster;
 }
 
-/// Between `low` and a state in which more motions grow a sample with more complex values, and `low` next to it: two
-/// values may have met, parted again below zero, and be real at the end of a step. None where they pass zero alone.
+/// Finds a sample with more complex values between `low` and a state in which more motions grow, and moves `low` next
+/// to it: two values may have met, separated below zero, and be real at the end of a step. None if one passes zero
+/// alone.
 std::optional<FlutterFinder::Sample> FlutterFinder::first_complex(Sample& low, Sample high) {
   for (int i = 0; i < kMostHalvings && high.growing() > low.growing(); ++i) {
     if (high.complex_values() > low.complex_values()) return high;
@@ -137,8 +137,8 @@ std::optional<FlutterFinder::Sample> FlutterFinder::first_complex(Sample& low, S
   return std::nullopt;
 }
 
-/// Secants that keep the bracket (rule of false position, Illinois), of the discriminant, or of the largest rate of
-/// damped motions, which passes zero; halves where they are slow: mass damping alone is flat, then a root.
+/// Locates the zero of the discriminant, or of the largest rate of damped motions, by regula falsi (Illinois); halves
+/// the bracket if that is slow: with mass damping alone the rate is flat, then a square root.
 std::optional<CriticalPoint> FlutterFinder::locate(Sample low, Sample high) {
   const int at_low = low.complex_values();
   if (low.rates.empty() || high.rates.empty()) return std::nullopt;
@@ -185,7 +185,7 @@ std::optional<CriticalPoint> FlutterFinder::locate(Sample low, Sample high) {
   return point;
 }
 
-/// On the way from a state to one about which more motions grow.
+/// Locates the point between a state and one about which more motions grow.
 std::optional<CriticalPoint> FlutterFinder::entered(Sample low, const Sample& high) {
   if (damped_)
     return low.largest_growth() <= kDampedGrows && high.largest_growth() > kDampedGrows ? locate(low, high)
@@ -216,7 +216,7 @@ std::vector<CriticalPoint> FlutterFinder::passed(const State& state, double load
     }
     if (held) here = {state, load_factor};
     before_ = std::move(here);
-  } catch (const LinearSolverError&) {  // no equations that can be solved: the modes of a state tell
+  } catch (const LinearSolverError&) {  // equations cannot be solved: the request for modes reports that
     before_.reset();
   } catch (const InputError&) {  // no masses
     before_.reset();

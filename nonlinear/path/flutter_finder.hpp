@@ -1,5 +1,5 @@
-/// Finds the load factors at which natural frequencies meet and become complex, or part again, under loads without a
-/// potential and in frames that turn: theory (74).
+/// Location of load factors at which natural frequencies meet and become complex, or separate again, under loads
+/// without a potential and in rotating frames: theory (74).
 #pragma once
 
 #include "nonlinear/path/corrector.hpp"
@@ -11,19 +11,19 @@
 
 namespace mixbeam {
 
-/// Whether some load turns with the structure, or is a moment, or a frame turns: then frequencies may be complex.
+/// Whether frequencies may be complex: some load follows the structure or is a moment, or there is a rotating frame.
 bool may_flutter(const Scene& scene);
 
-/// Looks at each state of a path in turn, and half-way between two. Only frequencies among those that the analysis asks
-/// for, and a few more, are seen.
+/// Examines each state of a path in turn, and one half-way between two. Sees only the frequencies that the analysis
+/// requests, and a few more.
 class FlutterFinder {
  public:
   FlutterFinder(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters);
 
-  /// The points since the state before at which more frequencies became complex, or fewer. Between them states are
-  /// those of Newton's method from one beside. `held`: the state is a minimum of a potential, about which no motion
-  /// grows; between two such states nothing is looked for. Without a result where no masses are, or frequencies cannot
-  /// be computed. Collective.
+  /// Finds the points since the previous state at which more or fewer frequencies became complex. States in between are
+  /// computed by Newton's method from a neighbour. `held`: the state is a minimum of a potential, about which no motion
+  /// grows; nothing is sought between two such states. Empty if there are no masses, or frequencies cannot be computed.
+  /// Collective.
   std::vector<CriticalPoint> passed(const State& state, double load_factor, bool held);
 
  private:
@@ -35,12 +35,12 @@ class FlutterFinder {
     std::vector<MixedVector> modes{};
 
     int complex_values() const;
-    int growing() const;            ///< motions
-    double largest_growth() const;  ///< rate, over that whose rounding would be one
-    size_t most_growing() const;    ///< of the largest rate
+    int growing() const;            ///< number of growing motions
+    double largest_growth() const;  ///< largest rate of growth, over a scale whose rounding is that of numbers near one
+    size_t most_growing() const;    ///< index of the largest rate
     double largest_rate() const { return rates.empty() ? 0.0 : rates[most_growing()].real(); }
   };
-  /// Those that meet: neighbours among the frequencies.
+  /// Frequencies that meet, which are neighbours.
   struct Cluster {
     size_t first = 0, count = 0;
     std::complex<double> mean(const Sample& sample) const;
@@ -59,7 +59,7 @@ class FlutterFinder {
   bool damped_;
   SolveRecord record_{};
   Corrector corrector_;
-  std::optional<Sample> before_{};  ///< without frequencies where it is held
+  std::optional<Sample> before_{};  ///< previous state, without frequencies if it is held
 };
 
 }  // namespace mixbeam

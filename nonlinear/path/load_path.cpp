@@ -14,8 +14,8 @@ namespace mixbeam {
 
 namespace {
 
-/// A relative rotation of pi cannot be told from one of -pi; what converged next to it is not to be trusted. Tells
-/// which element turns by as much at the end of a stage, if any.
+/// Names an element that rotates by pi against its vertices at the end of a stage, if any: pi cannot be distinguished
+/// from -pi, and a state that converged next to it is unreliable.
 std::string problem_of_end_angles(BeamProblem& problem, const State& state, double load_factor) {
   const EndAngle angle = largest_end_angle(problem.model, take_point(problem, state, load_factor));
   if (angle.angle < kPi * (1.0 - path_limit.margin_of_half_turn)) return "";
@@ -23,7 +23,7 @@ std::string problem_of_end_angles(BeamProblem& problem, const State& state, doub
          "\" turns by pi against its vertices, where rotations are no longer unique";
 }
 
-/// Whether a path that was stopped has left a piece behind, or stands in a later one.
+/// Whether an interrupted path has completed a piece, or is in a later one.
 bool is_behind(const LoadPiece& piece, const PathControl& control) {
   if (!control.resume || control.resume->step == 0) return false;
   const PathPoint& stopped = *control.resume;
@@ -31,7 +31,7 @@ bool is_behind(const LoadPiece& piece, const PathControl& control) {
   return stopped.piece > piece.from || (stopped.piece == piece.from && is_end_of_stage(stopped.parameter, piece.end()));
 }
 
-/// What is left of a piece of a stage for a path that stands at the end of `result`.
+/// Remaining range of a piece of a stage for a path at the end of `result`.
 StageRange range_of_stage(int stage, const LoadPiece& piece, const BeamProblem& problem,
                           const SolverParameters& parameters, const PathControl& control,
                           const LoadPathResult& result) {
@@ -49,7 +49,7 @@ StageRange range_of_stage(int stage, const LoadPiece& piece, const BeamProblem& 
   return range;
 }
 
-/// Stages that are behind a path when it is resumed.
+/// Number of stages that a resumed path has completed.
 int finished_stages(const PathControl& control) {
   if (!control.resume) return 0;
   const int stage = control.resume->stage;
@@ -58,7 +58,7 @@ int finished_stages(const PathControl& control) {
   return control.resume->step > 0 && is_end_of_stage(load_factor, stage) && !jumps_next ? stage : stage - 1;
 }
 
-/// Load factors at which states are asked for: by modes and, where pieces are cut anyway, by fixed steps.
+/// Load factors at which states are requested: for modes and, if pieces are divided anyway, for fixed steps.
 std::vector<double> ends_asked_for(int stage, bool is_plain, const SolverParameters& parameters) {
   std::vector<double> ends = parameters.analysis.modes.load_factors;
   const bool is_fixed = parameters.load_path.method == LoadPathMethod::fixed && (!is_plain || !ends.empty());
@@ -68,7 +68,7 @@ std::vector<double> ends_asked_for(int stage, bool is_plain, const SolverParamet
   return ends;
 }
 
-/// Where loads turn or jump there is an end, and where a state is asked for.
+/// Divides a stage where loads turn back or jump, and where a state is requested.
 std::vector<LoadPiece> pieces_of_stage(int stage, const BeamProblem& problem, const SolverParameters& parameters) {
   LoadPiece whole{stage - 1.0, 1.0 * stage};
   whole.is_plain = true;
@@ -104,7 +104,7 @@ bool follow_stage(const Teuchos::RCP<BeamProblem>& problem, const SolverParamete
   } running{clock};
   clock.run(range.piece);
   recorder.enter_piece(range.piece);
-  problem->forget_tangents();  // as where a path is resumed
+  problem->forget_tangents();  // like a resumed path
   const bool is_own =
       parameters.analysis.snap == Snap::jump || parameters.load_path.method == LoadPathMethod::automatic;
   const bool arrived = is_own ? follow_stage_automatically(problem, parameters, start, range, recorder)
@@ -123,7 +123,7 @@ void give_up(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& p
   result.failure = text_of(*result.report);
 }
 
-/// Whether the end of a stage may be believed. A resumed path may stand at one whose check was not reached.
+/// Whether the end of a stage is reliable. A path may be resumed at an end that was not checked before.
 bool is_trustworthy(const Teuchos::RCP<BeamProblem>& problem, const State& state, PathRecorder& recorder) {
   const std::string cause = problem_of_end_angles(*problem, state, recorder.load_factor());
   if (!cause.empty()) recorder.rejected(cause, 0);
@@ -131,7 +131,7 @@ bool is_trustworthy(const Teuchos::RCP<BeamProblem>& problem, const State& state
   return cause.empty();
 }
 
-/// The first value of a text parameter with this name anywhere below `list` that is among `values`; empty if none is.
+/// Finds the first text parameter with this name anywhere below `list` whose value is among `values`; empty: none.
 std::string find_value(const Teuchos::ParameterList& list, const std::string& name,
                        const std::vector<std::string>& values) {
   for (auto it = list.begin(); it != list.end(); ++it) {
@@ -158,7 +158,7 @@ LoadPathResult settle_at_end(const Teuchos::RCP<BeamProblem>& problem, const Sol
   const int end = problem->model.scene().stages, before = problem->work.newton_iterations;
   LoadPathResult result;
   PathControl control;
-  control.resume.emplace();  // the step that is reported is the first one, not the start of a path
+  control.resume.emplace();  // makes the reported step the first one, not the start of a path
   PathRecorder recorder(problem, parameters, state, observer, control, result);
   problem->attempts.start_path(0, {});
   recorder.enter_stage(end, 1);

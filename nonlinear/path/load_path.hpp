@@ -1,4 +1,4 @@
-/// Load continuation: from the present state along the load factor, stage after stage.
+/// Load continuation: from the present state along the load factor, stage by stage.
 #pragma once
 
 #include "discretization/state/member_samples.hpp"
@@ -21,23 +21,23 @@ struct StepReport {
   double residual = 0.0;      ///< scaled maximum norm
   bool converged = true;
   PathPoint point{};
-  std::optional<StabilityResult> stability{};  ///< of the state under its loads; none: not asked for
-  /// Under a controlled displacement: of the state with that displacement held in place of the load. None: not known.
+  std::optional<StabilityResult> stability{};  ///< of the state under its loads; none: not requested
+  /// Displacement control: stability with that displacement held instead of the load. None: unknown.
   std::optional<StabilityResult> held_stability{};
   std::vector<CriticalPoint> critical_points{};  ///< passed since the last step, in the order of the path
-  std::optional<RecordedJump> jump{};            ///< with which the step was made; none: it follows the path
+  std::optional<RecordedJump> jump{};            ///< jump that made the step; none: it follows the path
   std::vector<NewtonIteration> history{};        ///< of all attempts since the last converged step, in their order
 };
 
-/// Where a search for a stable state is.
+/// Progress of the search for a stable state.
 struct DescentProgress {
-  double load_factor = 0.0, potential = 0.0;  ///< of the loads
+  double load_factor = 0.0, potential = 0.0;  ///< total potential at that load factor
   int factorizations = 0;                     ///< so far
 };
 
-/// How a path is begun and stopped from outside.
+/// Start and interruption of a path from outside.
 struct PathControl {
-  std::optional<PathPoint> resume{};  ///< the given state is that of this point; none: the path starts
+  std::optional<PathPoint> resume{};  ///< point to which the given state belongs; none: the path starts
   std::function<bool()> stop{};       ///< asked after each completed step; must answer the same on every rank
   std::function<void(const StepFailure&)> step_failed{};   ///< called for each failed attempt, on every rank
   std::function<void(const DescentProgress&)> descends{};  ///< called for each step of a jump, on every rank
@@ -46,31 +46,31 @@ struct PathControl {
 struct LoadPathResult {
   bool finished = false;
   bool interrupted = false;  ///< stopped from outside before the end
-  bool returned = false;     ///< to an earlier state; to be followed again, more closely
-  double load_factor = 0.0;  ///< last converged
+  bool returned = false;     ///< the path led back to an earlier state; follow it again, more closely
+  double load_factor = 0.0;  ///< of the last converged state
   int steps = 0, failed_steps = 0, newton_iterations = 0;
   std::vector<int> iterations_of_stage;
   std::string lost_at{};                  ///< kind and load factor of the first point where the path became unstable
   std::optional<FailureReport> report{};  ///< why the path ended early, and what to try
-  std::string failure;                    ///< the same as a page of text; empty if it did not
+  std::string failure;                    ///< the report as a page of text; empty if there is none
 };
 
-/// Called for the starting state and for each converged step; the state is that of the step.
+/// Called for the starting state and for each converged step, with its state.
 using PathObserver = std::function<void(const StepReport& report, const State& state)>;
 
 /// Follows the load factor from 0, or from the point at which a path is resumed, to the number of stages of the scene,
-/// starting at `state`, which ends as the last converged state. A resumed path takes the very steps, to the last bit,
-/// that it would have taken without the stop. Throws InputError for NOX or LOCA parameters that these libraries refuse.
+/// starting at `state`, which becomes the last converged state. A resumed path takes bitwise the same steps as without
+/// the interruption. Throws InputError for NOX or LOCA parameters that these libraries refuse.
 LoadPathResult follow_load_path(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,
                                 State& state, const PathObserver& observer, const PathControl& control = {});
 
-/// Newton's method at the end of the path, in place of the path: `state` is nearly the equilibrium there and becomes
-/// it. The result is that of a path of one step; not finished where Newton's method fails, and then `state` stays.
+/// Runs Newton's method at the end of the path instead of following it: `state` is close to equilibrium there and
+/// becomes that. The result is that of a path of one step; if Newton's method fails, not finished, and `state` stays.
 LoadPathResult settle_at_end(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, State& state,
                              const PathObserver& observer);
 
-/// Why a path with these parameters cannot be resumed exactly, empty if it can: some of the methods that a user may
-/// choose in the lists "LOCA" and "Status Tests" remember more than the last step.
+/// Reason why a path with these parameters cannot be resumed exactly, empty if it can: some methods in the lists "LOCA"
+/// and "Status Tests" depend on more than the last step.
 std::string obstacle_to_resuming(const SolverParameters& parameters);
 
 }  // namespace mixbeam

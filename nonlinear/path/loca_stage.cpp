@@ -1,5 +1,5 @@
-// A stage of the load path by LOCA's stepper: steps of the load factor, fixed or adaptive, or whatever the user's list
-// "LOCA" asks for.
+// A stage of the load path by LOCA's stepper: steps of the load factor, fixed or adaptive, or as the user's list "LOCA"
+// says.
 #include "discretization/state/difference.hpp"
 #include "nonlinear/newton/beam_group.hpp"
 #include "nonlinear/path/path_recorder.hpp"
@@ -37,11 +37,10 @@ Teuchos::ParameterList loca_list(const Model& model, const SolverParameters& par
   return loca;
 }
 
-/// The rule as LOCA's stepper wants it, for continuation in the load factor itself; arc length keeps LOCA's own.
+/// Adapter of the rule for LOCA's stepper, for continuation in the load factor; arc length keeps LOCA's own rule.
 class StepSizes : public LOCA::Abstract::Factory, public LOCA::StepSize::AbstractStrategy {
  public:
-  /// `before`: the last step of a path that goes on; none: the path, or a stage of it, starts. Must outlive the
-  /// stepper.
+  /// `before`: the last step of a resumed path; none: the path, or a stage of it, starts. Must outlive the stepper.
   StepSizes(const StepSizeRule& rule, const std::optional<LastStep>& before) : rule_(rule), before_(before) {}
 
   void init(const Teuchos::RCP<LOCA::GlobalData>&) override {}
@@ -62,7 +61,7 @@ class StepSizes : public LOCA::Abstract::Factory, public LOCA::StepSize::Abstrac
                                                    const LOCA::Abstract::Iterator::StepStatus& status,
                                                    const LOCA::Abstract::Iterator&, double& size) override {
     if (attempts_ ==
-        0) {  // the predictor's share of the load factor is 1 in natural continuation, but LOCA allows others
+        0) {  // the predictor's share of the load factor is 1 in natural continuation, but LOCA permits others
       const double share = predictor.getScalar(0);
       if (share != 0.0)
         for (double* number : {&rule_.initial, &rule_.minimum, &rule_.maximum}) *number /= share;
@@ -81,7 +80,7 @@ class StepSizes : public LOCA::Abstract::Factory, public LOCA::StepSize::Abstrac
   double getPrevStepSize() const override { return previous_; }
   double getStartStepSize() const override { return rule_.initial; }
 
-  bool decides() const { return decides_; }   ///< in place of a strategy of LOCA's
+  bool decides() const { return decides_; }   ///< this rule is in use, not a strategy of LOCA's
   double size() const { return size_; }       ///< of the present attempt
   int attempts() const { return attempts_; }  ///< sizes given so far
 
@@ -93,12 +92,11 @@ class StepSizes : public LOCA::Abstract::Factory, public LOCA::StepSize::Abstrac
   bool decides_ = false;
 };
 
-/// What Newton's method finds is a step only if it follows the path. LOCA takes any other for one that has failed and
-/// tries a smaller one.
+/// Fails a converged step that does not follow the path. LOCA then tries a smaller one.
 class StepsAreExamined : public NOX::StatusTest::Generic {
  public:
-  /// LOCA solves once where it starts. Where a path is resumed that has been done: another iteration, which some status
-  /// tests would ask for, would change the state.
+  /// `begins_converged`: skips the solve at the start of a resumed path, which LOCA requires, because an iteration,
+  /// which some status tests would require, would change the state.
   StepsAreExamined(const Teuchos::RCP<BeamProblem>& problem, const Teuchos::RCP<NOX::StatusTest::Generic>& newton,
                    StepJudge& judge, bool begins_converged, bool load_grows)
       : problem_(problem),
@@ -117,9 +115,9 @@ class StepsAreExamined : public NOX::StatusTest::Generic {
   NOX::StatusTest::StatusType getStatus() const override { return status_; }
   std::ostream& print(std::ostream& stream, int indent = 0) const override { return newton_->print(stream, indent); }
 
-  /// What the last step has led to: the path goes on from there.
+  /// Accepts the last step, from which the path continues; returns its findings.
   StepFindings accept() {
-    problem_->forget_tangents();  // a path that is resumed knows none
+    problem_->forget_tangents();  // like a resumed path, which has none
     here_ = std::move(next_);
     moved_to_ = Teuchos::rcp(new MixedVector(next_moved_->clone(true)));
     return std::move(findings_);
@@ -138,7 +136,7 @@ class StepsAreExamined : public NOX::StatusTest::Generic {
       return;
     }
     MixedVector sum = x.clone(true);
-    sum.update(-1.0, *moved_to_, 1.0);  // rounded as where the stage began wants, which a resumed path does not know
+    sum.update(-1.0, *moved_to_, 1.0);  // its rounding depends on the start of the stage, unknown to a resumed path
     const PathDirection moved{increment_between(problem_->model, here_->state, group.state(), sum),
                               group.load_factor() - here_->load_factor};
     next_ = judge_.station(group.state(), group.load_factor(), load_grows_ ? nullptr : &moved);
@@ -152,9 +150,9 @@ class StepsAreExamined : public NOX::StatusTest::Generic {
   Teuchos::RCP<NOX::StatusTest::Generic> newton_;
   StepJudge& judge_;
   bool begins_converged_;
-  bool load_grows_;  ///< in each step; else LOCA follows the path by its length
+  bool load_grows_;  ///< in each step; false: LOCA follows the path by arc length
   NOX::StatusTest::StatusType status_ = NOX::StatusTest::Unevaluated;
-  // Sums of increments since the stage began belong to the stations:
+  // Stations, and sums of increments since the start of the stage that belong to them:
   std::optional<Station> here_, next_;
   Teuchos::RCP<MixedVector> moved_to_, next_moved_;
   StepFindings findings_;

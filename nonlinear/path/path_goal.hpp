@@ -1,19 +1,19 @@
-/// What a path is followed to: a load factor, or a displacement that is controlled.
+/// Goal of a path: a load factor, or a controlled displacement.
 #pragma once
 
 #include "nonlinear/path/corrector.hpp"
 
 namespace mixbeam {
 
-/// Nothing that could be tried further on leads to the end.
+/// Thrown if no further attempt can reach the end of the path.
 struct GaveUp {
   std::string cause;
 };
 
-/// Numbers are load factors, or the controlled displacement over the length of the scene.
+/// Values are load factors, or the controlled displacement over the length of the scene.
 class PathGoal {
  public:
-  /// `end`: load factor, of no importance where a displacement is controlled. The model must outlive this object.
+  /// `end`: load factor, ignored under displacement control. The model must outlive this object.
   PathGoal(const Model& model, const std::optional<MonitoredComponent>& control, double end)
       : model_(model), control_(control), end_(end) {}
 
@@ -22,17 +22,17 @@ class PathGoal {
   double at(const State& state, double load_factor) const;
   double rate(const PathDirection& direction) const;
   bool is_reached(const State& state, double load_factor) const;
-  /// Whether a direction moves what is controlled, by more than rounding.
+  /// Whether a direction changes the value by more than rounding.
   bool is_moved_by(const PathMeasure& measure, const PathDirection& direction) const;
-  /// Newton's method from a point of the path at another value. `way`: what is known of the way there; may be null.
+  /// Newton's method from a point of the path to another value. `way`: predicted increments; may be null.
   Correction correct(Corrector& corrector, const Station& from, double value, const PathDirection* way,
                      int most_iterations) const;
-  /// What was found along the path from there, or where the goal, or a way of `largest`, lies before it, that point.
+  /// Returns `found`, or if the goal, or a change by `largest`, lies between `from` and it, corrects to that point.
   Correction within(Corrector& corrector, const Station& from, Correction found, double largest,
                     int most_iterations) const;
-  /// Throws GaveUp where what is controlled has not moved from `start`: following the path further is of no use.
+  /// Throws GaveUp if the controlled displacement has not moved from `start`: following the path further is useless.
   void require_motion(double start, const Station& here, const std::string& until) const;
-  /// The controlled displacement, or else the load factor, moves by `change`.
+  /// Row that changes the controlled displacement, or else the load factor, by `change`.
   ControlRow row(double load_start, double change) const;
 
  private:
@@ -41,8 +41,8 @@ class PathGoal {
   double end_;
 };
 
-/// Whether the load moves the controlled displacement of the unloaded structure; true where none is controlled or the
-/// tangent there is singular. One solve. Collective.
+/// Whether the load moves the controlled displacement of the unloaded structure; true if there is no control or the
+/// tangent is singular. Takes one solve. Collective.
 bool load_moves_control(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters);
 
 }  // namespace mixbeam

@@ -71,9 +71,9 @@ PathDirection scaled(const PathDirection& a, double factor) {
 
 namespace {
 
-/// Whether two limit points at nearly one load factor are one. Places are known less well: the load is stationary, and
-/// an error of 1e-7 of it is one of 3e-4 of them. Of the displacement, not of the structure: cells of a long row snap
-/// one by one at one load.
+/// Whether two limit points at nearly the same load factor are the same. States are known less accurately: the load is
+/// stationary, and an error of 1e-7 in it is one of 3e-4 in them. The difference is relative to the displacement, not
+/// to the size of the structure, since cells of a long row snap one by one at one load.
 bool are_one(const Model& model, const State& a, const State& b) {
   const StateDifference apart = difference(model, a, b);
   return apart.largest_change <= path_limit.same_place * apart.largest_displacement;

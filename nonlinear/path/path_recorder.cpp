@@ -41,7 +41,7 @@ void PathRecorder::leave_stage() {
   failed_in_stage_ = 0;
 }
 
-/// In load factors, as they are reported.
+/// Keeps critical points and jumps of a step until it is reported, converted to load factors.
 void PathRecorder::keep(const ConvergedStep& step) {
   const LoadClock& clock = problem_->model.clock();
   if (started_) ++successes_;
@@ -72,13 +72,13 @@ void PathRecorder::keep(const ConvergedStep& step) {
 
 void PathRecorder::converged(const ConvergedStep& step) {
   if (started_ && step.load_factor == result_.load_factor && step.critical_points.empty() && successes_ == 0) {
-    record_.clear();  // the start of a later stage is the end of the one before
+    record_.clear();  // the start of a later stage is the end of the previous one, which was reported
     return;
   }
   LoadClock& clock = problem_->model.clock();
   parameter_ = step.load_factor;
   keep(step);
-  // Where loads are on the way of a jump, or beyond what their formulas reach, no load factor stands for them.
+  // No load factor represents loads on the way of a jump, or beyond the range of their formulas: do not report these.
   if (clock.piece() && clock.at(step.load_factor).beyond != 0.0) return;
   StepReport report;
   report.load_factor = clock.load_factor(step.load_factor);

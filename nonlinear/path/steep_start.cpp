@@ -21,34 +21,34 @@ namespace mixbeam {
 
 namespace {
 
-/// Stiffness of tension and shear where members yield, over EI / l^2 of the shortest one: a clamped member buckles
-/// under 4 pi^2 EI / l^2, at a strain of 0.4 %. Where its ends approach by little more than that, the next one.
+/// Stiffnesses of yielding members in tension and shear, over EI / l^2 of the shortest one: a clamped member buckles
+/// under 4 pi^2 EI / l^2, at a strain of 0.4 %. If its ends approach by little more than that, the next one is needed.
 constexpr double kYielding[] = {1e4, 1e6, 1e8};
 
-/// What a structure is followed with.
+/// Modification of stiffnesses for the auxiliary structure.
 struct Easing {
   double load = 0.0;      ///< in limp members; zero: none is limp, and rigid ones yield
-  double length = 0.0;    ///< of the structure; of the shortest member where rigid ones yield
+  double length = 0.0;    ///< of the structure; of the shortest member if rigid ones yield
   double yielding = 0.0;  ///< see kYielding
 
   bool is_limp(const Section& section) const { return mixbeam::is_limp(section, load, length); }
   Scene scene(const Scene& own, double share) const;
 };
 
-/// A stiffness between that of the easing and its own; one that is infinite is reached at the end alone.
+/// Interpolates geometrically between the eased and the own stiffness; an infinite one is reached at the end only.
 double between(double eased, double own, double share) {
   if (std::isinf(own)) return share < 1.0 ? eased * std::pow(10.0, share * path_limit.decades_to_rigid) : own;
   return eased * std::pow(own / eased, share);
 }
 
-/// At a share of the way back. Sections that are neither limp nor yield are unchanged.
+/// Returns the scene at a share of the way back. Sections that are neither limp nor yield are unchanged.
 Scene Easing::scene(const Scene& own, double share) const {
   Scene result = own;
   result.accuracy.reset();
   for (Section& section : result.sections) {
     auto stiffness = diagonal(section);
     const double bending = bending_of(section);
-    if (!std::isfinite(bending)) continue;  // rigid bodies do not buckle; what is coupled stays so
+    if (!std::isfinite(bending)) continue;  // rigid bodies do not buckle; coupled sections stay unchanged
     if (is_limp(section)) {
       const double raise = std::pow(path_limit.stiffness_of_limp * load * length * length / bending, 1.0 - share);
       for (int i = 3; i < 6; ++i) stiffness[i] *= raise;
@@ -76,7 +76,7 @@ Easing easing_of(const Model& model, const State& state, double load_factor) {
   return {0.0, *std::min_element(model.mesh().member_length.begin(), model.mesh().member_length.end())};
 }
 
-/// Whether loads are dead forces, and no slider turns with the structure.
+/// Whether loads are dead forces, and no slider rotates with the structure.
 bool is_dead(const Scene& scene) {
   const auto none = [](const auto& all, const auto& is) { return std::none_of(all.begin(), all.end(), is); };
   return none(scene.point_loads,
@@ -85,7 +85,7 @@ bool is_dead(const Scene& scene) {
          none(scene.joints, [](const Joint& joint) { return joint.kind == JointKind::slider; });
 }
 
-/// Smallest N of the members with sections that count, at the points that carry it.
+/// Smallest axial force N at the force points of members whose section `counts`.
 template <class Counts>
 double least_tension(const Model& model, const State& state, const Counts& counts) {
   double least = std::numeric_limits<double>::infinity(), all = least;
@@ -112,7 +112,7 @@ bool is_stable(Stability& stability, const Correction& at) {
   }
 }
 
-/// Follows a path of an auxiliary problem, which is not reported.
+/// Follows the path of the auxiliary problem, which is not reported.
 class SteepStart {
  public:
   SteepStart(const Teuchos::RCP<BeamProblem>& own, const SolverParameters& parameters, const State& start,
@@ -136,7 +136,7 @@ class SteepStart {
       const auto is_limp = [&](const Section& section) { return easing_.is_limp(section); };
       are_cables_ = is_dead(scene_) && std::all_of(scene_.sections.begin(), scene_.sections.end(), is_limp);
       are_cables_ ? hang() : follow();
-      own_->work.newton_iterations += own_->work.check_iterations - before;  // they make the step
+      own_->work.newton_iterations += own_->work.check_iterations - before;  // they belong to the step
       own_->work.check_iterations = before;
     } else if (imposes_deformation(scene_)) {
       for (const double ratio : kYielding) {
@@ -148,7 +148,7 @@ class SteepStart {
   }
 
  private:
-  /// Cables hang in one state alone, whatever the way to it.
+  /// Solves for cables at the end of the range directly: they have only one stable state, whatever the path to it.
   void hang() {
     for (const double share : {0.0, path_limit.share_stiffer}) {
       const auto found = solved(problem_at(share), start_, range_.to, true);
@@ -161,7 +161,7 @@ class SteepStart {
 
   void follow() {
     const auto problem = problem_at(0.0);
-    double next_try = 0.0;  // load factor since the start
+    double next_try = 0.0;  // load factor relative to the start
     bool gives_up = false, branched = false;
     PathControl control;
     control.resume.emplace();  // the start is known
@@ -178,14 +178,14 @@ class SteepStart {
       next_try = path_limit.next_try * loaded;
     };
     SolverParameters parameters = eased_parameters_;
-    parameters.analysis.stability = true;  // without critical points nothing is known
+    parameters.analysis.stability = true;  // critical points must be detected
     State state = start_;
     LoadPathResult result;
     PathRecorder recorder(problem, parameters, state, back, control, result);
     problem->attempts.start_path(0, {});
     follow_stage_automatically(problem, parameters, start_, range_, recorder);
     count_work(*problem);
-    if (own_->leave_if_asked) own_->leave_if_asked();  // the path within has only been left
+    if (own_->leave_if_asked) own_->leave_if_asked();  // an interruption has left only the inner path so far
   }
 
   Teuchos::RCP<BeamProblem> problem_at(double share) const {
@@ -202,7 +202,7 @@ class SteepStart {
     own_->work.looks += done.work.looks;
   }
 
-  /// An equilibrium near a state; of cables a stable one, where `is_near` by a descent if need be.
+  /// Finds an equilibrium near a state; for cables a stable one, if necessary and `is_near` by a descent.
   std::optional<Correction> solved(const Teuchos::RCP<BeamProblem>& problem, const State& near, double load_factor,
                                    bool is_near) {
     SolveRecord record;
@@ -217,7 +217,7 @@ class SteepStart {
         const PathMeasure measure(problem->model);
         Descent descent(problem, parameters, corrector, stability, measure, {});
         found = descent.from(is_equilibrium ? found->state : near, load_factor).found;
-        if (found) found->iterations = path_limit.most_iterations_of_easy_solve;  // not easy
+        if (found) found->iterations = path_limit.most_iterations_of_easy_solve;  // so that steps do not grow
       }
     }
     count_work(*problem);
@@ -225,8 +225,8 @@ class SteepStart {
     return found;
   }
 
-  /// Equilibrium with stiffnesses of its own, at the load factor of one of the structure that is followed, from the
-  /// share of the way where that is. From the second one on the way is predicted by its chord.
+  /// Restores the own stiffnesses at the load factor of an equilibrium of the auxiliary structure, from its share
+  /// `done` of the way. From the second solution on the chord predicts the next.
   std::optional<Correction> back_from(const State& eased, double load_factor, double done) {
     std::optional<Correction> found;
     State before = eased;

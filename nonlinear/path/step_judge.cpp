@@ -16,11 +16,11 @@ namespace mixbeam {
 
 namespace {
 
-/// In which loads are looked at.
+/// Parts of a step in which loads are probed.
 constexpr int kPartsOfStep = 8;
-/// Looks inside: half-way, once more with its correction, and aside.
+/// Number of probes half-way (the second one corrected), and in all.
 constexpr int kLooksHalfway = 2, kLooks = 4;
-/// Points of the middle rule for the change of loads.
+/// Points of the midpoint rule for the change of loads.
 constexpr int kHistoryParts = 64;
 
 const char* const kBends = "the path bends too much: another one may have been met";
@@ -36,8 +36,8 @@ bool counts_differ(const PathPiece& piece) {
   return a && b && a->negative != b->negative;
 }
 
-/// A count inside a step must lie between those of its ends, theory (57). Without symmetry it is the parity that the
-/// sign of the determinant tells, which changes where an eigenvalue passes zero all the same.
+/// Whether a count inside a step does not lie between those of its ends, theory (57). Unsymmetric: counts are parities
+/// from the sign of the determinant, which also change where an eigenvalue passes zero.
 bool is_outside(const PathPiece& piece, int negative) {
   const std::optional<StabilityResult>&a = piece.start.stability, &b = piece.end.stability;
   if (!a || !b || negative < 0) return false;
@@ -45,23 +45,23 @@ bool is_outside(const PathPiece& piece, int negative) {
   return negative < least || most < negative;
 }
 
-/// The load factor turns at limit points alone, and each of them changes the count by one.
+/// Whether the load factor may turn: only at limit points, each of which changes the count by one.
 bool may_turn(const PathPiece& piece, const StepTest& test) {
   const std::optional<StabilityResult>&a = piece.start.stability, &b = piece.end.stability;
   return test.counts_may_change && (!a || !b || counts_differ(piece));
 }
 
-/// Whether the load factor hardly changes along the step, so that the signs of its rates may be those of rounding.
+/// Whether the load factor hardly changes along the step, so that the signs of its rates may be rounding.
 bool load_is_flat(const PathMeasure& measure, const PathPiece& piece) {
   const double rate = std::max(std::abs(piece.start.tangent.load), std::abs(piece.end.tangent.load));
   return rate * measure.motion(piece.moved.x) <= path_limit.flat_load * std::max(1.0, std::abs(piece.end.load_factor));
 }
 
-/// The lower one, and NaN where one of them is.
+/// Minimum, or NaN if one of them is.
 double lower(double a, double b) { return b >= a || std::isnan(a) ? a : b; }
 
-/// Whether the load factor turns at each limit point: it lies beyond those before and after it, or what was sampled
-/// beside it belongs to two paths.
+/// Whether the load factor turns at each limit point, and is extreme among its neighbours; otherwise samples beside it
+/// belong to two paths.
 bool turns_at_limits(const PathPiece& piece, const std::vector<CriticalPoint>& passed) {
   const auto load_at = [&](size_t i) { return i < passed.size() ? passed[i].load_factor : piece.end.load_factor; };
   double before = piece.start.load_factor;
@@ -74,8 +74,8 @@ bool turns_at_limits(const PathPiece& piece, const std::vector<CriticalPoint>& p
   return true;
 }
 
-/// Whether the axis of an element is turned inside out: a member that is pushed past its other end in one step. Where
-/// eigenstrains act, and in coupled and tapered sections, compliance alone does not tell.
+/// Whether the axis of an element is inverted: a member is pushed past its other end in one step. Not determined with
+/// eigenstrains, and for coupled and tapered sections, for which compliance alone does not suffice.
 bool is_inverted(const Model& model, const State& state) {
   if (!model.scene().eigenstrains.empty()) return false;
   double largest = 0.0;
@@ -88,7 +88,7 @@ bool is_inverted(const Model& model, const State& state) {
   return maximum_over_ranks(*model.map()->getComm(), largest) >= 1.0;
 }
 
-/// A last station of a stage belongs to that stage: its tangent must not be that of the loads to come.
+/// Moves a load factor at the end of a stage into the stage: the tangent there must not be that of the next loads.
 double within_stage(double load_factor, double stage_end) {
   return std::min(load_factor, std::nextafter(stage_end, stage_end - 1.0));
 }
@@ -110,10 +110,10 @@ const std::vector<JudgeLine>& judge_table() {
   const char* const turn_back = "the loads turn back within the step";
   const char* const goes_back = "the load factor goes back within the step";
   static const std::vector<JudgeLine> table = {
-      // from both ends
+      // Signs of both ends.
       {[](S s, T) { return s.counts_change; }, Then::refuse,
        "stability changes within the step: the path is followed by its length"},
-      // straight and stable at both ends, whatever it buckles at in between; a soft spring goes on all the same
+      // Both ends may be straight and stable although the member buckles in between; a soft spring just continues.
       {[](S s, T) { return s.inverts; }, Then::halve},
       {[](S s, T) { return !s.has_tangents; }, Then::accept},
       {[](S s, T) { return !s.loads_move; }, Then::accept, "", &Signs::motion, Side::at_most, no_motion},
@@ -121,7 +121,7 @@ const std::vector<JudgeLine>& judge_table() {
       {[](S s, T) { return s.loads_turn && std::isnan(s.turn_cosine); }, Then::refuse, kBends},
       {turn, Then::refuse, turn_back, &Signs::turn_cosine, Side::below, straight},
       {turn, Then::accept},
-      // next to a critical point angles are those of rounding
+      // Next to a critical point angles are rounding.
       {[](S s, T) { return s.is_straight; }, Then::accept},
       {always, Then::refuse, kBends, &Signs::first, Side::below, smallest},
       {always, Then::refuse, kBends, &Signs::last, Side::below, [](S, T t) { return t.least_cosine_at_end; }},
@@ -129,13 +129,13 @@ const std::vector<JudgeLine>& judge_table() {
       {[](S s, T t) { return s.looks == 0 && !t.always_looks && !s.starts_still && !s.dips && !s.turns_unseen; },
        Then::accept, "", &Signs::least, Side::at_least, straight},
       {[](S s, T) { return s.looks == 0; }, Then::look},
-      // from inside; where rates at the ends differ by decades the cubic overshoots in the forces, which alone may
-      // falsify count and rate, and beside the path counts may differ
+      // Signs of probes inside. If rates at the ends differ by decades the cubic overshoots in the forces, which alone
+      // may falsify count and rate; and beside the path counts may differ.
       {[](S s, T) { return s.looks == 1 && (s.goes_back || s.count_outside); }, Then::look_closer, "",
        &Signs::correction, Side::at_most, sure},
       {always, Then::halve, "", &Signs::correction, Side::above, [](S, T) { return path_limit.largest_correction; }},
       {[](S s, T) { return s.count_outside; }, Then::halve},
-      // stiff beside soft, next to a bifurcation, the rate's sign is one of rounding: counts that agree tell better
+      // Stiff beside soft, next to a bifurcation, the rate's sign is rounding: agreeing counts are more reliable.
       {[](S s, T) { return s.turns_unseen && s.is_flat && s.counts_agree; }, Then::accept, "", &Signs::correction,
        Side::at_most, sure},
       {[](S s, T) { return s.turns_unseen; }, Then::refuse, goes_back},
@@ -143,8 +143,8 @@ const std::vector<JudgeLine>& judge_table() {
       {[](S s, T) { return !s.turns && !s.dips && s.goes_back; }, Then::refuse, goes_back},
       {[](S s, T) { return s.dips; }, Then::halve},
       {[](S, T t) { return !t.always_looks; }, Then::accept},
-      // where all critical points are looked for the cubic must leave no room for a dip, and pairs between which the
-      // count has changed several times are found by further evaluations
+      // If all critical points are sought the cubic must leave no room for a dip, and pairs between which the count
+      // changes several times are found by further probes.
       {[](S s, T) { return !s.turns && !s.is_last; }, Then::halve, "", &Signs::rate_error, Side::above,
        [](S s, T) { return s.least_gain; }},
       {[](S s, T) { return s.looks < kLooks; }, Then::look_aside},
@@ -165,7 +165,7 @@ const JudgeLine& deciding_line(const StepSigns& signs, const StepTest& test) {
   });
 }
 
-/// A step of one part, in motions; rates: of the load factor along the chord.
+/// A step of one part, in the measure of motion; rates: of the load factor along the chord.
 struct StepJudge::Part {
   Part(const PathPiece& piece, double chord_chord, double chord_start, double chord_end, double start_start,
        double end_end)
@@ -183,34 +183,34 @@ struct StepJudge::Part {
   double chord;                             ///< its length
   double first, last;                       ///< cosines of the angles with the tangents at both ends
   double first_rate, last_rate, mean_rate;  ///< of the load factor
-  bool starts_still;                        ///< loads set out with no rate: the start has no direction
-  bool ends_stiff;                          ///< the last bit of a way on which it has stiffened
+  bool starts_still;                        ///< the initial rate is zero: the start has no direction
+  bool ends_stiff;                          ///< the part has stiffened towards the end
 
   double least_rate() const;
   bool load_dips(const StepTest& test) const;
 };
 
-/// What is seen at a guess of a point inside a step, theory (58), and Newton's correction at right angles to the chord.
+/// Probe of a guess inside a step, theory (58), with Newton's correction perpendicular to the chord.
 struct StepJudge::Look {
-  PathDirection corrected;  ///< the guess, with that correction where it was asked for, from the start of the step
-  double correction = 0.0;  ///< over the chord, of the part where it is largest
+  PathDirection corrected;  ///< the guess, corrected if requested, as increments from the start of the step
+  double correction = 0.0;  ///< over the chord, for the part where it is largest
   double load_error = 0.0;  ///< of the cubic
   bool goes_back = false;   ///< the load factor, against its rate at the start
-  int negative = -1;        ///< none: not counted
+  int negative = -1;        ///< -1: not counted
 };
 
-/// The least rate of the load factor, in the direction of the first one, on the cubic of theory (59).
+/// Least rate of the load factor, in the direction of the first one, on the cubic of theory (59).
 double StepJudge::Part::least_rate() const {
   const double sign = first_rate > 0.0 ? 1.0 : -1.0;
   const double begin = sign * first_rate, end = sign * last_rate, mean = sign * mean_rate;
-  // its rate at share s: begin + linear s + square s^2
+  // The rate at share s is begin + linear s + square s^2.
   const double linear = 6.0 * mean - 4.0 * begin - 2.0 * end, square = 3.0 * (begin + end - 2.0 * mean);
   const bool is_inside = square > 0.0 && linear < 0.0 && -linear < 2.0 * square;
   return is_inside ? begin - linear * linear / (4.0 * square) : std::min(begin, end);
 }
 
-/// Whether the load factor may go back somewhere between the ends: the cubic nearly does. A shallow arch that has
-/// snapped through and stiffened far beyond gains on the mean, which tells nothing unless the cubic tells less.
+/// Whether the load factor may decrease between the ends: it nearly does on the cubic. If the load grows much faster at
+/// the end than a cubic could (an arch stiffened far beyond snap-through), the mean rate is used instead.
 bool StepJudge::Part::load_dips(const StepTest& test) const {
   if ((first_rate > 0.0) != (last_rate > 0.0)) return false;
   const double mean = first_rate > 0.0 ? mean_rate : -mean_rate;
@@ -219,7 +219,7 @@ bool StepJudge::Part::load_dips(const StepTest& test) const {
          path_limit.least_gain * std::min(std::abs(first_rate), std::abs(last_rate));
 }
 
-/// Those that move.
+/// Parts that move.
 std::vector<StepJudge::Part> StepJudge::parts_of(const PathPiece& piece) const {
   const MixedVector &chord = piece.moved.x, &start = piece.start.tangent.x, &end = piece.end.tangent.x;
   const std::vector<double> cc = measure_.motion_of_parts(chord, chord), cs = measure_.motion_of_parts(chord, start),
@@ -233,8 +233,8 @@ std::vector<StepJudge::Part> StepJudge::parts_of(const PathPiece& piece) const {
   return parts;
 }
 
-/// Where loads turn back, the structure follows the change of the loads from end to end, if it is nearly linear: then
-/// the tangents for that change point along the chord at both ends.
+/// Least cosine of the tangents for the change of the loads from end to end, if loads turn back: a nearly linear
+/// structure follows that change, so that these tangents point along the chord.
 double StepJudge::cosine_where_loads_turn(const PathPiece& piece) const {
   const double from = piece.start.load_factor, to = piece.end.load_factor;
   Station start = piece.start, end = piece.end;
@@ -246,7 +246,7 @@ double StepJudge::cosine_where_loads_turn(const PathPiece& piece) const {
   return cosine;
 }
 
-/// Where the ends lie together: whether the loads move nothing on the way either.
+/// Whether the loads move nothing within a step whose ends coincide.
 bool StepJudge::loads_move_nothing(const PathPiece& piece) const {
   const double from = piece.start.load_factor, size = piece.end.load_factor - from;
   for (int part = 0; part < kPartsOfStep; ++part) {
@@ -264,7 +264,7 @@ PathDirection StepJudge::cubic(const PathPiece& piece, double at) const {
   PathDirection result = scaled(piece.moved, whole);
   if (!piece.start.has_tangent() || !piece.end.has_tangent()) return scaled(piece.moved, at);
   if (this->whole(piece)
-          .ends_stiff) {  // the end's tangent says nothing of the way there: the parabola along the first one
+          .ends_stiff) {  // the tangent at the end does not represent the step: use a parabola along the first one
     PathDirection parabola = scaled(piece.moved, s * s);
     parabola.x.update(s * (1.0 - s) * length, piece.start.tangent.x, 1.0);
     parabola.load += s * (1.0 - s) * length * piece.start.tangent.load;
@@ -301,7 +301,7 @@ StepJudge::Look StepJudge::look(const PathPiece& piece, PathDirection guess, boo
   Look seen{std::move(guess)};
   for (size_t p = 0; p < cc.size(); ++p) {
     if (std::sqrt(cc[p]) < still) continue;
-    const double change = cn[p] / cr[p];  // of the load factor, for a correction at right angles to the chord
+    const double change = cn[p] / cr[p];  // of the load factor, for a correction perpendicular to the chord
     const double square = std::max(0.0, nn[p] - change * (2.0 * nr[p] - change * rr[p])) / cc[p];
     seen.correction = square >= 0.0 ? std::max(seen.correction, std::sqrt(square)) : HUGE_VAL;
     seen.goes_back = seen.goes_back || (cr[p] < 0.0) != (piece.start.tangent.load > 0.0);
@@ -328,7 +328,7 @@ StepSigns StepJudge::signs_of_ends(const PathPiece& piece, const StepTest& test,
   if (signs.counts_change || !signs.has_tangents) return signs;
   signs.motion = measure_.motion(piece.moved.x);
   if (signs.motion <= path_limit.no_motion) {
-    // Loads of several formulas that cancel each other at both ends need not do so in between.
+    // Loads of several formulas that cancel at both ends need not do so in between.
     signs.loads_move = loads().have_several() && !loads_move_nothing(piece);
     return signs;
   }
@@ -421,20 +421,20 @@ std::optional<StabilityResult> StepJudge::count(const Asked& at, How how) const 
   if (stability_ == nullptr) return std::nullopt;
   try {
     const std::optional<StabilityResult> result = stability_->ask(at, how);
-    // elements that turn nearly by pi against their vertices have no stiffness to count by
+    // Elements that rotate by nearly pi against their vertices have no stiffness to count with.
     return result && result->end_angle <= path_limit.largest_end_angle ? result : std::nullopt;
   } catch (const LinearSolverError&) {
     return std::nullopt;
   }
 }
 
-/// Theory (54) for the given derivative of the residual with the load factor, which grows along it.
+/// Tangent by theory (54) for the given derivative of the residual by the load factor, which grows along it.
 PathDirection StepJudge::tangent_of(BeamGroup& group, const MixedVector& slope) const {
   group.linearization(&slope);
   BeamVector by_load(problem_->model.create_vector());
   Teuchos::ParameterList none;
   group.applyJacobianInverse(none, BeamVector(slope), by_load);
-  by_load.scale(-1.0);  // a sign alone
+  by_load.scale(-1.0);
   const PathDirection rate{by_load.values().clone(true), 1.0};
   return scaled(rate, 1.0 / measure_.length(rate));
 }
@@ -462,7 +462,7 @@ Station StepJudge::station(const State& state, double load_factor, const PathDir
   return here;
 }
 
-/// For the mean of the derivatives between two load factors.
+/// Tangent for the mean of the derivatives between two load factors.
 PathDirection StepJudge::secant_tangent(const Station& at, double from, double to) const {
   BeamGroup group(corrector_.global(), problem_, at.state, at.load_factor, {});
   group.computeF();
@@ -476,7 +476,7 @@ PathDirection StepJudge::secant_tangent(const Station& at, double from, double t
   return tangent_of(group, mean);
 }
 
-/// The tangent next to a critical point, maybe, at a state moved by a guess.
+/// Linearises at a state moved by a guess, possibly next to a critical point.
 StepJudge::Linear StepJudge::linear_at(const State& start, const PathDirection& guess, double load_factor,
                                        bool vertices_alone) const {
   const Model& model = problem_->model;

@@ -1,14 +1,14 @@
-/// Whether two equilibria lie on one path, one step apart.
+/// Test whether two equilibria lie on one path, one step apart.
 ///
-/// Newton's method from a far start may converge to an equilibrium of another path, and the counts of negative
-/// eigenvalues at both ends may agree all the same. Independent signs are asked, all in motion, theory (57) to
-/// theory (59): the tangents at both ends point along the chord; the counts agree; where the path bends, a look inside:
+/// Newton's method from a distant start may converge to an equilibrium of another path, although the counts of negative
+/// eigenvalues at both ends agree. Independent signs are checked, all in the measure of motion, theory (57) to
+/// theory (59): the tangents at both ends point along the chord; the counts agree; if the path bends, a probe inside:
 /// the cubic through both ends with their tangents is nearly an equilibrium half-way, with the same count and the same
-/// direction of the load factor. Where the cubic is too far from the path, the equilibrium half-way is computed, and
-/// each half judged by itself. Parts of a structure that touch no other one are judged one by one: a single one among
-/// many may have jumped. Within a step that may be taken its critical points are looked for.
+/// direction of the load factor. If the cubic is too far from the path, the equilibrium half-way is computed, and each
+/// half is judged separately. Disconnected parts of a structure are judged one by one, since a single one among many
+/// may have jumped. If the step is acceptable, its critical points are sought.
 ///
-/// judge_table() holds the signs, their thresholds and what follows from them, line by line.
+/// judge_table() holds the signs, their thresholds and consequences, line by line.
 #pragma once
 
 #include "discretization/scene/amplitude.hpp"
@@ -21,7 +21,7 @@
 
 namespace mixbeam {
 
-/// A step: `moved` leads from the first station to the second.
+/// A step; `moved`: increments from the first station to the second.
 struct PathPiece {
   const Station& start;
   const PathDirection& moved;
@@ -30,75 +30,74 @@ struct PathPiece {
 
 struct StepTest {
   double smallest_cosine = 0.5;  ///< of the angles between the chord and the tangents at its ends
-  /// A step whose end misses that, but not this, is judged by its halves: long steps of stiffening structures bend far.
+  /// Least cosine at the end with which a step is still judged by its halves: stiffening structures bend far in a step.
   double least_cosine_at_end = 0.5;
-  bool counts_may_change = false;  ///< critical points inside are looked for
+  bool counts_may_change = false;  ///< critical points inside are sought
   bool always_looks = false;
-  /// The direction at the end is of no importance where the structure has stiffened: steps along the path can be
-  /// shorter.
+  /// Ignore the direction at the end if the structure has stiffened. Steps along the path can be shortened instead.
   bool may_stiffen = false;
 };
 
-/// No limit on the length of steps of the load factor or of a controlled displacement; by LOCA, where no other
-/// method follows, critical points inside are looked for.
+/// Tests for steps of the load factor or of a controlled displacement, without a limit of length; in steps by LOCA,
+/// which has no alternative method, critical points inside are sought.
 inline constexpr StepTest kLoadStep{0.5, -0.5, false, false, true}, kExaminedStep{0.5, -0.5, true, false, true};
-/// Steps along the path, and where it is traced.
+/// Tests for steps along the path, and along a traced path.
 inline constexpr StepTest kPathStep{0.85, 0.85, true, false}, kTracedStep{0.95, 0.95, true, true};
 
-/// What a step shows. Cosines are those of angles with the chord, the least among the parts that move.
+/// Signs of a step. Cosines belong to angles with the chord, the least among the parts that move.
 struct StepSigns {
-  bool counts_change = false;    ///< from end to end, where they must not
+  bool counts_change = false;    ///< from end to end, although they must not
   bool inverts = false;          ///< the axis of an element is shortened by more than its length at the end
   bool has_tangents = true;      ///< at both ends
   double motion = 1.0;           ///< of the step
   bool is_straight = false;      ///< StepJudge::is_straight()
-  bool loads_move = false;       ///< the structure within a step whose ends lie together
-  bool loads_turn = false;       ///< within the step
+  bool loads_move = false;       ///< loads move the structure within a step whose ends coincide
+  bool loads_turn = false;       ///< loads turn back within the step
   double turn_cosine = 1.0;      ///< then: of the tangents for the whole change of the loads; NaN: there are none
-  double first = HUGE_VAL;       ///< of the tangent at the start, of parts that loads set out with a rate
-  double last = HUGE_VAL;        ///< of that at the end, of parts that have not stiffened
-  double least = HUGE_VAL;       ///< of both, of all parts
-  bool starts_still = false;     ///< loads set out with no rate
-  bool dips = false;             ///< the load factor nearly goes back on the cubic
+  double first = HUGE_VAL;       ///< cosine of the tangent at the start, for parts with a nonzero initial rate
+  double last = HUGE_VAL;        ///< cosine of the tangent at the end, for parts that have not stiffened
+  double least = HUGE_VAL;       ///< least cosine at both ends, for all parts
+  bool starts_still = false;     ///< the initial rate of a part is zero
+  bool dips = false;             ///< the load factor nearly reverses on the cubic
   bool turns = false;            ///< the load factor runs in opposite directions at both ends
   bool turns_unseen = false;     ///< and no limit point can explain it
-  int looks = 0;                 ///< inside: 1 half-way, 2 the same corrected, 3 and 4 at a quarter and three quarters
-  double correction = 0.0;       ///< Newton's, there, over the chord
-  bool count_outside = false;    ///< the count there does not lie between those at the ends
-  bool goes_back = false;        ///< the load factor half-way
+  int looks = 0;                 ///< probes: 1 half-way, 2 the same corrected, 3 and 4 at a quarter and three quarters
+  double correction = 0.0;       ///< Newton's correction at the probe, over the chord
+  bool count_outside = false;    ///< the count at the probe does not lie between those at the ends
+  bool goes_back = false;        ///< the load factor decreases half-way, against its initial direction
   bool counts_agree = false;     ///< half-way and at both ends
-  bool is_flat = false;          ///< the load factor hardly changes: the signs of its rates may be those of rounding
-  bool is_last = false;          ///< no further halving, and counts say that nothing was met
-  double rate_error = 0.0;       ///< of the load factor along the step, at most ...
+  bool is_flat = false;          ///< the load factor hardly changes: the signs of its rates may be rounding
+  bool is_last = false;          ///< no further halving, and counts indicate no other path
+  double rate_error = 0.0;       ///< bound of the error of the load factor's rate along the step ...
   double least_gain = HUGE_VAL;  ///< ... and its least rate on the cubic
 };
 
 enum class Consequence { accept, refuse, halve, look, look_closer, look_aside };
 
-/// One line: where it `applies` and the sign lies on that side of its threshold (NaN lies below and above), the
-/// consequence follows.
+/// One line of the table: the consequence holds if the line `applies` and the sign lies on that side of its threshold
+/// (NaN lies below and above).
 struct JudgeLine {
   enum class Side { below, above, at_least, at_most };
   bool (*applies)(const StepSigns&, const StepTest&);
   Consequence consequence;
-  const char* objection = "";         ///< of a refusal
-  double StepSigns::*sign = nullptr;  ///< none: it applies, and that is all
+  const char* objection = "";         ///< reason of a refusal
+  double StepSigns::*sign = nullptr;  ///< null: no threshold
   Side side = Side::below;
   double (*threshold)(const StepSigns&, const StepTest&) = nullptr;
 };
 
-/// The first line that decides is followed; the last one always does.
+/// Table of lines, of which the first that decides holds; the last one always does.
 const std::vector<JudgeLine>& judge_table();
 const JudgeLine& deciding_line(const StepSigns& signs, const StepTest& test);
 
 struct StepFindings {
-  std::string objection{};              ///< empty: the step may be taken
+  std::string objection{};              ///< empty: the step is accepted
   std::vector<CriticalPoint> passed{};  ///< in the order of the path
 };
 
 class StepJudge {
  public:
-  /// `stability` may be null: then counts are not compared. It must outlive this object. `stage_end`: load factor.
+  /// `stability`: must outlive this object; null: counts are not compared. `stage_end`: load factor.
   StepJudge(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, Stability* stability,
             double stage_end)
       : problem_(problem),
@@ -112,41 +111,41 @@ class StepJudge {
   const Teuchos::RCP<BeamProblem>& problem() const { return problem_; }
   const PathMeasure& measure() const { return measure_; }
   const LoadClock& loads() const { return problem_->model.clock(); }
-  /// Of evaluations inside steps: counted separately, and no failed attempts of the path.
+  /// Corrector for evaluations inside steps, which are counted separately and are no failed attempts of the path.
   Corrector& corrector() { return corrector_; }
   Stability* stability() const { return stability_; }
 
-  /// Collective.
+  /// Judges a step and finds its critical points. Collective.
   StepFindings examine(const PathPiece& piece, const StepTest& test);
 
-  /// The station at a converged state. The tangent runs in the direction of `along`, or of a growing load factor where
-  /// that is null. Collective.
+  /// Makes the station at a converged state. The tangent runs in the direction of `along`, or of a growing load factor
+  /// if that is null. Collective.
   Station station(const State& state, double load_factor, const PathDirection* along, bool counts = true) const;
 
-  /// Point of the cubic of theory (56) at share `at` of the way, as increments from its start.
+  /// Point of the cubic of theory (56) at share `at` of the step, as increments from its start.
   PathDirection cubic(const PathPiece& piece, double at) const;
-  /// Whether the tangent of one end leads to the other one, but for magnified rounding.
+  /// Whether the tangent at one end leads to the other one, up to magnified rounding.
   bool is_straight(const PathPiece& piece) const;
 
  private:
   struct Look;
   struct Part;
-  /// Empty when the end lies on the path of the start; else what disagrees.
+  /// Reason against the step; empty if the end lies on the path of the start.
   std::string objection(const PathPiece& piece, const StepTest& test, int depth);
   StepSigns signs_of_ends(const PathPiece& piece, const StepTest& test, int depth) const;
   double cosine_where_loads_turn(const PathPiece& piece) const;
   bool loads_move_nothing(const PathPiece& piece) const;
-  /// What the tangent at a state yields: Newton's increment, that for the load less du/dlambda, and a count.
+  /// Results of the tangent at a state: Newton's increment, -du/dlambda, and a count.
   struct Linear {
     State state;
     MixedVector newton, less_rate;
-    std::optional<StabilityResult> stability;  ///< none: its factors do not tell
+    std::optional<StabilityResult> stability;  ///< none: the factors do not suffice
   };
   Linear linear_at(const State& start, const PathDirection& guess, double load_factor, bool vertices_alone) const;
   PathDirection tangent_of(BeamGroup& group, const MixedVector& slope) const;
   PathDirection secant_tangent(const Station& at, double from, double to) const;
   std::string objection_of_halves(const PathPiece& piece, const StepTest& test, int depth);
-  /// None where nothing tells. A singular tangent without symmetry has no count.
+  /// Counts; none if that is not possible, as for a singular unsymmetric tangent.
   std::optional<StabilityResult> count(const Asked& at, How how) const;
   std::vector<Part> parts_of(const PathPiece& piece) const;
   Look look(const PathPiece& piece, PathDirection guess, bool corrects = false) const;

@@ -24,8 +24,8 @@ StepSizeRule step_size_rule(const Model& model, const SolverParameters& paramete
   const LoadClock& clock = model.clock();
   const double rotation = largest_prescribed_rotation(scene, clock);
   const double allowed = rotation > 0.0 ? std::min(1.0, path_limit.largest_prescribed_turn / rotation) : 1.0;
-  // Rounded steps may add up to a little less than the stage, and the rest would cost one more step: each takes more
-  // than the rounding error of one addition on top, and LOCA cuts off the last one at the end of the stage.
+  // Rounded steps may sum to slightly less than the stage, and the rest would cost another step: enlarge each by more
+  // than the rounding error of one addition; LOCA cuts off the last one at the end of the stage.
   const double equal = 1.0 / path.steps + 2.0 * std::numeric_limits<double>::epsilon() * scene.stages;
   StepSizeRule rule;
   rule.method = path.method;
@@ -33,7 +33,7 @@ StepSizeRule step_size_rule(const Model& model, const SolverParameters& paramete
   rule.most_iterations = parameters.newton.maximum_iterations;
   rule.maximum = std::min(fixed ? equal : path.maximum_step, allowed);
   rule.initial = std::min(fixed ? equal : path.initial_step, rule.maximum);
-  if (const std::optional<LoadPiece>& piece = clock.piece()) {  // with fixed steps each of them is a piece
+  if (const std::optional<LoadPiece>& piece = clock.piece()) {  // each fixed step is a piece
     const double size = piece->to - piece->from;
     rule.maximum = std::min(fixed || piece->is_jump ? 1.0 : std::min(1.0, path.maximum_step / size), allowed);
     rule.initial = std::min(fixed || piece->is_jump ? 1.0 : path.initial_step / size, rule.maximum);

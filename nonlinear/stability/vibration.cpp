@@ -113,8 +113,7 @@ class Vibration {
     observer_({std::min(static_cast<int>(found), wanted), wanted, load_factor_});
   }
 
-  /// Estimates the shift by EI/(m L^3) from the largest stiffness and m = all mass, or inertia over L^2 of a body if
-  /// more.
+  /// Estimates the shift by EI/(m L^3) from the largest stiffness and m = all mass, or I/L^2 of a body if that is more.
   double first_shift() {
     operator_.linearize(0.0, kCapOfVibration, VibrationUse::matrices);
     double mass = 0.0;
