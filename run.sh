@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds mixbeam, and computes the benchmarks and the scenes of apps/verification and
-# apps/gallery with their tables and pictures; studies of cost where they are named.
+# Installs missing packages, builds mixbeam, and runs the benchmarks and the scenes of apps/verification and
+# apps/gallery with their tables and pictures; studies of cost only if named.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 # shellcheck source=.ci/setup.sh
@@ -14,8 +14,8 @@ readonly default_names=("${default_benchmarks[@]}" "${all_scene_groups[@]}")
 readonly all_names=("${all_benchmarks[@]}" "${all_scene_groups[@]}")
 readonly peer_packages=(python3-dolfinx calculix-ccx)
 readonly results=results
-# Debian's Python has the packages installed above; another one earlier in PATH need not.
-readonly python=(/usr/bin/python3 -E -s) # what lies in PYTHONPATH or ~/.local does not count
+# Debian's Python has the packages installed above, which another one in PATH may lack.
+readonly python=(/usr/bin/python3 -E -s) # ignores PYTHONPATH and ~/.local
 
 usage() {
   cat <<END
@@ -38,7 +38,7 @@ Exit code: 0 every checked value agrees; 1 the build or a run failed; 2 wrong us
 END
 }
 
-# Every scene of apps/<group>: a line for each, the report of the program where it failed.
+# Runs every scene of apps/<group>; prints a line for each, or the report of a failed run.
 run_scenes() { # run_scenes <group>
   local scene name folder
   for scene in apps/"$1"/*.xml apps/"$1"/*.yaml; do
@@ -46,7 +46,7 @@ run_scenes() { # run_scenes <group>
     name=$(basename "${scene%.*}")
     folder=$results/$1/$name
     mkdir -p "$folder"
-    rm -f "$folder/summary.json" # of an earlier run: a run that fails at once writes none
+    rm -f "$folder/summary.json" # of an earlier run; an early failure writes none
     if "$program_mixbeam" run "$scene" --quiet --output "$folder" --summary "$folder/summary.json" \
       >"$folder/report.txt" 2>&1; then
       printf '%-24s %s\n' "$name" "$(grep 'checks passed' "$folder/report.txt")"
@@ -98,8 +98,7 @@ readonly program_mixbeam=$build_directory/bin/mixbeam
 
 prepare "$install" "${further[@]}"
 
-# Threads that wait for work spin by default: beside anything else that runs on the machine, small scenes then take many
-# times as long.
+# Waiting threads spin by default: beside other processes, small scenes then take many times as long.
 export OMP_WAIT_POLICY=${OMP_WAIT_POLICY:-passive}
 
 failed=()

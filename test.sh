@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds mixbeam and runs its tests.
+# Installs missing packages, builds mixbeam and runs its tests.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 # shellcheck source=.ci/setup.sh

@@ -1,4 +1,4 @@
-# Sourced by run.sh and test.sh from the root of the repository: the part they share.
+# Common part of run.sh and test.sh, which source it in the root of the repository.
 # prepare() installs missing Debian packages, configures the preset "release" and builds it.
 # shellcheck shell=bash
 
@@ -9,16 +9,16 @@ readonly required_packages=(
   g++ cmake ninja-build ccache git pkg-config
   libtrilinos-tpetra-dev libtrilinos-nox-dev libtrilinos-amesos2-dev libtrilinos-teuchos-dev
   libtrilinos-kokkos-dev libtrilinos-kokkos-kernels-dev
-  # included by the headers of those above, although their packages do not say so
+  # included by headers of the above, though their packages do not depend on these
   libtrilinos-thyra-dev libtrilinos-belos-dev libtrilinos-epetra-dev libtrilinos-rtop-dev
   libtrilinos-anasazi-dev libtrilinos-shylu-dev
   libtrilinos-sacado-dev libgtest-dev libbenchmark-dev
-  # factorises the matrices of networks and counts the negative pivots of a symmetric matrix, which no solver of Trilinos
-  # does; METIS orders its eliminations
+  # factorises matrices of networks and counts negative pivots of symmetric matrices, which no solver of Trilinos does;
+  # METIS provides its ordering
   libmumps-dev libmetis-dev
-  # a fast BLAS for MUMPS, which update-alternatives prefers to the reference BLAS. The program keeps it to one thread, or
-  # sums would depend on them, but calls it from several: the package "serial" has no locks (blas_setup.hpp).
-  # thread_scaling measures its unit with the reference
+  # a fast BLAS for MUMPS, which update-alternatives prefers to the reference BLAS. The program limits it to one thread,
+  # since sums would depend on the number, but calls it from several: the package "serial" has no locks
+  # (blas_setup.hpp). thread_scaling measures its unit with the reference BLAS
   libopenblas0-pthread libblas3 liblapack3
   libopenmpi-dev openmpi-bin libhdf5-openmpi-dev libxml2-dev nlohmann-json3-dev
   libmuparser-dev libgsl-dev libnlopt-dev libxxhash-dev zlib1g-dev
@@ -29,21 +29,21 @@ readonly required_packages=(
   python3-jsonschema python3-yaml
 )
 
-# One test opens the results with VTK's own XDMF reader. Debian's python3-vtk9 has none; ParaView's Python has, takes
-# 120 MB to download and conflicts with python3-vtk9. Therefore only test.sh asks for it, nothing is removed for it,
-# and without it that test is skipped.
+# One test opens results with VTK's XDMF reader. Debian's python3-vtk9 lacks it; ParaView's Python has it, is a download
+# of 120 MB and conflicts with python3-vtk9. So only test.sh installs it, without removing packages; the test is skipped
+# without it.
 readonly vtk_package=python3-paraview
 
-# One test asks the language server of VS Code's YAML extension what it completes, explains and marks in a scene. Node.js
-# and npm are 355 packages of Debian, but only 23 MB to download; the server is 29 MB in the build folder. Its version 2
-# wants Node.js 22, Debian has 18. As above: only test.sh asks for it, and without it that test is skipped.
+# One test queries the language server of VS Code's YAML extension for completions and diagnostics of a scene. Node.js and
+# npm are 355 packages of Debian, but only 23 MB to download; the server takes 29 MB in the build folder. Its version 2
+# needs Node.js 22, Debian has 18. As above, only test.sh installs it, and the test is skipped without it.
 readonly yaml_server=yaml-language-server@1.15.0
 
-# Opens the pages of mixbeam view without a screen and draws WebGL without a graphics processor. Only test.sh asks for it
-# (80 MB), and no test is skipped for want of it.
+# Opens the pages of mixbeam view headless and renders WebGL without a GPU. Only test.sh installs it (80 MB); no test is
+# skipped without it.
 readonly browser_package=chromium-headless-shell
 
-# Workers that share a batch, for one test. Only test.sh asks for it.
+# Workers that share a batch, for one test. Only test.sh installs it.
 readonly dask_package=python3-distributed
 
 say() { printf '== %s\n' "$*"; }
@@ -78,7 +78,7 @@ install_packages() { # install_packages [option of apt-get install]... <package>
   for argument in "$@"; do [[ $argument == -* ]] || packages+=("$argument"); done
   local apt=(env DEBIAN_FRONTEND=noninteractive apt-get --yes --quiet)
   local install_command=("${apt[@]}" install --no-install-recommends "$@")
-  # A fresh container has no package lists; an old machine has lists of packages that are gone.
+  # A fresh container has no package lists; those of an old machine may be outdated.
   if apt-cache show "${packages[@]}" >/dev/null 2>&1 && as_root "${install_command[@]}"; then return; fi
   as_root "${apt[@]}" update && as_root "${install_command[@]}"
 }

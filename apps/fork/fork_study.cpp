@@ -352,7 +352,7 @@ double largest_difference(const Displacements& a, const Displacements& b) {
   return largest;
 }
 
-/// Both orders of loading are mirror images on the way and agree at the end; load_displacement.csv.
+/// Checks that both orders of loading give mirror images along the path and one end; load_displacement.csv.
 void compare_load_orders(Application& app) {
   StudyTable csv(app, "load_displacement.csv",
                  words("path,load_factor,p1_u1,p1_u2,p1_u3,p2_u1,p2_u2,p2_u3,pb_u1,pb_u2,pb_u3"));

@@ -734,7 +734,7 @@ class ViewWriter {
     }
   }
 
-  /// C dq/dC per element length, at every sample: from the derivatives by C and by 1 / C, whose ratio is -C^-2.
+  /// C dq/dC per element length, at every sample: from the derivatives by C and by 1 / C (-C^2 times the former).
   std::vector<double> sensitivities(const std::string& group, std::size_t stiffness) const {
     const std::vector<double> by = run_.numbers(group, "stiffness", 6), inverse = run_.numbers(group, "compliance", 6);
     std::vector<double> values;

@@ -157,7 +157,7 @@ class RollupStudy {
     return run;
   }
 
-  /// Whatever the mesh, the tip closes the circle, rotations are exact, and vertices are where exact tangents put them.
+  /// Checks that the tip closes the circle, rotations are exact, and vertices follow from exact tangents, on any mesh.
   void check_exact_values() {
     const int elements = study_number(app_, "Exact Elements");
     app_.out() << "\nWhat is exact on every mesh, and what is not: " << elements
@@ -203,7 +203,7 @@ class RollupStudy {
     }
   }
 
-  /// Runs that differ in their mesh only follow each other. Checks the rates of those that cannot lock.
+  /// Prints errors; runs that differ only in the mesh are consecutive. Checks the rates of elements that cannot lock.
   void report_errors() {
     const auto elements = study_list<int>(app_, "Elements");
     ConvergenceTable table("\nError of the centerline, 1/L sqrt(1/L int |r - r_exact|^2 ds)", elements, kRoundOff);

@@ -17,7 +17,7 @@ const std::string kPaper =
     "precision";
 /// Tolerance of invariants: round-off of some hundred operations on numbers of size one.
 constexpr double kPreserved = 1e-12;
-/// The same for configurations turned back by up to 63 radians, whose sine and cosine carry the rounding of that angle.
+/// Tolerance after rotating back by up to 63 radians, whose sine and cosine inherit the rounding of the angle.
 constexpr double kSameConfiguration = 1e-11;
 constexpr int kPointsPerElement = 9;
 
@@ -119,7 +119,7 @@ class TurnedRod {
   std::vector<Deviation> deviations_;
 };
 
-/// The scene as it stands: prints and checks the deviations at every increment, writes deviation.csv and single.h5.
+/// Runs the scene: prints and checks the deviations of every increment, writes deviation.csv and single.h5.
 void run_rotation(Application& app) {
   TurnedRod rod(app.scene);
   const Simulation simulation =

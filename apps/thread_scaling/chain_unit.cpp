@@ -29,7 +29,7 @@ constexpr double kUnitTolerance = 1e-9;
 
 using ElementStiffness = std::array<std::array<double, 2 * kBlock>, 2 * kBlock>;
 
-/// Euler and Bernoulli's beam of length and bending stiffness one; unknowns of an end: displacements, rotations.
+/// Euler-Bernoulli beam of unit length and bending stiffness; unknowns of an end: displacements, rotations.
 ElementStiffness element_stiffness() {
   ElementStiffness k{};
   const auto spring = [&k](int i, double stiffness) {

@@ -17,7 +17,7 @@ using Register = Pack<kLanes>;
 /// they must fit into 16 registers.
 constexpr int kIndependentSums = 10;
 constexpr long kMultiplyAdds = 2'000'000;  ///< per sum: some ten milliseconds
-/// Of each of three arrays, 64 MB: together several times the last cache of a desktop or a server's core complex.
+/// Length of each of three arrays, 64 MB: several times the last-level cache of a desktop or a core complex.
 constexpr long kTriadNumbers = 8L << 20;
 constexpr int kTriadBlock = 512;  ///< numbers per index, so that the outer loop costs nothing
 /// Duration of the attempts: long enough for one that other processes do not disturb.
