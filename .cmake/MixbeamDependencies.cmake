@@ -1,4 +1,4 @@
-# Finds the libraries mixbeam stands on and wraps them in interface targets:
+# Finds the libraries that mixbeam uses and wraps them in interface targets:
 #
 #   mixbeam_kokkos     Kokkos core and OpenMP: all that kernels/ may use
 #   mixbeam_trilinos   mixbeam_kokkos + Teuchos, Tpetra, Amesos2, Belos, NOX, LOCA and MPI
@@ -12,7 +12,7 @@
 # refers to sixteen packages that mixbeam does not use, and puts 38 libraries on the link line, all of which an
 # executable would load at each start. Set CMAKE_PREFIX_PATH to use another installation.
 
-set(MPI_CXX_SKIP_MPICXX ON) # the C++ bindings that left MPI in 2012: each file would compile their virtual tables
+set(MPI_CXX_SKIP_MPICXX ON) # C++ bindings, removed from MPI in 2012: each file would compile their virtual tables
 find_package(MPI REQUIRED COMPONENTS CXX)
 find_package(OpenMP REQUIRED COMPONENTS CXX)
 find_package(LibXml2 REQUIRED)
@@ -29,9 +29,8 @@ if(NOT HDF5_IS_PARALLEL)
   message(FATAL_ERROR "mixbeam needs the Open MPI variant of HDF5, but found a serial one in ${HDF5_INCLUDE_DIRS}.\n"
                       "On Debian 12: apt-get install libhdf5-openmpi-dev")
 endif()
-# Programs take its archive, where there is one: the shared library is linked with curl and SSL for files in object stores,
-# and a program would load thirty libraries at each start, a quarter of the time that this takes. Debian's archive is not
-# made for modules.
+# Programs link its archive if there is one: the shared library needs curl and SSL for files in object stores, and
+# loading thirty libraries would take a quarter of each start. Debian's archive is not suitable for modules.
 get_target_property(hdf5_library hdf5::hdf5 IMPORTED_LOCATION)
 cmake_path(GET hdf5_library PARENT_PATH hdf5_folder)
 find_library(HDF5_ARCHIVE NAMES libhdf5.a PATHS "${hdf5_folder}" NO_DEFAULT_PATH DOC "Archive of HDF5")
@@ -48,7 +47,7 @@ else()
   set(mixbeam_hdf5_module hdf5::hdf5)
   set(mixbeam_hdf5_program hdf5::hdf5)
 endif()
-# The shared library of a package takes that of the program or module which loads it.
+# The shared library of a package uses the HDF5 of the program or module that loads it.
 set(consumer "$<TARGET_PROPERTY:TYPE>")
 target_link_libraries(mixbeam_hdf5 INTERFACE "$<$<STREQUAL:${consumer},MODULE_LIBRARY>:${mixbeam_hdf5_module}>"
                                              "$<$<STREQUAL:${consumer},EXECUTABLE>:${mixbeam_hdf5_program}>")
@@ -102,8 +101,8 @@ endfunction()
 find_path(TRILINOS_INCLUDE_DIR Teuchos_ParameterList.hpp PATH_SUFFIXES trilinos DOC "Folder of the Trilinos headers")
 mark_as_advanced(TRILINOS_INCLUDE_DIR)
 
-# Packages of Debian do not depend on each other's development files, so each header that is included, directly or by
-# another Trilinos header, is looked for.
+# Debian's packages do not depend on each other's development files, so every header that is included, directly or by
+# another Trilinos header, is checked.
 set(trilinos_headers
     Trilinos_version.h           trilinos-dev
     Teuchos_ParameterList.hpp    libtrilinos-teuchos-dev
@@ -128,7 +127,7 @@ while(trilinos_headers)
 endwhile()
 
 # --- Trilinos: libraries -----------------------------------------------------------------------------------------------
-# Looked for beside the headers first, so that headers and libraries come from one installation.
+# Searches beside the headers first, so that headers and libraries come from one installation.
 cmake_path(GET TRILINOS_INCLUDE_DIR PARENT_PATH trilinos_prefix)
 function(find_trilinos_libraries result)
   set(files "")
@@ -196,8 +195,8 @@ target_include_directories(mixbeam_kokkos SYSTEM INTERFACE "${TRILINOS_INCLUDE_D
 target_link_libraries(mixbeam_kokkos INTERFACE ${kokkos_libraries} OpenMP::OpenMP_CXX ${CMAKE_DL_LIBS})
 target_link_options(mixbeam_kokkos INTERFACE LINKER:--as-needed)
 
-# A Kokkos without a parallel host back end selects "atomic" operations that are not atomic. They are inline functions,
-# so every file that includes Kokkos must select the real ones, or the linker keeps either kind.
+# Kokkos without a parallel host back end selects "atomic" operations that are not atomic. They are inline functions, so
+# every file that includes Kokkos must select the real ones, or the linker keeps an arbitrary kind.
 file(STRINGS "${TRILINOS_INCLUDE_DIR}/KokkosCore_config.h" kokkos_parallel_host
      REGEX "^#define KOKKOS_ENABLE_(OPENMP|THREADS|HPX)$")
 if(NOT kokkos_parallel_host)

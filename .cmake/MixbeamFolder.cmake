@@ -1,7 +1,7 @@
 # mixbeam_add_folder(<target> <dependency>...)
 #
-# Library of the current folder and its rooms: a static library of the *.cpp in them.
-# Each header is compiled alone by the target verify_headers.
+# Adds a static library of the *.cpp in the current folder and its rooms. The target verify_headers compiles each header
+# alone.
 
 function(mixbeam_add_folder target)
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS "*.cpp")
@@ -22,8 +22,8 @@ endfunction()
 
 # mixbeam_optimise(<target> <file>...)
 #
-# Compiles these files of the target with -O3, several at a time, whatever the options of the others are. They do without
-# precompiled headers, on which GCC 12 crashes if they were read with another optimisation level.
+# Compiles these files of the target with -O3 in unity builds, independent of the options of the others. Without
+# precompiled headers: GCC 12 crashes on those read with another optimisation level.
 set(mixbeam_optimised_at_once 4)
 function(mixbeam_optimise target)
   get_target_property(sources ${target} SOURCES)

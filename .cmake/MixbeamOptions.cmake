@@ -6,10 +6,10 @@ target_compile_options(mixbeam_options INTERFACE -Wall -Wextra -Wpedantic -Wshad
 # The Python module is a shared library made of the same objects as the programs: one set of objects, the same bits.
 target_compile_options(mixbeam_options INTERFACE -fPIC -fno-semantic-interposition)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-  # With -O3, GCC 12 gives these two for correct uses of std::vector::insert and of std::string's operator+, inside of the
-  # standard library. What they look for is checked by the preset "asan".
+  # With -O3, GCC 12 issues these two for correct uses of std::vector::insert and of std::string's operator+, inside the
+  # standard library. The preset "asan" detects such errors.
   target_compile_options(mixbeam_options INTERFACE -Wno-stringop-overflow -Wno-restrict)
-  if(MIXBEAM_INSTRUCTIONS STREQUAL "x86-64-v2") # lanes of a pair are set one after the other
+  if(MIXBEAM_INSTRUCTIONS STREQUAL "x86-64-v2") # lanes of a pair are set one by one
     target_compile_options(mixbeam_options INTERFACE -Wno-maybe-uninitialized)
   endif()
 endif()
@@ -17,10 +17,10 @@ if(MIXBEAM_WARNINGS_AS_ERRORS)
   target_compile_options(mixbeam_options INTERFACE -Werror)
 endif()
 
-# -fno-math-errno lets std::sqrt be one instruction, -fno-trapping-math lets comparisons be vectorised; both keep NaN and
-# infinity as IEEE 754 has them. -ffast-math would not: it deletes NaN checks and reorders sums.
-# Fused multiply-add (the compiler's default where the processor has it) changes last digits between machines and
-# between two compiled copies of a formula, not between thread counts: see for_each_index in kernels/execution/openmp_threads.hpp.
+# -fno-math-errno lets std::sqrt be one instruction, -fno-trapping-math lets comparisons be vectorised; both keep NaN
+# and infinity as in IEEE 754. -ffast-math would not: it deletes NaN checks and reorders sums. Fused multiply-add (the
+# compiler's default where the processor has it) changes last digits between machines and between two compiled copies of
+# a formula, not between thread counts: see for_each_index in kernels/execution/openmp_threads.hpp.
 set(mixbeam_release_flags -fno-math-errno -fno-trapping-math)
 if(MIXBEAM_INSTRUCTIONS)
   list(APPEND mixbeam_release_flags -march=${MIXBEAM_INSTRUCTIONS})
@@ -34,6 +34,6 @@ if(MIXBEAM_SANITIZE)
   target_link_options(mixbeam_options INTERFACE ${mixbeam_sanitizer_flags})
 endif()
 
-# For targets that read input, steer and write: nothing there runs once per element, and -O1 takes the compiler half the
-# time of -O3. Files with loops over elements or vertices are named to mixbeam_optimise.
-set(mixbeam_light_code $<$<CONFIG:Release>:-O1>) # after -O3, and the last one counts
+# For targets without loops over elements: input, control, output. -O1 halves the compile time of -O3. Files with loops
+# over elements or vertices are passed to mixbeam_optimise.
+set(mixbeam_light_code $<$<CONFIG:Release>:-O1>) # follows -O3; the last option counts

@@ -1,29 +1,29 @@
-# What is installed, and the packages of the target "package":
+# Installation, and the packages of the target "package":
 #
 #   mixbeam-VERSION-linux-x86_64.tar.xz   relocatable, with the libraries that it needs but those of glibc
 #   mixbeam_VERSION_amd64.deb             for the Debian of the build
 #   mixbeam-VERSION-cp3X-...whl           module for Python, with its libraries
 #
-# Program, Python module and programs in C++ load one libmixbeam.so, of which a package holds one for each instruction set:
-# the loader takes that of lib/mixbeam/glibc-hwcaps/<level> which the processor has, else lib/mixbeam/libmixbeam.so. Each is
-# a build of its own in <build>/levels; none belongs to "all".
+# Program, Python module and C++ programs load libmixbeam.so, which a package contains for each instruction set: the
+# loader takes the best one in lib/mixbeam/glibc-hwcaps/<level> for the processor, otherwise lib/mixbeam/libmixbeam.so.
+# Each has its own build in <build>/levels; none belongs to "all".
 
 set(MIXBEAM_FURTHER_LEVELS "" CACHE STRING "Build folders of further instruction sets, named after them, for a package")
 mark_as_advanced(MIXBEAM_FURTHER_LEVELS)
-set(mixbeam_levels x86-64-v2 x86-64-v3 x86-64-v4) # the first one is in every package's lib/mixbeam itself
+set(mixbeam_levels x86-64-v2 x86-64-v3 x86-64-v4) # the first one is lib/mixbeam/libmixbeam.so
 
 set(package_folder "${CMAKE_BINARY_DIR}/package")
 set(library_folder lib/mixbeam)
 set(module_folder lib/python3/dist-packages/mixbeam)
 
 # --- libmixbeam.so and what loads it ------------------------------------------------------------------------------------
-# DT_RPATH, which holds for the libraries of libraries too, unlike DT_RUNPATH: none of them needs one of its own.
+# DT_RPATH also applies to the libraries of libraries, unlike DT_RUNPATH: none of them needs its own.
 function(mixbeam_packaged target folder)
   set_target_properties(${target} PROPERTIES EXCLUDE_FROM_ALL ON BUILD_WITH_INSTALL_RPATH ON INSTALL_RPATH "${ARGN}"
                         LIBRARY_OUTPUT_DIRECTORY "${package_folder}/${folder}"
                         RUNTIME_OUTPUT_DIRECTORY "${package_folder}/${folder}")
   target_link_options(${target} PRIVATE LINKER:--disable-new-dtags LINKER:--strip-all)
-  if(MIXBEAM_INSTRUCTIONS MATCHES "^x86-64-v") # without that set the loader says so, in place of a crash
+  if(MIXBEAM_INSTRUCTIONS MATCHES "^x86-64-v") # without that set the loader prints an error instead of a crash
     target_link_options(${target} PRIVATE LINKER:-z,${MIXBEAM_INSTRUCTIONS})
   endif()
 endfunction()
@@ -32,7 +32,7 @@ add_library(mixbeam_library SHARED apps/library/mixbeam.cpp)
 set_property(TARGET mixbeam_library PROPERTY LINK_LIBRARY_OVERRIDE
              "WHOLE_ARCHIVE,mixbeam_runs,mixbeam_commands,apps_common,nonlinear,discretization,kernels")
 target_link_libraries(mixbeam_library PRIVATE mixbeam_runs)
-target_link_options(mixbeam_library PRIVATE LINKER:-Bsymbolic-functions) # calls within it are calls
+target_link_options(mixbeam_library PRIVATE LINKER:-Bsymbolic-functions) # binds internal calls directly
 set_target_properties(mixbeam_library PROPERTIES OUTPUT_NAME mixbeam)
 mixbeam_packaged(mixbeam_library lib)
 
@@ -50,7 +50,7 @@ if(TARGET python_objects)
   set_target_properties(python_library PROPERTIES OUTPUT_NAME mixbeam_python LINKER_LANGUAGE CXX)
   mixbeam_packaged(python_library lib)
 
-  # Python opens a file of this name and looks in it for PyInit__core, which the library that it needs has.
+  # Python opens a file of this name and finds PyInit__core in the library that it depends on.
   file(WRITE "${package_folder}/core.c" "extern int nothing;\n")
   add_library(python_core MODULE "${package_folder}/core.c")
   target_link_libraries(python_core PRIVATE "-Wl,--push-state,--no-as-needed" python_library "-Wl,--pop-state")
@@ -77,7 +77,7 @@ install(DIRECTORY apps/gallery DESTINATION share/mixbeam COMPONENT program
 install(DIRECTORY apps/docs/ DESTINATION share/doc/mixbeam COMPONENT program
         FILES_MATCHING PATTERN "*.md" PATTERN "*.png" PATTERN "*.yaml" PATTERN "*.csv")
 install(FILES README.md CITATION.cff .cmake/copyright DESTINATION share/doc/mixbeam COMPONENT program)
-# Scripts of plot, report and view lie in the Python module too.
+# Scripts of plot, report and view are in the Python module too.
 install(DIRECTORY apps/plots DESTINATION ${module_folder} COMPONENT program
         FILES_MATCHING PATTERN "*.py" PATTERN "*.js" PATTERN "*.css" PATTERN "*.html" PATTERN __pycache__ EXCLUDE)
 install(DIRECTORY "${CMAKE_BINARY_DIR}/python/mixbeam/" DESTINATION ${module_folder} COMPONENT python
@@ -118,7 +118,7 @@ if(MIXBEAM_FURTHER_LEVELS)
   set(CPACK_PROJECT_CONFIG_FILE "${CMAKE_SOURCE_DIR}/.cmake/package_contents.cmake")
   include(CPack)
 else()
-  # Wanted after three quarters of an hour of builds: asked for before them.
+  # Checked before three quarters of an hour of builds, after which it is needed.
   set(missing "Packages need patchelf: apt-get install patchelf")
   set(commands COMMAND sh -c "command -v patchelf >/dev/null || (echo '${missing}' >&2 && false)")
   list(TRANSFORM mixbeam_levels PREPEND "${CMAKE_BINARY_DIR}/levels/" OUTPUT_VARIABLE folders)

@@ -1,10 +1,10 @@
 # mixbeam_precompile(<target> <header>...)        reads these headers once for all files of the target
 # mixbeam_precompile(<target> REUSE <other>)      takes what another target has read; the compiler flags must agree
 #
-# Most of a file's compile time is reading Trilinos' headers. Only headers of other projects are precompiled: with one
-# of our own, every edit of it would compile everything. (tpetra_types.hpp names the types of Tpetra that are used, so
-# that their templates are instantiated once too; nearly everything includes it anyway.) Off with MIXBEAM_JOIN_SOURCES, so that a build without it shows
-# the includes that a file forgot.
+# Most of the compile time is spent on Trilinos' headers. Only headers of other projects are precompiled: an edit of one
+# of our own would recompile everything. (tpetra_types.hpp names the types of Tpetra that are used, so that their
+# templates are instantiated once too; nearly everything includes it anyway.) Off with MIXBEAM_JOIN_SOURCES, so that a
+# build without it shows the includes that a file forgot.
 
 set(mixbeam_kokkos_headers <Kokkos_Core.hpp> <array> <cmath> <functional> <memory> <optional> <string> <vector>)
 set(mixbeam_trilinos_headers
@@ -25,6 +25,6 @@ function(mixbeam_precompile target)
     target_precompile_headers(${target} PRIVATE ${ARGN})
   endif()
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-    target_compile_options(${target} PRIVATE -fpch-preprocess) # without it ccache does not keep such files
+    target_compile_options(${target} PRIVATE -fpch-preprocess) # otherwise ccache does not cache such files
   endif()
 endfunction()

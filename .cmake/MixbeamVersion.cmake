@@ -1,4 +1,4 @@
-# Target mixbeam_version: gives the generated header mixbeam/version.hpp, rewritten at each build if the commit changed.
+# Target mixbeam_version: generates the header mixbeam/version.hpp at each build, rewritten only if the commit changed.
 
 string(TOUPPER "${CMAKE_BUILD_TYPE}" build_type_upper)
 set(stamped_flags ${CMAKE_CXX_FLAGS} ${CMAKE_CXX_FLAGS_${build_type_upper}})

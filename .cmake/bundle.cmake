@@ -1,6 +1,5 @@
-# Run at installation (MixbeamPackages): puts the shared libraries that the installed files need beside them, but those of
-# glibc, under names of their own; Open MPI's plugins and texts; and the licences of all of them, as Debian's packages state
-# them.
+# Runs at installation (MixbeamPackages): copies the shared libraries that the installed files need beside them, except
+# those of glibc, under unique names; Open MPI's plugins and texts; and all licences, as in Debian's packages.
 
 set(prefix "$ENV{DESTDIR}${CMAKE_INSTALL_PREFIX}")
 set(libraries "${prefix}/${library_folder}")
@@ -19,7 +18,7 @@ mpi_path(mpi_plugins pkglibdir)
 mpi_path(mpi_texts pkgdatadir)
 file(RELATIVE_PATH plugin_folder "${mpi_prefix}" "${mpi_plugins}")
 file(RELATIVE_PATH text_folder "${mpi_prefix}" "${mpi_texts}")
-# Without those for networks of special hardware, batch systems and OpenSHMEM, which bring libraries of their own.
+# Without plugins for special network hardware, batch systems and OpenSHMEM, which need further libraries.
 file(GLOB plugins "${mpi_plugins}/mca_*.so")
 list(FILTER plugins EXCLUDE REGEX
      "_(ofi|ucx|psm2?|openib|verbs|usnic|monitoring|slurm|flux|lsf|tm|portals4|oshmem)[.]so$|/mca_(atomic|memheap|scoll|spml|sshmem)_")
@@ -59,8 +58,8 @@ foreach(library IN LISTS found)
   list(APPEND originals "${original}")
   list(APPEND copies "${libraries}/${name}")
 endforeach()
-# The loader looks where the program or module says; a path of a library's own would keep it from that. What a plugin needs
-# it would not find there in a process of Python: plugins keep their place for a path.
+# The loader uses the path of the program or module, which a path in a library would override. In a Python process
+# plugins would not find their libraries that way, so they keep a path.
 foreach(copy IN LISTS copies ITEMS "${libraries}/mpi/orterun")
   file(RPATH_REMOVE FILE "${copy}")
 endforeach()
@@ -75,15 +74,15 @@ foreach(copy IN LISTS copied_plugins)
 endforeach()
 
 # --- Names of their own -------------------------------------------------------------------------------------------------
-# A process of Python has one library of a name, that of the module which was loaded first: without names that no other
-# package has, mixbeam would be given other builds of its libraries, and others would be given these. What every process
-# has once keeps its name (OF_SYSTEM in make_wheel.py).
+# A Python process loads one library per name, that of the first module: without unique names mixbeam would get other
+# builds of its libraries, and other modules would get these. Libraries that every process shares keep their names
+# (OF_SYSTEM in make_wheel.py).
 function(patchelf)
   execute_process(COMMAND patchelf ${ARGN} COMMAND_ERROR_IS_FATAL ANY)
 endfunction()
 
-# Debian's libxml2 has iconv, which it asks first, and ICU for encodings that iconv does not know: ICU's 31 MB of data are
-# an empty table of contents, with which ICU says that it has no such encoding, as long as nothing else needs it.
+# Debian's libxml2 uses iconv first, and ICU for encodings unknown to iconv. Unless anything else needs ICU, its 31 MB
+# of data are replaced by an empty table of contents, with which ICU reports that it has no such encoding.
 set(needs_icu "")
 foreach(file IN LISTS copies copied_plugins)
   execute_process(COMMAND patchelf --print-needed "${file}" OUTPUT_VARIABLE needed COMMAND_ERROR_IS_FATAL ANY)
@@ -124,7 +123,7 @@ patchelf(${renamed} ${patched} ${copied_plugins})
 # --- Licences -----------------------------------------------------------------------------------------------------------
 set(packages "")
 foreach(original IN LISTS originals)
-  # A folder of / that is a link to one of /usr: a package says either.
+  # Folders of / may be links to /usr; packages name either path.
   string(REGEX REPLACE "^/usr" "" elsewhere "${original}")
   foreach(path IN ITEMS "${original}" "${elsewhere}")
     execute_process(COMMAND dpkg-query --search "${path}" OUTPUT_VARIABLE owner ERROR_QUIET RESULT_VARIABLE failed)

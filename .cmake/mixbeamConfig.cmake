@@ -1,6 +1,6 @@
 # find_package(mixbeam): the target mixbeam::mixbeam, for #include <mixbeam/mixbeam.hpp>.
 get_filename_component(mixbeam_prefix "${CMAKE_CURRENT_LIST_DIR}/../../.." ABSOLUTE)
-# The library takes HDF5 of who loads it: that of the archive, or Debian's.
+# The program that loads the library provides HDF5: that of the archive, or Debian's.
 file(GLOB mixbeam_own_hdf5 "${mixbeam_prefix}/lib/mixbeam/libhdf5_openmpi*.so.*")
 find_library(mixbeam_HDF5 NAMES libhdf5_openmpi.so.103 libhdf5_openmpi.so)
 if(mixbeam_own_hdf5)
@@ -19,7 +19,7 @@ if(NOT TARGET mixbeam::mixbeam)
     IMPORTED_LINK_DEPENDENT_LIBRARIES "${mixbeam_HDF5}"
     INTERFACE_INCLUDE_DIRECTORIES "${mixbeam_prefix}/include")
   target_compile_features(mixbeam::mixbeam INTERFACE cxx_std_17)
-  # DT_RPATH holds for the libraries of the library too.
+  # DT_RPATH also applies to the libraries of the library.
   target_link_options(mixbeam::mixbeam INTERFACE LINKER:--disable-new-dtags "LINKER:-rpath,${mixbeam_prefix}/lib/mixbeam"
                       "LINKER:-rpath-link,${mixbeam_prefix}/lib/mixbeam")
   target_link_libraries(mixbeam::mixbeam INTERFACE "-Wl,--push-state,--no-as-needed" "${mixbeam_HDF5}" "-Wl,--pop-state")

@@ -1,4 +1,4 @@
-# Read by cpack for each kind of package: the libraries of other projects are in the archive alone.
+# Read by cpack for each kind of package: only the archive contains libraries of other projects.
 list(GET CPACK_INSTALL_CMAKE_PROJECTS 0 build)
 set(contents program python development)
 if(CPACK_GENERATOR STREQUAL "TXZ")
