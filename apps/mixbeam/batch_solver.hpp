@@ -46,7 +46,7 @@ struct CaseResult {
   bool converged = false;
   bool alone = false;              ///< solved on its own
   CaseValues values{};             ///< empty if Newton's method failed
-  int iterations = 0;              ///< of its group
+  int iterations = 0;              ///< of the run that solved it
   double residual = 0.0;           ///< relative to its own scales
   std::string cause{};             ///< why it did not converge
   std::string stable = "unknown";  ///< stability of the end: "true", "false", "neutral", "unknown"

@@ -51,7 +51,7 @@ struct FoundScene {
   std::vector<SearchedNumber> numbers{};
   std::vector<double> covariance{};  ///< (number, number); empty without measurements
   std::vector<double> values{};      ///< of the wanted quantities
-  std::vector<double> sizes{};       ///< their scales at the initial guess
+  std::vector<double> sizes{};       ///< their absolute values at the start
   std::vector<SearchStep> steps{};   ///< steps of the search, in numbers of the scene
   SearchEnd end = SearchEnd::found;
   std::string failure{};               ///< why the search failed
