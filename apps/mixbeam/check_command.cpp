@@ -155,7 +155,7 @@ double print_extent(std::ostream& out, const Simulation& simulation) {
   return size;
 }
 
-/// Prints the resultants of the loads at the end of each stage, on the undeformed shape. `size`: of that.
+/// Prints the resultants of the loads at the end of each stage, on the undeformed shape. `size`: of the structure.
 void print_loads(std::ostream& out, Simulation& simulation, double size) {
   const StateSnapshot undeformed = snapshot_of(simulation.model(), simulation.state());
   for (int stage = 1; stage <= simulation.scene().stages; ++stage) {

@@ -140,7 +140,7 @@ std::string verdict_text(const EndOfRun& end) {
 /// Share of torsion in the von Mises stress of an open section above which a note on warping is printed.
 constexpr double kTorsionNote = 0.1;
 
-/// Strains below this are rounding of larger numbers: only eigenstrains deform the structure, without stress.
+/// Strains below this are rounding: only eigenstrains deform the structure, and it has no stresses.
 constexpr double kNoStrain = 1e-12;
 
 /// Arc length over the length of the member.

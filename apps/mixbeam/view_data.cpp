@@ -34,7 +34,7 @@ constexpr double kNoise = 1e-9;              // section forces below this share 
 constexpr double kNoLoad = 1e-12;            // likewise moments below this share of EI / size, if none is larger
 constexpr double kLeastStrain = 1e-6, kLeastTurn = 1e-3;  // scales of round-off: strains; curvatures times size
 constexpr double kMoved = 1e-9;                           // share of the size; smaller changes along a path are ignored
-constexpr double kBeforeAny = -1e30;                      // begin of what acts by a formula
+constexpr double kBeforeAny = -1e30;                      // begin of loads given by formulas
 constexpr const char* kDrawnAs = "drawn as ";             // prefix of the shape of a section given by stiffnesses
 const std::array<const char*, 2> kForces = {"material_force", "material_moment"};
 const std::array<const char*, 2> kStrains = {"force_strain", "moment_strain"};  // their strains

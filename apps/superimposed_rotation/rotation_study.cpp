@@ -133,7 +133,7 @@ void run_rotation(Application& app) {
 
 /// Runs the scene, then the other element orders.
 void run_rotation_study(Application& app) {
-  app.quiet = true;  // the table of increments is complete
+  app.quiet = true;  // the table of increments suffices
   run_rotation(app);
   app.out() << "\nLargest change of all increments, by order, and the most iterations of one\n";
   StudyTable table(app, "", {"k", "u3(L) / L", "moment energy", "vertices / L", "triads [rad]", "iterations"}, 6);

@@ -33,7 +33,7 @@ struct Recording {
   RunObserver observer{};
   std::function<void(const StepRecord& record)> record_observer{};
   std::function<bool()> stop{};             ///< see PathControl
-  std::function<void()> restart{};          ///< called before a path on another mesh: discard earlier steps
+  std::function<void()> restart{};          ///< called before the path begins again: discard earlier steps
   const QuantitySet* quantities = nullptr;  ///< recorded besides the motion of points
   /// Gradients at the end of the path, and of the critical points since its start or resumption; empty: not requested.
   std::function<RecordedGradients(const Simulation&, const std::vector<CriticalPoint>&)> gradients{};
@@ -42,7 +42,7 @@ struct Recording {
   WritingOptions writing{};
 };
 
-/// A stored step of a completed run.
+/// A step of a run, kept for evaluation.
 struct KeptStep {
   StepReport report{};
   State state{};

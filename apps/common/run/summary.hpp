@@ -86,7 +86,7 @@ struct FollowedQuantity {
   double arc_length = 0.0;  ///< [length]
   int side = 0;             ///< -1, 1: before, after a vertex
   std::string place{};      ///< location of an extreme over several places, at the end
-  double error = 0.0;       ///< of the absolute value at the end, estimated; NaN: `not_estimated`, or not requested
+  double error = 0.0;       ///< estimated error of |value| at the end; NaN: `not_estimated`, or not requested
   std::string not_estimated{};
 };
 

@@ -21,7 +21,7 @@ void leave_on_interrupts();
 /// Makes both signals request an orderly end, until the program exits.
 void watch_for_interrupts();
 
-/// Removes the limit of two seconds while results are written as a whole, which would be lost.
+/// Removes the limit of two seconds, for results that are written as a whole and would be lost.
 void finish_in_order();
 
 /// True after this process has received a signal.
