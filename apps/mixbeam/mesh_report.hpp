@@ -10,7 +10,7 @@ inline constexpr const char* kMeshProperty = "mesh chosen";
 
 /// Groups of members with the same mesh, the largest first.
 std::vector<ChosenMesh::Members> members_by_mesh(const Scene& scene, const MeshChoice& choice);
-/// "  members of order 6 with 4 elements each: rod"
+/// Prints "  order 6, elements 4: rod", ...
 void print_members(std::ostream& out, const std::vector<ChosenMesh::Members>& members);
 
 /// Prints the meshes of a run, adds them to the summary and checks the estimated error against the wanted one.

@@ -110,7 +110,7 @@ class Turn {
   }
 
   PyThreadState* released_ = nullptr;
-  int threads_ = 1;  ///< before
+  int threads_ = 1;  ///< number before the turn
 };
 
 /// Deletes objects of the library while holding a Turn.

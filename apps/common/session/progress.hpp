@@ -36,7 +36,7 @@ class Progress {
   std::chrono::steady_clock::time_point start_, last_search_;
 };
 
-/// "jump between load factors 0.05 and 0.0625: energy released 0.0123, vertices move by 0.11 of the length, ...".
+/// "jump between load factors 0.05 and 0.0625: energy released 0.0123, mean motion 0.11, ...".
 std::string jump_text(const RecordedJump& jump);
 
 /// "bifurcation at load factor 1.234: negative eigenvalues 0 before, 1 after". `omega`: of flutter; NaN otherwise.
