@@ -1,6 +1,6 @@
 #!/usr/bin/python3 -Es
-"""What the features that a scene does not use would cost: one long rod solved as it is, and with each of them in it at rest.
-Both ways must give the same answer; times are shown, not judged."""
+"""Study of the cost of features that a scene does not use: one long rod solved as it is, and with each feature added without
+effect. Both ways must give the same answer; times are shown, not judged."""
 
 import math
 import sys
@@ -14,20 +14,20 @@ sys.path[:0] = [str(BIN / "studies"), str(BIN.parent / "python")]
 import study  # noqa: E402
 from study import Follow  # noqa: E402
 
-SAME_SOLUTION = 1e-9  # what Newton's tolerance leaves of a displacement, with a margin for soft structures
-INNER_POINTS = 1000  # that carry a load of zero
+SAME_SOLUTION = 1e-9  # relative, due to Newton's tolerance, with a margin for soft structures
+INNER_POINTS = 1000  # with a load of zero
 NOTHING = 1e-200  # a line load below rounding; one of zero would be ignored
 
 
 def changed(scene, change):
-    """A changed copy."""
+    """Returns a changed copy."""
     scene = scene.copy()
     change(scene, one(scene.members), one(scene.sections), one(scene.point_loads))
     return scene
 
 
 def with_solver(scene, **parameters):
-    """A copy with these parameters, lists__parameter=value."""
+    """Returns a copy with these parameters, lists__parameter=value."""
     scene = scene.copy()
     for name, value in parameters.items():
         *lists, parameter = name.split("__")
@@ -40,7 +40,7 @@ def one(entries):
 
 
 def by_formula(scene, rod, _section, load):
-    """The same straight line from the origin along x, as any curve may be given."""
+    """Gives the same straight line from the origin along x as a parametric curve."""
     rod.curve.update_by_name({"Shape": "parametric", "Formula": ["t", "0", "0"], "Range": (0, scene.points[load.point][0])})
 
 
@@ -55,19 +55,19 @@ STIFFNESSES = ("EA", "GA2", "GA3", "GIt", "EI2", "EI3")
 
 
 def matrix(scene, _rod, section, _load):
-    """Forces and moments are coupled, if by nothing."""
+    """Couples forces and moments by negligible entries."""
     values = [section.pop(name) for name in STIFFNESSES]
     section["Matrix"] = [values[i] if i == j else NOTHING if (i < 3) != (j < 3) else 0.0 for i in range(6) for j in range(6)]
 
 
 def taper(scene, rod, section, _load):
-    """To a section that is the same."""
+    """Tapers the rod to an equal section."""
     scene.sections["end"] = {name: section[name] for name in STIFFNESSES}
     rod.end_section = "end"
 
 
 def shape(scene, _rod, section, _load):
-    """A rectangle with the same EA, GA2, GA3, EI2 and EI3, so that stresses are known."""
+    """Gives the section as a rectangle with the same EA, GA2, GA3, EI2 and EI3, so that stresses are known."""
     values = {name: section.pop(name) for name in STIFFNESSES}
     side = math.sqrt(12 * values["EI3"] / values["EA"])
     section.update_by_name({"Shape": "rectangle", "Width": side, "Height": side, "Shear Correction": (1, 1),
@@ -75,12 +75,12 @@ def shape(scene, _rod, section, _load):
 
 
 def heavy(_scene, _rod, section, _load):
-    """With a mass, which statics does not ask for."""
+    """Adds a mass, which statics does not need."""
     section["Mass"] = 1.0
 
 
 def heavy_under_force(scene, rod, section, load):
-    """Without the moment at its tip, which has no potential: flutter would be looked for too."""
+    """Removes the moment at the tip too: it has no potential, so that flutter would be sought."""
     heavy(scene, rod, section, load)
     load.moment = (0, 0, 0)
 
@@ -95,14 +95,14 @@ def inner_points(**load):
 
 
 def force_stiffness(stiffness):
-    """Axial force and shear cannot strain it."""
+    """Sets the axial and shear stiffnesses."""
     def change(_scene, _rod, section, _load):
         section.update_by_name(dict.fromkeys(STIFFNESSES[:3], stiffness))
     return change
 
 
 def overhang(order, elements):
-    """Half as long again, without any load on the new part."""
+    """Extends the rod by half its length, without load on the new part."""
     def change(scene, rod, _section, load):
         x, y, z = scene.points[load.point]
         scene.points["end"] = 1.5 * x, y, z
@@ -112,12 +112,12 @@ def overhang(order, elements):
 
 
 def in_plane(_scene, _rod, _section, load):
-    """Loads that keep the rod in the plane of x and y."""
+    """Keeps the loads, and so the rod, in the plane of x and y."""
     load.force, load.moment = (*load.force[:2], 0), (0, 0, load.moment[2])
 
 
 def held_twist(scene, _rod, _section, load):
-    """At the tip, where nothing turns it."""
+    """Fixes the twist at the tip, where no torque acts."""
     scene.supports["twist"] = {"Point": load.point, "Fixed Displacement": [], "Fixed Rotation": ["x"]}
 
 
@@ -126,13 +126,13 @@ def tip_asked_for(scene, _rod, _section, load):
 
 
 def tip_gradient(scene, rod, section, load):
-    """One component, with respect to 18 numbers of each element."""
+    """Asks for the gradient of one component with respect to 18 numbers of each element."""
     tip_asked_for(scene, rod, section, load)
     scene.gradient = {"Of": ["tip.y"], "By Element": True}
 
 
 def hundred_quantities(scene, _rod, _section, load):
-    """A quarter each: displacements and moments at places of the rod, distances to its tip, extremes along all of it."""
+    """Asks for 100 quantities, a quarter each: displacements and moments at places, distances to the tip, extremes."""
     member = next(iter(scene.members))
     along = ("material force", "material moment", "spatial moment", "material curvature")
     for i in range(100):
@@ -148,8 +148,8 @@ def hundred_quantities(scene, _rod, _section, load):
 
 
 def unused_features(given):
-    """(name, (description, scene, how to solve it) as shipped, and the same in the general way)"""
-    rod = with_solver(given, analysis__stability=False, analysis__error_estimate="off")  # but where it is what is measured
+    """Returns (name, (description, scene, options of the solution) as it is, and the same with the feature)."""
+    rod = with_solver(given, analysis__stability=False, analysis__error_estimate="off")  # unless these are measured
     planar = changed(rod, in_plane)
     plane_in_space = with_solver(planar, solver__planar=False)
     shaped = changed(rod, shape)
@@ -182,7 +182,7 @@ def unused_features(given):
          ("rotation about the axis fixed there: one row that depends on the rotation",
           changed(plane_in_space, held_twist))),
         ("rigid", ("inextensible and shear rigid", changed(rod, force_stiffness(math.inf))),
-         ("EA = GA = 1e14", changed(rod, force_stiffness(1e14)))),  # beside it 1 is bending: its strain is of rounding
+         ("EA = GA = 1e14", changed(rod, force_stiffness(1e14)))),  # EI = 1: strains are at rounding
         ("one_step", ("one load step", rod),
          ("ten equal load steps", with_solver(rod, solver__load_path__method="fixed", solver__load_path__steps=10))),
         ("stability", ("stability not asked for", rod),
@@ -210,7 +210,7 @@ def unused_features(given):
 
 
 def solve(app, description, scene, how=None):
-    """(seconds from the scene to the answer, iterations, displacement of the tip)"""
+    """Returns (seconds from the scene to the answer, iterations, displacement of the tip)."""
     trial = study.solve(app, scene, **(how or {}))
     if not trial.finished:
         raise study.ConvergenceError(f"{description}: no equilibrium was found")
@@ -218,12 +218,12 @@ def solve(app, description, scene, how=None):
 
 
 def measure(app, given, name, plain, other, table):
-    """Both ways in turn, so that a machine that slows down for a while does so for both; the first round warms up."""
+    """Times both ways in turn, so that a temporary slowdown affects both alike; the first round is a warm-up."""
     rounds = [(solve(app, *plain), solve(app, *other)) for _ in range(app.number("Rounds") + 1)]
     (_, iterations, tip), (_, other_iterations, other_tip) = rounds[-1]
     difference = math.dist(tip, other_tip) / math.hypot(*tip)
     times = [(a[0], b[0]) for a, b in rounds[1:]]
-    ratios = [b / a for a, b in times]  # of neighbours in time: what the machine does beside is the same for both
+    ratios = [b / a for a, b in times]  # of consecutive runs, under the same load of the machine
     rod = one(given.members)
     table.add_row([name, median(a for a, _ in times), median(b for _, b in times), median(ratios), iterations,
                    other_iterations, difference, plain[0], other[0], rod.order, rod.elements])

@@ -1,4 +1,4 @@
-"""The structure of most sweeps: a straight cantilever with EI2 = EI3 under a dead load at its tip, and its closed forms."""
+"""Structure of most sweeps: a straight cantilever with EI2 = EI3 under a dead load at its tip, and its closed forms."""
 
 import math
 
@@ -6,19 +6,19 @@ from numpy.polynomial.legendre import leggauss
 
 from mixbeam.errors import InputError
 
-CARLSON = 1e-3  # differences at which the series of an elliptic integral are exact to rounding
-SMALL_LOAD = 0.03  # up to here the series is exact to rounding; beyond it the elliptic form loses two digits at most
-# Beyond this load tip and force differ in direction by less than exp(-40), and the rod is infinitely long for its curve
-# at the clamp.
+CARLSON = 1e-3  # deviations at which the series of an elliptic integral are exact to rounding
+SMALL_LOAD = 0.03  # up to here the series is exact to rounding; beyond, the elliptic form loses at most two digits
+# Beyond this load the directions of tip and force differ by less than exp(-40), and the rod acts as an infinitely long
+# one.
 LONG_ROD = 1600.0
-HALVINGS = 200  # of an interval; 60 exhaust the digits, more cost nothing
+HALVINGS = 200  # of an interval; 60 exhaust the digits
 SERIES_ANGLE = 0.5  # below, theta - sin(theta) is a series: the difference would lose three digits and more
 
 
 def elastica_tip(load):
-    """(back, across, angle) of the tip of an inextensible, shear rigid cantilever of length 1 and EI = 1 under a dead force
-    across, load = F L^2 / EI > 0. Error a few roundings, relative to the motion where the load is below 0.03, else to the
-    length. (Bisshopp and Drucker, Quart. Appl. Math. 3, 1945)"""
+    """Returns (back, across, angle) of the tip of an inextensible, shear rigid cantilever of length 1 and EI = 1 under a dead
+    transverse force, load = F L^2 / EI > 0. The error is a few roundings, relative to the motion for loads below 0.03, else
+    to the length. (Bisshopp and Drucker, Quart. Appl. Math. 3, 1945)"""
     if load <= SMALL_LOAD:
         return _short_rod(load)
     if load <= LONG_ROD:
@@ -27,15 +27,15 @@ def elastica_tip(load):
 
 
 def thrust_tip(thrust, eccentricity):
-    """The same under a thrust P L^2 / EI > 0 against the axis with the fraction `eccentricity` > 0 of it across: the stable
-    equilibrium, which bends towards the force across; angle up to pi. Relative error a few roundings over that of the
+    """Returns the same under a thrust P L^2 / EI > 0 with the fraction `eccentricity` > 0 of it as transverse force: the
+    stable equilibrium, which bends towards that force; angle up to pi. The relative error is a few roundings over the
     eccentricity."""
     return _pendulum_tip(thrust * math.hypot(1, eccentricity), math.atan(eccentricity))
 
 
 def _short_rod(load):
-    """Power series of theta'' = -load cos(theta), theta(0) = theta'(1) = 0, by exact fractions; the terms left out are below
-    1e-3 load^8 of the first ones."""
+    """Sums the power series of theta'' = -load cos(theta), theta(0) = theta'(1) = 0, with exact fractions; omitted terms are
+    below 1e-3 load^8 of the first ones."""
     x = load * load
 
     def series(a, b, c, d):
@@ -47,8 +47,8 @@ def _short_rod(load):
 
 
 def _carlson(x, y, z, weight):
-    """(mean, deviations of x, y, z from it, sum of what was split off, power of 1/4) of the duplication theorem; z counts
-    `weight` times in the mean. (Carlson, Numer. Math. 33, 1979)"""
+    """Applies the duplication theorem. Returns (mean, deviations of x, y, z from it, sum of the terms split off, power of
+    1/4); z has `weight` in the mean. (Carlson, Numer. Math. 33, 1979)"""
     total, power = 0.0, 1.0
     while True:
         mean = (x + y + weight * z) / (2 + weight)
@@ -78,9 +78,9 @@ def elliptic_rd(x, y, z):
 
 
 def _pendulum_rod(load_angle, u):
-    """(k, cos(psi_0), F(chi, k), E(k) - E(psi_0, k)). With phi the angle to the load R, phi'' = -R sin(phi), phi'(1) = 0, is
-    a pendulum's: from `load_angle` at the clamp to the tip's, k = sin(phi_tip / 2); by u = log(k / k'), which resolves both
-    ends. sin(phi / 2) = k sin(psi), sqrt(R) = K(k) - F(psi_0, k) = F(chi, k) with tan(chi) = 1 / (k' tan(psi_0))."""
+    """Returns (k, cos(psi_0), F(chi, k), E(k) - E(psi_0, k)). With phi the angle to the load R, phi'' = -R sin(phi),
+    phi'(1) = 0, is a pendulum: from `load_angle` at the clamp to the tip, k = sin(phi_tip / 2), in u = log(k / k'), which
+    resolves both ends. sin(phi / 2) = k sin(psi), sqrt(R) = K(k) - F(psi_0, k) = F(chi, k), tan(chi) = 1 / (k' tan(psi_0))."""
     k, k_prime = 1 / math.sqrt(1 + math.exp(-2 * u)), 1 / math.sqrt(1 + math.exp(2 * u))
     sin_psi = min(1.0, math.sin(0.5 * load_angle) / k)
     cos_psi = math.sqrt((1 - sin_psi) * (1 + sin_psi))
@@ -93,9 +93,9 @@ def _pendulum_rod(load_angle, u):
 
 
 def _pendulum_tip(load, load_angle):
-    """`load_angle`: of the load to the axis of the clamp."""
+    """Returns the tip as elastica_tip; `load_angle`: angle of the load to the axis of the clamp."""
     root = math.sqrt(load)
-    low, high = math.log(math.tan(0.5 * load_angle)) * (1 - 1e-15), root + 3  # low: the tip still points along the clamp
+    low, high = math.log(math.tan(0.5 * load_angle)) * (1 - 1e-15), root + 3  # low: the tip is parallel to the clamp
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
         if _pendulum_rod(load_angle, middle)[2] < root:
@@ -110,7 +110,7 @@ def _pendulum_tip(load, load_angle):
 
 
 def _one_minus_sinc(x):
-    """1 - sin(x) / x"""
+    """Returns 1 - sin(x) / x without cancellation."""
     if abs(x) > SERIES_ANGLE:
         return 1 - math.sin(x) / x
     term, total = 1.0, 0.0
@@ -125,28 +125,28 @@ def cross(a, b):
 
 
 def quaternion(axis, angle):
-    """(w, x, y, z) of the rotation by `angle` about a unit vector."""
+    """Returns (w, x, y, z) of the rotation by `angle` about a unit vector."""
     s = math.sin(0.5 * angle)
     return math.cos(0.5 * angle), s * axis[0], s * axis[1], s * axis[2]
 
 
 def product(p, q):
-    """Of quaternions."""
+    """Multiplies quaternions."""
     v = [p[0] * b + q[0] * a + c for a, b, c in zip(p[1:], q[1:], cross(p[1:], q[1:]))]
     return p[0] * q[0] - sum(a * b for a, b in zip(p[1:], q[1:])), *v
 
 
 def or_one(size):
-    """Zero motion has no size: it is measured against the structure."""
+    """Returns the size of a motion as its scale; a zero motion is measured against the structure."""
     return size if size > 0 else 1.0
 
 
 class Cantilever:
-    """One scene of a sweep with its exact answer. Geometry, mesh and stiffness first, then the load, which finds the exact
-    motion of the tip. As made: inextensible and shear rigid.
+    """One scene of a sweep with its exact solution. Set geometry, mesh and stiffness first, then the load, which computes the
+    exact motion of the tip. Initially inextensible and shear rigid.
 
-    ratio: of the longest element to the shortest, growing from the clamp by one factor; 0: all equal. steps: equal ones of
-    the load; 0: as the solver's parameters say."""
+    ratio: longest to shortest element, growing from the clamp by a constant factor; 0: equal elements. steps: number of
+    equal load steps; 0: by the solver's parameters."""
 
     def __init__(self, scene):
         self.scene = scene
@@ -175,17 +175,17 @@ class Cantilever:
                 and load.point == rod.end and load.frame == "dead" and load.stage == 1)
 
     def set_slenderness(self, slenderness):
-        """Section of a square of side L / slenderness, EA = 12 slenderness^2 EI / L^2; GA = EA keeps the closed form."""
+        """Sets a square section of side L / slenderness, EA = 12 slenderness^2 EI / L^2; GA = EA keeps the closed form."""
         self.force_stiffness = 12 * (slenderness / self.length)**2 * self.bending
 
     def pull(self, load):
-        """Dead force along y, F L^2 / EI = load >= 0. Exact: elastica, and with C = EA = GA2 = GA3 every point moves by
-        s F / C further, whatever the rotations (r' = g1 + n / C, and m' = - r' x n does not see C)."""
+        """Applies a dead force along y, F L^2 / EI = load >= 0. Exact: elastica; with C = EA = GA2 = GA3 every point moves by
+        s F / C further for any rotations (r' = g1 + n / C, and m' = - r' x n does not depend on C)."""
         self.force[1] = load * self.bending / (self.length * self.length)
         self._set_exact(elastica_tip(load), self.length * self.force[1] / self.force_stiffness)
 
     def pull_in_units(self, of_length, of_force, load):
-        """The same with a slenderness of 100, the unit of length divided by one number and that of force by another."""
+        """Applies the same force at slenderness 100, with the units of length and force divided by these numbers."""
         self.length *= of_length
         self.bending *= of_force * of_length * of_length
         self.torsion *= of_force * of_length * of_length
@@ -193,16 +193,16 @@ class Cantilever:
         self.pull(load)
 
     def push(self, load, eccentricity):
-        """Dead thrust against the axis, as a multiple of Euler's load, and the fraction `eccentricity` > 0 of it along y.
-        Exact: elastica (inextensible and shear rigid alone), the stable equilibrium on the side of the force along y."""
+        """Applies a dead thrust, as a multiple of Euler's load, and the fraction `eccentricity` > 0 of it along y. Exact:
+        elastica (only inextensible and shear rigid), the stable equilibrium on the side of the force along y."""
         thrust = 0.25 * math.pi * math.pi * load
         size = thrust * self.bending / (self.length * self.length)
         self.force = [-size, eccentricity * size, 0.0]
         self._set_exact(thrust_tip(thrust, eccentricity), 0.0)
 
     def turn(self, bending_turn, twist):
-        """Dead moment with bending_turn = (0, y, z) EI / L across the rod, as spatial vector, and twisting it by `twist`.
-        Exact (EI2 = EI3, no forces): the spatial moment m is constant and so is its component M1 along the tangent; the
+        """Applies a dead moment with transverse part bending_turn = (0, y, z) EI / L, as spatial vector, that twists the rod by
+        `twist`. Exact (EI2 = EI3, no forces): the spatial moment m and its component M1 along the tangent are constant; the
         rotations are exp(s m / EI) exp(s M1 (1/GIt - 1/EI) e1), the centerline is a helix about m."""
         along = self.torsion * twist / self.length  # M1
         turned = [self.length * along / self.bending, bending_turn[1], bending_turn[2]]  # m L / EI
@@ -219,9 +219,9 @@ class Cantilever:
         self.rotation_scale = min(1.0, or_one(max(angle, abs(twist))))
 
     def turn_by_gauss_rule(self, angle):
-        """Dead moment about z that turns the tip by `angle`. Exact: that of the discrete equations on equal elements, the
-        k-point Gauss rule of the exact tangent (rotations are exact and force strains vanish at these points), because the
-        circle is far away where an element turns by a radian and more."""
+        """Applies a dead moment about z that rotates the tip by `angle`. Exact: the solution of the discrete equations on equal
+        elements, the k-point Gauss rule of the exact tangent (rotations are exact and force strains vanish at these points),
+        because the circle is a poor reference if an element rotates by a radian or more."""
         self.turn([0.0, 0.0, angle], 0.0)
         points, weights = (values.tolist() for values in leggauss(self.order))
         x = y = 0.0
@@ -260,7 +260,7 @@ class Cantilever:
         return scene
 
     def _graded_stations(self):
-        """Ends of elements over the length of the member."""
+        """Returns the ends of elements over the length of the member."""
         growth = self.ratio**(1 / (self.elements - 1)) if self.elements > 1 else 1.0
         ends, length = [0.0], 1.0
         for _ in range(self.elements):
@@ -269,8 +269,8 @@ class Cantilever:
         return [end / ends[-1] for end in ends]
 
     def error(self, trial):
-        """Distance of a computed tip from the exact one, the larger of displacement and rotation over their scales: the
-        displacement itself, so that tiny motions are exact too, and the angle, at most one radian."""
+        """Returns the error of the tip, the larger of displacement and rotation over their scales: the exact displacement, so
+        that tiny motions are judged too, and the angle, at most one radian."""
         distance = [a - b for a, b in zip(trial.displacement(self.end), self.exact_displacement)]
         vector = trial.rotation(self.end)
         angle = math.hypot(*vector)

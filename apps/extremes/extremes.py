@@ -1,6 +1,6 @@
 #!/usr/bin/python3 -Es
-"""One quantity of a structure at a time to its limits: what converges, how fast, how exact, and where it ends. Then paths of
-random imperfect structures, held against the same paths in small steps."""
+"""Study of limits: one quantity of a structure at a time is swept to its limits to see convergence, cost, accuracy and where
+runs end. Then paths of random imperfect structures are compared with the same paths in small steps."""
 
 import math
 import sys
@@ -15,15 +15,15 @@ from cantilever import Cantilever, elastica_tip, thrust_tip  # noqa: E402
 from imperfect_structures import ImperfectStructure  # noqa: E402
 from judged_path import follow, is_same_end, judge_path  # noqa: E402
 
-LOAD = 10.0  # F L^2 / EI of scenes that need some load: a tip that turns by 1.43 radians
-NEXT = 1e-12  # to the ends of series, relative
+LOAD = 10.0  # F L^2 / EI of scenes that need some load: the tip rotates by 1.43 radians
+NEXT = 1e-12  # relative distance to the ends of series
 TURN = 2 * math.pi
 SHOOTING_ERROR = 1e-12
-THRUST_DIGITS = 3e-11  # printed, relative to the smallest of them
-MOST_REFUSED = 0.02  # of the paths whose end is known, those that may be refused
-LOCATED = 1e-8  # of load factors, relative: what the program promises
-# Where the program changes from series to closed forms: half of the turn of an element is the largest argument of the one,
-# twice the angle to each vertex that of the other (kStumpffSeriesLimit, kLogSeriesLimit).
+THRUST_DIGITS = 3e-11  # of the printed references, relative to the smallest of them
+MOST_REFUSED = 0.02  # share of the paths with a known end that may be refused
+LOCATED = 1e-8  # promised relative error of critical load factors
+# Rotations at which the program changes from series to closed forms: the argument of the first is half of the rotation of
+# an element, that of the second twice the angle to a vertex (kStumpffSeriesLimit, kLogSeriesLimit).
 SERIES = 2 * math.sqrt(10.0)
 LOGARITHM = 4 * math.atan(math.sqrt(2.5e-3))
 
@@ -34,9 +34,9 @@ GAUSS_RULE = "k-point Gauss rule of the exact tangent of the circle, exact rotat
 PENDULUM = "elastica of a thrust beside the axis, elliptic integrals; the stable equilibrium"
 SHOOTING = ("shooting on the rod ODE with Runge-Kutta 7(8), no finite elements; step doubling changes less than 1e-10")
 
-# `allowed`: error that is promised for values from `first` to `last`, the others are recorded only. `make`: (given scene,
-# value) -> (scene, error of a trial or None, load factors of all critical points). What a sweep is about tells
-# apps/plots/extremes.py.
+# `allowed`: promised error for values from `first` to `last`; the others are only recorded. `make`: (given scene,
+# value) -> (scene, error of a trial or None, load factors of all critical points). apps/plots/extremes.py describes
+# the sweeps.
 Sweep = namedtuple("Sweep", "name values allowed first last source make")
 
 
@@ -45,12 +45,12 @@ def decades(first, last, step=1):
 
 
 def approaching(angle):
-    """Ever closer to `angle` from below."""
+    """Returns values that approach `angle` from below."""
     return [angle * (1 - gap) for gap in (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6)]
 
 
 def of_rod(name, values, allowed, first, last, source, change):
-    """`change`: of the inextensible and shear rigid rod of the scene, for a value."""
+    """Makes a sweep of the inextensible and shear rigid rod of the scene; `change(rod, value)` applies a value."""
 
     def make(scene, value):
         rod = Cantilever(scene)
@@ -71,7 +71,7 @@ def of_stiffness_ratio(rod, value):
 
 
 def of_mesh(order, elements, ratio, load):
-    """0: as the scene has it."""
+    """Changes the mesh; order and elements 0: as in the scene."""
 
     def change(rod, value):
         rod.order, rod.elements, rod.ratio = order(value) or rod.order, elements(value) or rod.elements, ratio(value)
@@ -99,7 +99,7 @@ def of_element_turn(order, elements):
 
 
 def snapping_truss(given, rise):
-    """Bars on hinges, half span 1, EA = 1, too stiff to bend: P = 2 EA (l / l0 - 1) sin(slope), elementary. Loaded by twice
+    """Makes two hinged bars, half span 1, EA = 1, too stiff to bend: P = 2 EA (l / l0 - 1) sin(slope). They carry twice
     the load at which they snap through."""
     bending = 1e3
     limit = 2 * (1 - (1 / math.hypot(1, rise))**(2 / 3))**1.5
@@ -115,10 +115,10 @@ def snapping_truss(given, rise):
 
 
 def heated_rail(given, axial):
-    """Length and EI are 1, and the thrust is EA times the strain of the heat until it buckles at 4 pi^2."""
+    """Makes a clamped rail of length 1 and EI = 1. Its thrust is EA times the thermal strain until it buckles at 4 pi^2."""
     overheated = 3.0
     scene = of_own("rail", given, EA=axial, GIt=1.0, EI=1.0)
-    if scene.analysis.stability is not False:  # without it bifurcations are not looked for
+    if scene.analysis.stability is not False:  # needed to find bifurcations
         scene.analysis.branch = "positive"
     scene.points.update({"left": (0, 0, 0), "right": (1, 0, 0)})
     rail = {"Start": "left", "End": "right", "Section": "bar", "Order": 5, "Elements": 16, "Inner Points": {"middle": 0.5}}
@@ -137,7 +137,7 @@ def of_own(name, given, EA, GIt, EI):  # noqa: N803: as in scenes
 
 
 def all_sweeps(most_elements):
-    """Of the cantilever, in the order of the page."""
+    """Returns the sweeps of the cantilever, in the order of the page."""
     same, rigid = (lambda value: 0), math.inf
     last = int(math.log10(most_elements))
     return [
@@ -174,8 +174,8 @@ def all_sweeps(most_elements):
 
 
 def critical_sweeps():
-    """Structures whose critical load factors have a closed form: the rise of a truss of two bars that snaps through, and the
-    axial stiffness of a rail that is heated to three times its critical temperature and followed on its branch."""
+    """Returns sweeps with a closed form of the critical load factors: the rise of a two-bar truss that snaps through, and
+    the axial stiffness of a rail heated to three times its critical temperature, followed on its branch."""
     return [Sweep("truss_rise", [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 3.0], LOCATED, 0, math.inf,
                   "2 EA (1 - cos(slope)^(2/3))^(3/2), and its negative", snapping_truss),
             Sweep("rail_stiffness", decades(3, 8), LOCATED, 0, math.inf,
@@ -183,7 +183,7 @@ def critical_sweeps():
 
 
 def check_closed_forms(app):
-    """Against cases that do not use any."""
+    """Checks the closed forms against shooting."""
 
     def check(load, names, values, references, tolerance):
         for name, value, reference in zip(names, values, references):
@@ -205,18 +205,18 @@ def check_closed_forms(app):
 
 
 def thinned(values, most):
-    """At most `most` values, first and last among them."""
+    """Returns at most `most` values, including first and last."""
     count = len(values)
     return values if most >= count else [values[i * (count - 1) // max(1, most - 1)] for i in range(most)]
 
 
 def critical_error(found, expected):
-    """Largest relative error of the critical load factors; infinity where one is missing."""
+    """Returns the largest relative error of the critical load factors; infinity if their number differs."""
     return max([0.0 if len(found) == len(expected) else math.inf, *(abs(a / b - 1) for a, b in zip(found, expected))])
 
 
 def compute(app, given, sweep, value, table):
-    """One value: solved, judged, a row of the table."""
+    """Solves and judges one value, and adds a row to the table."""
     scene, error_of, critical = sweep.make(given, value)
     trial = study.solve(app, scene)
     is_promised = sweep.first <= value <= sweep.last
@@ -244,7 +244,7 @@ def run_sweeps(app, given):
 
 
 def run_random_paths(app, given):
-    """With the solver's parameters of the scene. No end may be wrong, and few refused, of those whose reference is known."""
+    """Follows random structures with the parameters of the scene; with a known reference no end may be wrong, few refused."""
     count, seed, step = app.number("Random Structures"), app.number("Random Seed"), app.real("Reference Step")
     if count == 0:
         return
@@ -271,7 +271,7 @@ def run_random_paths(app, given):
 
 def run(app):
     given = study.scene_of(app)
-    Cantilever(given)  # or it is refused
+    Cantilever(given)  # raises InputError for other scenes
     check_closed_forms(app)
     run_sweeps(app, given)
     run_random_paths(app, given)

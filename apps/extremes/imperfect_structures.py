@@ -1,5 +1,5 @@
-"""Random structures that are nearly perfect: columns, frames, arches, rings, lattices, domes and strips that buckle or snap,
-with an imperfection that decides to which side. What the following of paths is measured with."""
+"""Random nearly perfect structures, by which path following is judged: columns, frames, arches, rings, lattices, domes and
+strips that buckle or snap, with an imperfection that decides to which side."""
 
 import math
 
@@ -7,12 +7,12 @@ from study import new_scene, shortest
 
 FAMILIES = ("column", "frame", "knee", "arch", "ring", "lattice", "dome", "strip")
 ORDER = 3
-NORMAL = (0.0, 0.0, 1.0)  # of the plane in which all but domes are drawn
+NORMAL = (0.0, 0.0, 1.0)  # of the plane of all structures except domes
 MASK = 2**64 - 1
 
 
 class RandomNumbers:
-    """splitmix64 (Steele, Lea, Flood 2014): the same numbers on every machine."""
+    """Random numbers by splitmix64 (Steele, Lea, Flood 2014), the same on every machine."""
 
     def __init__(self, seed):
         self.state = seed & MASK
@@ -28,7 +28,7 @@ class RandomNumbers:
         return low + (high - low) * ((self.next() >> 11) / 9007199254740992.0)
 
     def decades(self, low, high):
-        """Ten to a power between two."""
+        """Returns ten to a random power between two numbers."""
         return 10.0**self.between(low, high)
 
     def below(self, count):
@@ -39,12 +39,12 @@ class RandomNumbers:
 
 
 class ImperfectStructure:
-    """Structure number `number` >= 0 of the series that `seed` begins, in random units, with the solver's parameters of the
+    """Structure `number` >= 0 of the series with this `seed`, in random units, with the solver's parameters of the
     scene `given`: the same on every machine.
 
     scene, family, load ("force", "moment", "line load", "heat", "motion"), imperfection (of the load, or of the length,
-    with its sign), estimate (full load over a hand formula of the critical one; two of three exceed 1). Lengths are multiples
-    of `length`, bending stiffnesses of `bending`. g3 is the normal of the plane where there is one, so EI3 bends in it."""
+    with its sign), estimate (full load over a hand formula of the critical one; half of them exceed 1). Lengths are multiples
+    of `length`, bending stiffnesses of `bending`. g3 is the normal of a plane structure, so EI3 belongs to bending in it."""
 
     def __init__(self, seed, number, given):
         self.random = draw = RandomNumbers(seed + 1000003 * number)
@@ -53,7 +53,7 @@ class ImperfectStructure:
         self.length, self.bending = draw.decades(-1, 1), draw.decades(-2, 2)
         size = draw.decades(-6, -1)
         self.imperfection = size if draw.chance(0.5) else -size
-        # More than half are meant to pass the critical load, by 10 % at least: most of the formulas are rough.
+        # Half of the loads are to pass the critical one, by at least 10 % since most of the formulas are rough.
         self.estimate = draw.between(0.2, 0.9) if draw.chance(0.5) else draw.decades(math.log10(1.1), math.log10(4.0))
         slenderness = draw.decades(1.5, 3.5)
         self.unit_force = self.bending / (self.length * self.length)
@@ -77,7 +77,7 @@ class ImperfectStructure:
         return self.scene.members[name]
 
     def add_arc(self, start, end, angle, elements):
-        """About a centre in the plane, counterclockwise."""
+        """Adds an arc about the origin, counterclockwise."""
         self.add_member(start, end, elements, **{
             "Second Axis": [-one for one in self.scene.points[start]],
             "Curve": {"Shape": "arc", "Center": (0, 0, 0), "Axis": NORMAL, "Angle": angle}})
@@ -89,7 +89,7 @@ class ImperfectStructure:
         self.scene.supports[name].update_by_name(prescribed)
 
     def hold_in_plane(self, *points):
-        """Unless the structure may leave it."""
+        """Holds points in the plane, unless the structure may leave it."""
         for point in points if not self.in_space else ():
             self.support(point, "z", "xy")
 
@@ -97,7 +97,7 @@ class ImperfectStructure:
         self.scene.point_loads[f"load {len(self.scene.point_loads)}"] = {"Point": point, "Force": force, "Moment": moment}
 
     def disturb(self, point, load, x, y):
-        """The imperfection of the load: a force across, out of the plane too where nothing holds there."""
+        """Adds the imperfection of the load: a force across, also out of the plane if that is free."""
         force = [self.imperfection * load * x, self.imperfection * load * y, 0.0]
         if self.in_space:
             force[2] += self.imperfection * load * self.random.between(0.3, 1.0)
@@ -110,7 +110,7 @@ class ImperfectStructure:
         self.scene.eigenstrains[member] = {"Member": member, "Strain": (strain, 0, 0), "Curvature": (0, 0, curvature)}
 
     def make_column(self):
-        """Cantilever, hinged or clamped; under a force, an end that is moved, or heat between held ends."""
+        """Makes a column, free, hinged or clamped; under a force, a moved end, or heat between fixed ends."""
         ends = self.random.below(3)  # free, hinged, clamped
         kind = 0 if ends == 0 else self.random.below(3)
         imperfect = self.random.below(3)  # force, bow, moment or curvature by heat
@@ -139,7 +139,7 @@ class ImperfectStructure:
         return ("force", "motion", "heat")[kind]
 
     def make_frame(self):
-        """Portal: two columns and a beam, loaded at its corners or along the beam; sways."""
+        """Makes a portal frame of two columns and a beam, loaded at the corners or along the beam; it sways."""
         clamped = self.random.chance(0.5)
         kind = self.random.below(3)  # forces at the corners, line load, and moments beside the forces
         height, span = self.random.between(0.7, 1.3), self.random.between(0.7, 1.5)
@@ -160,7 +160,7 @@ class ImperfectStructure:
         return ("force", "line load", "moment")[kind]
 
     def make_knee(self):
-        """Roorda's frame: column and beam on hinges, loaded above the column; an unsymmetric bifurcation, which an
+        """Makes Roorda's frame: column and beam on hinges, loaded above the column; an asymmetric bifurcation, which an
         imperfection turns into a limit point or into a stable path."""
         beam = self.random.between(0.6, 1.5)
         moved = self.random.chance(0.3)
@@ -178,7 +178,7 @@ class ImperfectStructure:
         return "motion" if moved else "force"
 
     def make_arch(self):
-        """Shallow to half a circle and more."""
+        """Makes an arch, from shallow to half a circle and more."""
         clamped = self.random.chance(0.5)
         kind = self.random.below(4)  # force at the crown, line load, heat, feet that approach
         half = self.random.between(0.3, 1.6)
@@ -204,7 +204,7 @@ class ImperfectStructure:
         return ("force", "line load", "heat", "motion")[kind]
 
     def make_ring(self):
-        """Under dead radial pressure, pinched, or with one side turned about the diameter."""
+        """Makes a ring under dead radial pressure, pinched, or with one side rotated about the diameter."""
         kind = self.random.below(3)
         pressure = self.estimate * 4.0 * self.unit_force / self.length
         self.add_points(p0=(1, 0, 0), p1=(0, 1, 0), p2=(-1, 0, 0), p3=(0, -1, 0))
@@ -229,7 +229,7 @@ class ImperfectStructure:
         return ("line load", "force", "motion")[kind]
 
     def make_lattice(self):
-        """Square cells; the upper side is loaded or moved downwards."""
+        """Makes a lattice of square cells; the upper side is loaded or moved downwards."""
         cells, elements = 2, 4
         moved = self.random.chance(0.5)
         load = self.estimate * (0.25 / (cells * cells) if self.in_space else 0.5) * math.pi * math.pi * self.unit_force
@@ -253,7 +253,7 @@ class ImperfectStructure:
         return "motion" if moved else "force"
 
     def make_dome(self):
-        """Legs that meet at an apex, loaded there beside the axis, pushed down by a motion, or heated."""
+        """Makes legs that meet at an apex, loaded there with an imperfection, pushed down by a motion, or heated."""
         legs, kind = 3 + self.random.below(4), self.random.below(3)
         clamped = self.random.chance(0.6)
         rise = self.random.between(0.1, 0.8)
@@ -271,7 +271,7 @@ class ImperfectStructure:
         load = self.estimate * legs * min(snap, buckling)
         if kind == 0:
             self.push("apex", (0, 0, -load))
-        # at which the legs reach their load, or half of the way through the plane of the feet
+        # motion at which the legs reach their buckling load, at most half of the way to the plane of the feet
         motion = min(0.5 * rise * self.length, buckling / self.axial * leg * self.length * (leg / rise)**2)
         if kind == 1:
             self.support("apex", "z", "", prescribed_displacement=(0, 0, -self.estimate * motion))
@@ -281,7 +281,7 @@ class ImperfectStructure:
         return ("force", "motion", "heat")[kind]
 
     def make_strip(self):
-        """A tall cantilever under a force or a moment in its strong direction buckles sideways."""
+        """Makes a tall cantilever, which buckles sideways under a force or a moment in its strong direction."""
         moment = self.random.chance(0.4)
         strong = self.random.decades(1.3, 2.5)
         self.in_space = True

@@ -1,18 +1,18 @@
-"""The end of a path held against the same path in small steps."""
+"""Comparison of the end of a path with that of the same path in small steps."""
 
 from types import SimpleNamespace
 
 from study import Follow, solve
 
-# Ends that are the same equilibrium differ by what Newton's tolerance of 1e-11 leaves, divided by the smallest eigenvalue;
-# those of two branches differ by far more.
+# Ends in the same equilibrium differ by Newton's tolerance of 1e-11 over the smallest eigenvalue; those on two branches
+# differ by far more.
 SAME_END = 1e-7
-SAME_REFERENCE = 1e-10  # references agree when they are not a matter of their steps
-STEPS_PER_STEP = 6  # a path along its length through several limit points takes more steps than one along the load
+SAME_REFERENCE = 1e-10  # references with a smaller difference do not depend on their steps
+STEPS_PER_STEP = 6  # an arc length path through several limit points takes more steps than one in the load factor
 
 
 def follow(app, scene, way=Follow.path):
-    """How a path was followed. negative: eigenvalues of the last state; -1: not counted, or of no meaning."""
+    """Follows a path. negative: eigenvalues of the last state; -1: not counted, or unsymmetric tangent."""
     trial = solve(app, scene, way)
     points = [*scene.points, *(name for member in scene.members.values() for name in member.inner_points)]
     return SimpleNamespace(
@@ -27,12 +27,12 @@ def length_of(scene):
 
 
 def difference_of(a, b):
-    """Largest distance of a point in two ends of the same structure, by components."""
+    """Returns the largest difference of a displacement component of a point between two ends of the same structure."""
     return max(abs(u - v) for p, q in zip(a.displacements, b.displacements) for u, v in zip(p, q))
 
 
 def contradicts_itself(path):
-    """It began stable, met no critical point and ended unstable."""
+    """Returns whether a path began stable, met no critical point and ended unstable."""
     return path.began_stable and path.critical_points == 0 and path.negative > 0
 
 
@@ -49,9 +49,9 @@ def with_steps(scene, step):
 
 
 def judge_path(app, scene, reference_step):
-    """Follows the path as the scene says, and again with load steps of at most `reference_step` and half of it, with the same
-    checks: an end counts as known where these two agree and do not contradict themselves. A path that contradicts itself is
-    wrong whatever the reference says; one that ended early, as it must where a step cannot be verified, is refused."""
+    """Follows the path with the parameters of the scene, and again with load steps of at most `reference_step` and half of
+    it, with the same checks: the end is known if these two agree and do not contradict themselves. A path that contradicts
+    itself is wrong in any case; one that ended early, as it must if a step cannot be verified, is refused."""
     judged = SimpleNamespace(outcome="unknown", reference_known=False, difference=0.0, reference_difference=0.0)
     judged.followed = followed = follow(app, scene)
     judged.reference = reference = follow(app, with_steps(scene, reference_step))

@@ -18,7 +18,7 @@ import random
 
 
 class Network:
-    """Points by their place, members by two of them."""
+    """Points, unique by position, and members between two of them."""
 
     def __init__(self):
         self.names, self.places, self.members = {}, [], []
@@ -90,7 +90,7 @@ def octet(size):
 
 
 def crossing(a, b):
-    """Places along both lines where they cross, as shares of their lengths; None where they do not."""
+    """Returns the crossing of two lines as shares of their lengths; None if they do not cross."""
     (x0, y0, x1, y1), (u0, v0, u1, v1) = a, b
     determinant = (x1 - x0) * (v1 - v0) - (y1 - y0) * (u1 - u0)
     if abs(determinant) < 1e-12:
@@ -128,7 +128,7 @@ def fibres(size, numbers, length=0.4):
 
 
 def without_islands(network):
-    """Only what hangs together with the left edge."""
+    """Removes members that are not connected to the left edge."""
     neighbours = {}
     for a, b in network.members:
         neighbours.setdefault(a, []).append(b)

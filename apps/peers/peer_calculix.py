@@ -1,5 +1,5 @@
-"""CalculiX: beam elements of three nodes with reduced integration, B32R, in large displacements. It makes solid elements of 20
-nodes of them, of St. Venant's and Kirchhoff's material: another theory than that of rods, by the strain at the edge of the section."""
+"""CalculiX: beam elements of three nodes with reduced integration, B32R, with large displacements. CalculiX expands them to solid
+elements of 20 nodes of St. Venant-Kirchhoff material; that theory differs from rods by the strain at the edge of the section."""
 
 import re
 import resource
@@ -30,7 +30,7 @@ def deck(problem, elements, steps, equal):
 
 
 def solve(problem, order, elements, steps, equal=False):
-    """Order 2 as it is; the number of load steps is the program's own unless they are equal."""
+    """Solves a problem; the order is always 2. CalculiX chooses the load steps unless `equal`."""
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "rod.inp").write_text(deck(problem, elements, steps, equal), encoding="ascii")
         before = resource.getrusage(resource.RUSAGE_CHILDREN)

@@ -1,8 +1,8 @@
-"""FEniCSx: a mixed rod by hand, in UFL.
+"""FEniCSx: a mixed rod element written in UFL.
 
 Displacement and the rotation vector of the load step are continuous of degree k, forces and moments discontinuous of degree k - 1;
-k Gauss points. Rotation and curvature of the step before are kept at Gauss points, Cayley's map leads on from them. The mesh is
-the arc length: the geometry is exact."""
+k Gauss points. Rotation and curvature of the previous step are stored at Gauss points and updated by Cayley's map. The mesh
+coordinate is the arc length, so that the geometry is exact."""
 
 import time
 
@@ -15,7 +15,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 MOST_ITERATIONS = 30
-MORE_WORKSPACE = 400  # percent, of MUMPS: else it loses pivots of the mixed form
+MORE_WORKSPACE = 400  # percent, of MUMPS: delayed pivots of the mixed form need it
 
 
 def version():
@@ -27,7 +27,7 @@ def skew(a):
 
 
 def keep(function, values):
-    """Values at the Gauss points of all elements."""
+    """Stores values at the Gauss points of all elements in a function."""
     numbers, size = function.function_space.dofmap, function.function_space.dofmap.index_map_bs
     function.x.array[(numbers.list.array[:, None] * size + np.arange(size)).ravel()] = values.ravel()
 
@@ -59,7 +59,7 @@ class Rod:
             krylov.setFromOptions()
 
     def constant(self, *values):
-        """Numbers that may change without compiling the forms again."""
+        """Returns constants that may change without recompiling the forms."""
         return fem.Constant(self.domain, tuple(map(float, values)) if len(values) > 1 else float(values[0]))
 
     def equations(self, problem, degree, tangent):

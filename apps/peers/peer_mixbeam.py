@@ -1,5 +1,5 @@
-"""mixbeam. Options: the mesh is named, or an accuracy from which the program chooses it; everything that a run does by default,
-or nothing beside the displacement."""
+"""mixbeam. The mesh is given, or chosen by the program for an accuracy. `plain`: no stability and no error estimate, else
+everything that a run does by default."""
 
 import mixbeam
 

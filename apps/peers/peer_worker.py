@@ -1,5 +1,5 @@
-"""One program in a process of its own: reads a job (file of the program, options, calls) and prints a line of JSON for each call,
-with the processor time that it took. The first line is the version of the program, or why it is not there."""
+"""Runs one program in its own process: reads a job (file of the program, options, calls) and prints a line of JSON for each call,
+with its processor time. The first line is the version of the program, or why it cannot be imported."""
 
 import importlib
 import json
@@ -12,7 +12,7 @@ LONGEST_FAILURE = 100  # letters
 
 
 def tried(program, call, options):
-    """The first number of load steps that leads to an equilibrium near the truth, and the time with that one alone."""
+    """Tries numbers of load steps until one leads to an equilibrium near the truth; returns it with the time of that one only."""
     problem = peer_problems.PROBLEMS.get(call["problem"], peer_problems.CHAIN)
     mesh = {"order": call["order"], "elements": call["elements"]}
     for steps in call["steps"]:
@@ -24,7 +24,7 @@ def tried(program, call, options):
             if found["error"] < 1:
                 return found
             failure = "another equilibrium, or not a number"
-        except Exception as error:  # whatever a program raises where it does not converge
+        except Exception as error:  # programs raise various errors if they do not converge
             failure = f"{type(error).__name__}: {error}".splitlines()[0][:LONGEST_FAILURE]
     return {**mesh, "failure": failure}
 

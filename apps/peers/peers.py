@@ -1,5 +1,5 @@
 #!/usr/bin/python3 -Es
-"""mixbeam beside other programs that are installed here, on the same problems: processor time over the error of the tip, load
+"""Comparison of mixbeam with other installed programs on the same problems: processor time over the error of the tip, load
 steps and iterations, lines that a user writes, growth of the cost with the number of elements."""
 
 import ast
@@ -20,15 +20,15 @@ import study  # noqa: E402
 
 LEVELS = (1e-2, 1e-4, 1e-6, 1e-8)
 NUMBERS = ("order", "elements", "steps", "iterations", "error", "seconds", "stepping")
-# What mixbeam must reach on its finest mesh: the truths have eleven digits or more.
+# Error that mixbeam must reach on its finest mesh: the references have eleven digits or more.
 REACHED = 1e-9
-# Another discretization of the same equations agrees to this, or the problems are not the same.
+# Error that another discretization of the same equations must reach, else the problems differ.
 SAME_PROBLEM = 1e-7
 FEW_STEPS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)  # tried in turn until one leads to the equilibrium
-FINER_STEPS = 4  # times as many, which may need fewer iterations in all
-GROWING = 10.0  # times: a larger chain takes at least that much longer
+FINER_STEPS = 4  # times as many steps, which may need fewer iterations in all
+GROWING = 10.0  # least growth of the time to the next larger chain
 WARMING = 10  # elements of the chain that is solved first
-LONGEST_SWEEP = 3600.0  # seconds: what has not ended by then hangs
+LONGEST_SWEEP = 3600.0  # seconds after which a program counts as hung
 
 
 class Setting(NamedTuple):
@@ -38,7 +38,7 @@ class Setting(NamedTuple):
     options: dict
     steps: tuple = (1,)
     chain: tuple = ()  # orders whose cost is measured on long chains
-    factors: tuple = (1,)  # of the least number of steps
+    factors: tuple = (1,)  # times the least number of steps
 
 
 PROGRAMS = {"mixbeam": ("peer_mixbeam", "this one"), "FEniCSx": ("peer_fenicsx", "python3-dolfinx"),
@@ -66,7 +66,7 @@ def settings(app):
 
 
 def ask(program, options, calls, most_seconds=LONGEST_SWEEP):
-    """A process for the program: what it says of itself, and a row for each call."""
+    """Runs a program in a process. Returns its version or absence, and a row for each call."""
     job = {"file": PROGRAMS[program][0], "options": options, "calls": calls}
     environment = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1",
                    "PYTHONPATH": os.pathsep.join([str(BIN.parent / "python"), os.environ.get("PYTHONPATH", "")])}
@@ -86,15 +86,15 @@ def call(problem, cell, steps):
 
 
 def merged(turns):
-    """Medians of times; a failure where there is one."""
+    """Merges turns: medians of times, or the failure if there is one."""
     failed = [row for row in turns if "failure" in row]
     return failed[0] if failed else {**turns[0], **{key: median(row[key] for row in turns) for key in ("seconds", "stepping")
                                                     if key in turns[0]}}
 
 
 def sweep(app, every):
-    """(setting, problem, row) of all cells: load steps are found first, in a run that compiles what there is to compile; then all
-    settings take turns."""
+    """Returns (setting, problem, row) of all cells. A first run determines load steps and compiles forms; then all settings
+    take turns."""
     plan, rows = [], []
     for setting in every:
         calls = [call(problem, cell, setting.steps) for problem in app.words("Problems") for cell in setting.cells]
@@ -112,7 +112,7 @@ def sweep(app, every):
 
 
 def grow(app, every):
-    """(setting, row) on ever longer chains, until they would take too long; only those that take a second or less are repeated."""
+    """Returns (setting, row) on ever longer chains, until they would take too long; only short runs are repeated."""
     rows, most = [], app.real("Most Seconds")
     for setting, order in ((setting, order) for setting in every for order in setting.chain):
         seconds, steps = 0.0, setting.steps[:1]
@@ -128,7 +128,7 @@ def grow(app, every):
 
 
 def lines_of(file):
-    """Lines of a program that are neither empty nor comments nor docstrings."""
+    """Counts the lines of a program that are neither empty nor comments nor docstrings."""
     text = (BIN / "studies" / f"{file}.py").read_text(encoding="utf-8")
     notes = {number for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
              for number in range(node.lineno, node.end_lineno + 1)}

@@ -1,4 +1,4 @@
-"""A picture of the table of `mixbeam batch`: curves over one parameter, maps over two, bars of structures."""
+"""Picture of the table of `mixbeam batch`: curves over one parameter, maps over two, bars of structures."""
 
 import csv
 
@@ -11,11 +11,11 @@ from results import InputError
 from tables import number_of
 
 MOST_PANELS = 9
-STRUCTURES = "structures"  # across a panel: a bar for each
+STRUCTURES = "structures"  # abscissa of panels with a bar for each structure
 ENDING = "-batch"
-OF_STRUCTURES = {"structure", "load case"}  # columns of texts, of a batch over the scenes of a folder
-PLACES = (".member", ".arc_length", ".side")  # of extremes
-OF_SOLVER = "iterations"  # the first column that says how a case was solved
+OF_STRUCTURES = {"structure", "load case"}  # columns of text in a batch over the scenes of a folder
+PLACES = (".member", ".arc_length", ".side")  # endings of columns with the places of extremes
+OF_SOLVER = "iterations"  # first of the columns on the solution of a case
 
 
 def is_batch(path):
@@ -23,7 +23,7 @@ def is_batch(path):
 
 
 class Batch:
-    """`parameters` and `followed`: columns {name: (cases,)} with nan where a case has no number; followed ones that change.
+    """Table of a batch. `parameters`, `followed`: columns that vary, {name: (cases,)}, nan if a case has no number;
     `structures`: names of the cases of a folder; empty: cases of one scene."""
 
     def __init__(self, path):
@@ -60,7 +60,7 @@ class Batch:
 
 
 def batch_figure(path, curve=None):
-    """One column over another; else all that changes over the parameter, or over both of them."""
+    """Draws one column over another; by default all varying columns over the one or two parameters."""
     batch = Batch(path)
     if curve:
         panels = [(curve[0], curve[1], batch.column(curve[0]), batch.column(curve[1]))]
@@ -98,7 +98,7 @@ def batch_figure(path, curve=None):
 
 
 def _draw_map(canvas, axes, batch, name, values):
-    """Of a grid as its cells, of scattered cases as points."""
+    """Draws a grid of cases as cells, scattered cases as points."""
     (across, x), (up, y) = batch.parameters.items()
     xs, ys = np.unique(x), np.unique(y)
     exponent, values = fields.scaled(values)
@@ -114,5 +114,5 @@ def _draw_map(canvas, axes, batch, name, values):
 
 
 def _words(name):
-    """The end of the path of a parameter says what it is."""
+    """Returns the last two parts of the path of a parameter as a label."""
     return style.literal(", ".join(name.split("/")[-2:]))

@@ -1,4 +1,4 @@
-"""Section forces and moments: over the arc length of each member, and drawn on the structure as engineers do."""
+"""Diagrams of section forces and moments: over the arc length of each member, and on the structure."""
 
 import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
@@ -8,7 +8,7 @@ import fields
 import style
 from structure import RASTER_PIECES, add_lines, line_width, tangents
 
-NAMED_MEMBERS = 8       # lines that a legend can still tell apart
+NAMED_MEMBERS = 8       # lines that a legend can distinguish
 LEGEND_COLUMNS = 5
 LETTERS_PER_INCH = 12  # of a title
 FRAME = 0.05, 0.15, 4   # margin and least half of a side, over the extent; ticks
@@ -16,15 +16,15 @@ HEDGEHOG_SHARE = 0.14   # height of the highest diagram over the size of the str
 MEMBER_SHARE = 0.35     # and at most over the length of a typical member
 NEARLY_ALONG_VIEW = 0.2  # below this projected length a tangent has no "side" in the picture
 SAME_SPOT = 0.09         # of the extent: two values nearer to each other share a label
-BESIDE = 0.5             # share to the right of a spine from which on its value stands beside the tip, not across it
+BESIDE = 0.5             # sideways component of a unit spine from which on its value is written beside the tip
 SAME_DIGITS = 5e-4       # of the largest value
-ROUND_OFF = 1e-6         # share of the largest value that a title with four digits calls zero
+ROUND_OFF = 1e-6         # share of the largest value that is zero in four digits
 COLORS = (style.BLUE, style.RED, style.GREEN, style.ORANGE, style.PURPLE, style.SKY, style.BLACK, "#7F6000")
 DASHES = ("-", (0, (6, 2)), (0, (2, 1.5)), "-.")
 
 
 def over_arc_length_figure(view, step):
-    """Six panels N, T, Q2, M2, Q3, M3 over the arc length; of many members the most loaded are named."""
+    """Draws six panels N, T, Q2, M2, Q3, M3 over the arc length; of many members only the most loaded are named."""
     members = view.run.members
     values = {name: field.values(step, view.size) for name, field in fields.SECTION_FORCES.items()}
     named = _most_loaded(members, values)
@@ -32,7 +32,7 @@ def over_arc_length_figure(view, step):
     canvas, panels = style.figure_as_is(12.4, 7.6, 3, 2, sharex=True, left=0.07, right=0.985, top=0.9, bottom=0.075 + 0.045 * legend,
                                         wspace=0.17, hspace=0.28)
     others = [i for i in range(len(members)) if i not in named]
-    others = others[::max(1, len(others) // 400)]  # a grey cloud needs no more
+    others = others[::max(1, len(others) // 400)]  # enough for a grey cloud
     long = fields.power_of_ten(max(members[j].arc_length[-1] for j in named))
     across = "arc length $s$ of the undeformed member" + fields.times(long, view.run.units[0])
     for axes, level in force_panels(view, panels, values, across):
@@ -53,7 +53,7 @@ def over_arc_length_figure(view, step):
 
 
 def force_panels(view, panels, values, across):
-    """(axes, values over their power of ten) of the six section forces; `across` stands below the lowest panels."""
+    """Yields (axes, values over their power of ten) of the six section forces; `across`: label below the lowest panels."""
     for i, (name, field) in enumerate(fields.SECTION_FORCES.items()):
         axes = panels[i % 3, i // 3]
         exponent, level = fields.scaled(values[name])
@@ -67,7 +67,7 @@ def force_panels(view, panels, values, across):
 
 
 def name_extremes(axes, places, values):
-    """Largest and smallest value at their places; one of them where all are the same or it is zero."""
+    """Writes the largest and the smallest value at their places; only one if all are equal or the other is zero."""
     largest = np.abs(values).max(initial=0.0)
     if not largest > 0.0:
         return
@@ -89,7 +89,7 @@ def limits(axes, level):
         axes.text(0.5, 0.72, "zero everywhere", transform=axes.transAxes, ha="center", color="#666666", fontsize=11)
         return
     spread = high - low
-    flat = abs(level.max() - level.min()) < 1e-6 * spread  # a constant: no ticks that differ in the tenth digit only
+    flat = abs(level.max() - level.min()) < 1e-6 * spread  # a constant needs no ticks that differ in the tenth digit only
     axes.set_ylim(low - (0.25 if flat else 0.16) * spread, high + (0.25 if flat else 0.16) * spread)
     axes.locator_params(axis="y", nbins=5)
 
@@ -104,7 +104,7 @@ def _legend(canvas, axes, unnamed):
 
 
 def _most_loaded(members, values):
-    """Members with the largest force or moment, each relative to the largest of its kind, in the order of the scene."""
+    """Returns the members with the largest force or moment, each relative to the largest of its kind, in scene order."""
     if len(members) <= NAMED_MEMBERS:
         return list(range(len(members)))
     forces = [np.abs(values[name]) for name in ("axial_force", "shear_2", "shear_3")]
@@ -118,11 +118,11 @@ def _most_loaded(members, values):
 
 
 def on_structure_figure(view, step):
-    """Each section force that does not vanish as filled diagram along the deformed members, in the plane of the structure or,
-    where it has none, in space.
+    """Draws each section force that does not vanish as filled diagram along the deformed members, in the plane of the structure
+    or, if it has none, in space.
 
-    In a plane a positive value stands to the left of the direction of growing arc length; bending moments stand on the side that
-    --moments says, where the picture shows it. In space forces and moments stand along the axes of the section.
+    In a plane positive values are plotted to the left of the direction of arc length, bending moments on the side chosen
+    by --moments if the picture shows it. In space forces and moments are plotted along the axes of the section.
     """
     values = {name: field.values(step, view.size) for name, field in fields.SECTION_FORCES.items()}
     shown = [name for name in values if np.any(values[name])] or ["bending_3"]
@@ -147,7 +147,7 @@ def on_structure_figure(view, step):
 
 
 def side_of(view, step, name):
-    """(n,) 1 where positive values stand to the left of the direction of s in the picture, -1 where to the right.
+    """Returns (n,): 1 if positive values are plotted to the left of the direction of s in the picture, -1 if to the right.
 
     A moment M2 stretches the side of axis 3, M3 that against axis 2: the strain of a fibre is y3 kappa2 - y2 kappa3.
     """
@@ -175,7 +175,7 @@ def _range(values):
 
 
 def _axis_of(view, step, name):
-    """(n, 3) directions in which positive values stand in space; bending moments on the side in tension, unless in compression."""
+    """Returns the directions (n, 3) of positive values in space; bending moments on the tension or the compression side."""
     second, third = (step.field(f"triad_{i}") for i in (2, 3))
     if name in ("bending_2", "bending_3"):
         stretched = third if name == "bending_2" else -second
@@ -187,7 +187,7 @@ def _axis_of(view, step, name):
 
 
 def _hedgehog(axes, view, step, values, sides, directions=None):
-    """`directions`: (n, 3) of positive values, of a structure in space."""
+    """Draws one diagram; `directions` (n, 3) of positive values, for a structure in space."""
     largest = np.abs(values).max(initial=0.0) or 1.0
     position = view.position(step)
     across = np.zeros_like(position) if directions is None else directions
@@ -214,7 +214,7 @@ def _hedgehog(axes, view, step, values, sides, directions=None):
 
 
 def _name_values(axes, nodes, tips, level, largest, extremes):
-    """The largest and the smallest value, each at the tip of its spine; not where the view hides it."""
+    """Writes the largest and the smallest value at the tips of their spines, unless the view hides them."""
     if not np.any(level):
         return
     ends = {np.unravel_index(choose(level), level.shape) for choose in (np.argmax, np.argmin)}
@@ -234,7 +234,7 @@ def _name_values(axes, nodes, tips, level, largest, extremes):
 
 
 def _areas(axis, tips, part, owner):
-    """Closed polygons between axis and tips, one for each run of pieces of a member that have something to show."""
+    """Returns closed polygons between axis and tips, one for each run of pieces of a member with nonzero values."""
     some = part.max(axis=1, initial=0.0) > 0
     numbers = np.flatnonzero(some)
     breaks = np.flatnonzero((np.diff(numbers) > 1) | (np.diff(owner[numbers]) != 0)) + 1
@@ -243,7 +243,7 @@ def _areas(axis, tips, part, owner):
 
 
 def _height(view, position):
-    """Length of the longest spine in the picture, so that diagrams of neighbouring members stay apart."""
+    """Returns the length of the longest spine, chosen such that diagrams of neighbouring members do not overlap."""
     starts, ends = view.structure.starts, view.structure.ends
     spread = np.ptp(position, axis=0).max() or 1.0
     lengths = np.linalg.norm(position[ends - 1] - position[starts], axis=1)

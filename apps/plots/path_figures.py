@@ -1,4 +1,4 @@
-"""Curves over the load path: what moved how far, and how hard the solver worked."""
+"""Curves over the load path: displacements, reactions, quantities, frequencies, iterations of the solver."""
 
 import re
 
@@ -8,23 +8,23 @@ import fields
 import style
 
 MOST_QUANTITIES, MOST_DISPLACEMENTS, MOST_ASKED = 9, 6, 6
-MOST_TRACKED = 200  # steps at which the farthest point is looked up when nothing is monitored
+MOST_TRACKED = 200  # steps at which the farthest point is drawn if nothing is monitored
 MOST_HISTORIES = 60
-MOST_NAMED = 6      # critical points with their load factor beside them
+MOST_NAMED = 6      # critical points labelled with their load factor
 JUMP = {"color": style.RED, "linestyle": (0, (1, 1.5)), "linewidth": 1.2, "marker": "*", "markersize": 9, "markevery": [1], "zorder": 6}
 MARKERS = {"limit point": ("o", style.ORANGE), "bifurcation": ("D", style.PURPLE), "flutter": ("X", style.RED)}
 NOT_STABLE = {"false": (0, (4, 2)), "neutral": (0, (4, 1.5, 1, 1.5)), "unknown": (0, (1, 1.2)), "jump": "none"}  # dashes
-OF_JUMPS = ("jump.energy_released", "jump.motion", "jump.largest_displacement")  # zero between: no curves
+OF_JUMPS = ("jump.energy_released", "jump.motion", "jump.largest_displacement")  # zero in other steps: no curves
 OF_SYMBOLS = {"u": "displacement", r"\theta": "rotation", "R": "reaction force", "M": "reaction moment"}
-MULTIPLES = 6       # of the angular velocity of a frame that are drawn
+MULTIPLES = 6       # multiples of the angular velocity that are drawn
 NO_GROWTH = 1e-9    # of the largest frequency: rounding
-STILL = 1e-9        # what changed less than this share of its scale (size, largest force) stood still
+STILL = 1e-9        # changes below this share of the scale (size, largest force) count as none
 
 
 def load_displacement_figure(view):
-    """Quantities that the scene asks for and what is monitored, over the load factor; without any, the displacement of the point that moved farthest.
+    """Draws quantities of the scene and monitored ones over the load factor; without any, the point that moved farthest.
 
-    A path with critical points turns back: there the load factor stands over the quantities.
+    With critical points the path may turn back, so the load factor is drawn over the quantities.
     """
     if view.run.critical_points() and _monitored(view):
         return _critical_path_figure(view)
@@ -50,7 +50,7 @@ def load_displacement_figure(view):
 
 
 def curve_figure(view, ordinate, abscissa):
-    """One followed number over another, dashed where the equilibrium is not known to be stable."""
+    """Draws one followed number over another, dashed where the equilibrium is not known to be stable."""
     run = view.run
     canvas, axes = style.figure(6.4, 4.6)
     (of_y, y), (of_x, x) = (fields.scaled(run.series(name)) for name in (ordinate, abscissa))
@@ -77,7 +77,7 @@ KINDS = {"": "displacement", "force": "reaction force", "moment": "reaction mome
 
 
 def readable(name):
-    """"tip: reaction force x" of "force:tip.x"; quantities bear their own names."""
+    """Converts "force:tip.x" to "tip: reaction force x"; quantities keep their names."""
     found = re.fullmatch(r"(?:(force|moment|rotation):)?(.+)\.(x|y|z|norm)", name, re.DOTALL)
     if not found:
         return style.literal(name.replace("_", " ") if name in ("load_factor", "strain_energy") else name)
@@ -86,13 +86,13 @@ def readable(name):
 
 
 def _jumps(view):
-    """Numbers of the steps that a jump leads to, among those of the run."""
+    """Returns the numbers of the steps that are jumps."""
     return [at for at, step in enumerate(view.run.steps) if step.jump and at > 0]
 
 
 def frequencies_figure(view, steps):
-    """Frequencies of natural modes, and their rates of growth if there are any, over the load factor, or over the angular velocity
-    of a frame with its multiples (Campbell); crosses: flutter."""
+    """Draws natural frequencies, and rates of growth if there are any, over the load factor, or over the angular velocity of a
+    frame with its multiples (Campbell diagram); crosses: flutter."""
     factor, speed = np.array([step.load_factor for step in steps]), _speed(view)
     if speed is not None:
         factor = speed(factor)
@@ -124,7 +124,7 @@ def frequencies_figure(view, steps):
 
 
 def _speed(view):
-    """The angular velocity of the only frame as a function of the load factor; None: none, or an Amplitude says it."""
+    """Returns the angular velocity of the only frame as a function of the load factor; None without one, or with an Amplitude."""
     frames = view.run.acting().get("rotating_frames")
     if not frames or len(frames["begins"]) != 1 or frames["begins"][0] < 0.0:
         return None
@@ -134,7 +134,7 @@ def _speed(view):
 
 
 def followed_modes(steps):
-    """[(numbers of steps, modes there)] of the motions of a path; files of earlier versions do not tell which mode continues which."""
+    """Returns [(numbers of steps, modes there)] of the motions of a path; without tracks (old files) by number of the mode."""
     curves = {}
     for at, modes in enumerate(steps):
         for number, mode in enumerate(modes, 1):
@@ -145,7 +145,7 @@ def followed_modes(steps):
 
 
 def _mark_jump(axes, x, y):
-    """A star where it leads to, and a dotted line from the state before; a column for each curve."""
+    """Draws a star at the end of a jump, and a dotted line from the state before; a column for each curve."""
     for i in range(max(x.shape[1], y.shape[1])):
         label = None if "jump" in axes.get_legend_handles_labels()[1] else "jump"
         axes.plot(x[:, min(i, x.shape[1] - 1)], y[:, min(i, y.shape[1] - 1)], gid="jump", label=label, **JUMP)
@@ -157,13 +157,13 @@ def _steps(view):
 
 
 def _end(view):
-    """What there is to say of the last state, unless it is stable."""
+    """Returns the words for the last state, none if it is stable."""
     stable = view.run.steps[-1].stable
     return "" if stable == "true" else f"; end: stable: {stable}"
 
 
 def _critical_path_figure(view):
-    """The path through its critical points, dashed where the equilibrium is unstable; the title tells of the end."""
+    """Draws the path through its critical points, dashed where the equilibrium is unstable; the title states how it ends."""
     curves = [curve for curve in _monitored(view) if curve[3] in ("u", r"\theta")] or _monitored(view)
     curves = _asked_for(view)[:MOST_ASKED] or curves  # the quantities of the scene come first
     canvas, panels = style.panels(len(curves), 3, 4.6 if len(curves) > 1 else 6.6, 4.2, (0.0, 0.5))
@@ -203,8 +203,8 @@ def _draw_critical_path(axes, view, title, values, symbol, unit):
 
 
 def _through_critical_points(view, title, values):
-    """Load factors and values of steps and critical points in their order on the path; whether each piece that begins
-    there is stable; (place, critical point) of the latter."""
+    """Returns load factors and values of steps and critical points in the order of the path; stability of the piece that
+    begins at each; [(place, critical point)]."""
     asked = [style.literal(name) for name in view.run.quantities()]
     name = "quantities" if title in asked else next(name for name in view.run.monitor() if _title(name) == title)
     own = slice(asked.index(title), asked.index(title) + 1) if title in asked else slice(None)
@@ -229,7 +229,7 @@ def _through_critical_points(view, title, values):
 
 
 def _runs(flags):
-    """(first, last) nodes of the runs of pieces with the same flag; piece i goes from node i to i + 1."""
+    """Yields (first, last) nodes of consecutive pieces with the same flag; piece i goes from node i to i + 1."""
     first = 0
     for i in range(1, len(flags)):
         if i == len(flags) - 1 or flags[i] != flags[first]:
@@ -242,7 +242,7 @@ def _title(name):
 
 
 def _monitored(view):
-    """[(title, load factors, values, symbol, unit)] of monitored quantities that change, the largest first where many."""
+    """Returns [(title, load factors, values, symbol, unit)] of monitored quantities that change; of many, the largest."""
     monitor = view.run.monitor()
     factor = monitor.get("load_factor", np.array([]))
     if len(factor) < 2:
@@ -254,7 +254,7 @@ def _monitored(view):
     curves = []
     for name, values in monitor.items():
         if "." not in name or name in OF_JUMPS or len(values) != len(factor) or not np.isfinite(values).any():
-            continue  # names without a point are what every file has, like the residual
+            continue  # names without a point, like the residual, are not of a quantity
         kind = name.rsplit(".", 1)[-1]
         symbol = {"rotation": r"\theta", "reaction_force": "R", "reaction_moment": "M"}.get(kind, "u")
         if np.ptp(values, axis=0).max() > STILL * scale[symbol]:
@@ -266,7 +266,7 @@ def _monitored(view):
 
 
 def _asked_for(view):
-    """Quantities of the scene that change, as _monitored; without the places of extremes."""
+    """Returns the quantities of the scene that change, like _monitored; without the places of extremes."""
     quantities, units, curves = view.run.quantities(), view.run.quantity_units(), []
     factor = np.array([step.load_factor for step in view.run.steps])
     for name, values in quantities.items():
@@ -289,7 +289,7 @@ def _farthest(view):
 
 
 def iteration_figure(view):
-    """Newton iterations of every step, and the residual at every iterate (or after each step where that is all)."""
+    """Draws Newton iterations of every step, and the residual at every iteration, or after each step if that is all."""
     steps, monitor = view.run.steps, view.run.monitor()
     canvas, (left, right) = style.figure(11.5, 4.2, 1, 2)
     numbers = np.array([step.number for step in steps])

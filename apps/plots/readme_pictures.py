@@ -1,9 +1,9 @@
 #!/usr/bin/python3 -Es
-"""Pictures of the README (six scenes, accuracy, speed), of the first hour and of the page of verification.
+"""Draws the pictures of the README (six scenes, accuracy, speed), of the first hour and of the page of verification.
 
     readme_pictures.py RESULTS DOCS [--only scenes accuracy speed first_hour benchmarks]
 
-scenes:   RESULTS/gallery/<scene>/ as run.sh leaves them, drawn by the pages of `mixbeam view` in Debian's
+scenes:   RESULTS/gallery/<scene>/ as written by run.sh, drawn by the pages of `mixbeam view` in Debian's
           chromium-headless-shell: true sections, coloured by von Mises stress, each scene from none (dark) to its own largest
           (yellow); grey: undeformed
 accuracy: RESULTS/helix/convergence.csv
@@ -29,7 +29,7 @@ import helix
 import style
 from command import InputError
 
-# result file: elevation and azimuth of the eye [degrees], and whether the undeformed structure stands behind
+# result file: elevation and azimuth of the camera [degrees], and whether the undeformed structure is shown
 SCENES = {
     "coil_spring/coil_spring": ((15, -60), True),
     "gridshell/gridshell-drift": ((32, -55), False),
@@ -44,13 +44,13 @@ BENCHMARKS = (
     (("slope_discontinuity/configurations.png", "kinked frame under growing load"),
      ("fork/shapes.png", "fork under one force and under a couple")))
 BENCHMARKS_WIDTH, BENCHMARKS_TITLE = 14.0, 0.5  # inches
-COLUMNS, WIDTH, HEIGHT, TITLE, FINENESS = 3, 400, 270, 32, 2  # of a panel [pixels], drawn this many times as fine
+COLUMNS, WIDTH, HEIGHT, TITLE, FINENESS = 3, 400, 270, 32, 2  # panels in a row, sizes of one [pixels], supersampling
 FIGURE_WIDTH = 1200  # pixels
 FONT = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf"
 BROWSER = ("chromium-headless-shell", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 SECONDS = 120
 PROGRAM = Path(__file__).resolve().parents[1] / "mixbeam"
-# A document is written when it is loaded, which it is not while a document inside of it is open.
+# The browser dumps a document when it is loaded; an open document in a frame holds that back until the picture is drawn.
 DRAW = """const hold = document.createElement("iframe");
 document.body.append(hold);
 hold.contentDocument.open();
@@ -69,7 +69,7 @@ mixbeamStart.then(() => {{
 }});"""
 
 
-# The structure alone, seen from somewhere.
+# The structure alone, seen from a given direction.
 PANEL = """() => {{
   document.getElementById("ghost").checked = {ghost};
   app.camera.look({elevation}, {azimuth});
@@ -79,7 +79,7 @@ PANEL = """() => {{
 
 
 def drawn(path, width, height, show, folder, fineness=1):
-    """What `show`, JavaScript that returns a data URL, makes of the page of a result, drawn so many times as fine."""
+    """Returns the picture that `show`, JavaScript returning a data URL, makes of the page of a result, supersampled."""
     page = folder / "page.html"
     page.unlink(missing_ok=True)
     subprocess.run([PROGRAM, "view", path, "-o", page], check=True, stdout=subprocess.DEVNULL)
@@ -110,7 +110,7 @@ def scenes(results, docs):
 
 
 def save(picture, path):
-    """Few colours: a third of the bytes."""
+    """Writes a picture with few colours, which takes a third of the bytes."""
     picture.convert("RGB").quantize(128, dither=Image.Dither.NONE).save(path, optimize=True)
 
 
@@ -150,7 +150,7 @@ def speed(_, docs):
 
 
 def merge(whole, more):
-    """Adds the entries of lists to those of the same names; an entry replaces one that is there."""
+    """Adds the entries of lists to the lists of the same names; an entry replaces an existing one."""
     for name, value in more.items():
         if isinstance(value, dict) and isinstance(whole.get(name), dict) and "Point" not in value:
             merge(whole[name], value)
@@ -159,7 +159,7 @@ def merge(whole, more):
 
 
 def first_hour(_, docs):
-    """A picture of each step, as its commands make it."""
+    """Draws a picture of each step, by its commands."""
     scene, pictures = {}, docs / "first_hour"
     steps = re.findall("```yaml\n(.*?)```", (docs / "first_hour.md").read_text(encoding="utf-8"), re.S)
     deformed = """() => { app.camera.look(0, -90); app.setScale(20); app.fit(); return app.picture(); }"""
@@ -194,7 +194,7 @@ def first_hour(_, docs):
 
 
 def benchmarks(results, docs):
-    """The figures of a row have one height, and fill the width together."""
+    """Joins figures in rows; those of a row have the same height and fill the width."""
     rows = [[(style.plt.imread(results / name), title) for name, title in row] for row in BENCHMARKS]
     aspects = [[image.shape[1] / image.shape[0] for image, _ in row] for row in rows]
     heights = [BENCHMARKS_WIDTH / sum(row) + BENCHMARKS_TITLE for row in aspects]

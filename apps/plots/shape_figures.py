@@ -12,7 +12,7 @@ from structure import add_lines, line_width, tangents
 
 MOST_TRIADS = 24
 STRIP_STEPS = 6
-CAPTION_WIDTH = 11.0  # letters to an inch
+CAPTION_WIDTH = 11.0  # letters per inch
 WIDTH, LEAST_HEIGHT = 9.0, 3.6  # of a picture [inch]
 MOST_LETTERS = 400   # of a message
 FRAME = 0.06, 0.12, 5  # margin and least half of a side, over the extent; ticks
@@ -21,8 +21,8 @@ PART_COLORS = (style.BLUE, style.ORANGE, style.GREEN, style.PURPLE, style.SKY, "
 
 
 def shape_figure(view, step, field, triads=False, said=None):
-    """The members with their sections as the page of `mixbeam view` shows them; grey: undeformed. `said`: of a scene that is not
-    solved (preview.Said), whose connected parts are coloured in place of a field."""
+    """Draws the members with their sections like the page of `mixbeam view`; grey: undeformed. `said`: messages on an unsolved
+    scene (preview.Said), whose connected parts are coloured instead of a field."""
     projection, position = view.projection, view.position(step)
     shown = np.vstack([view.everything, position]) @ projection.T
     aspect = np.clip(np.ptp(shown[:, 1]) / (np.ptp(shown[:, 0]) or 1.0), 0.25, 1.4)
@@ -52,7 +52,7 @@ def shape_figure(view, step, field, triads=False, said=None):
 
 
 def _directions(view, step, position):
-    """Section axes 2 and 3 at all samples; square to a line that is drawn with scaled displacements."""
+    """Returns section axes 2 and 3 at all samples, made normal to the line if displacements are scaled."""
     second, third = (step.field(f"triad_{i}") for i in (2, 3))
     if view.look.scale == 1.0:
         return second, third
@@ -63,7 +63,7 @@ def _directions(view, step, position):
 
 
 def _draw_parts(axes, view, position, directions, said):
-    """Connected parts in colours, names of the members that the message names: (words, corners)."""
+    """Draws connected parts in colours, and marks the members named in messages. Returns (words, corners)."""
     members, parts = view.run.members, parts_of(view.run)
     palette = [style.rgb(color) for color in PART_COLORS]
     colors = [palette[parts[member.index] % len(palette)] if parts else palette[0] for member in members]
@@ -89,11 +89,11 @@ def _draw_parts(axes, view, position, directions, said):
 
 
 def _frame_without_axes(axes, view, points):
-    """Equal axes around all that is drawn, with the directions of x, y, z and a length to compare with in the place of them."""
+    """Sets equal limits around all points, and draws directions of x, y, z and a scale bar instead of axes."""
     low, high = points.min(axis=0), points.max(axis=0)
     span = (high - low).max() or 1.0
     low, high = low - 0.04 * span, high + 0.04 * span
-    low[1] -= 0.17 * span  # the directions stand below the supports
+    low[1] -= 0.17 * span  # room for the directions below the supports
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
     axes.set_aspect("equal")
     corner = low + 0.07 * span
@@ -110,13 +110,13 @@ def _frame_without_axes(axes, view, points):
 
 
 def round_length(most):
-    """The largest of 1, 2, 5 times a power of ten up to a length."""
+    """Returns the largest of 1, 2, 5 times a power of ten that does not exceed a length."""
     power = 10.0 ** np.floor(np.log10(most))
     return float(max(factor * power for factor in (1, 2, 5) if factor * power <= most * (1 + 1e-12)))
 
 
 def overview_figure(view, step):
-    """The fields an engineer looks at first, side by side in the best plane; those that vanish are left out."""
+    """Draws the most important fields side by side in the best plane; those that vanish are left out."""
     position = view.position(step)
     overview = fields.STRESS_OVERVIEW if step.has("von_mises_stress") else fields.OVERVIEW
     shown = [(field, field.values(step, view.size)) for field in (fields.FIELDS[name] for name in overview)]
@@ -137,7 +137,7 @@ def overview_figure(view, step):
 
 
 def strip_figure(view, steps, field):
-    """Some steps of the path side by side, all in one scale and one colour scale."""
+    """Draws some steps of the path side by side, with common scale and colour scale."""
     position = [view.position(step) for step in steps]
     values = [field.values(step, view.size) for step in steps]
     exponent = fields.power_of_ten(max(np.nanmax(np.abs(value), initial=0.0) for value in values))
@@ -149,7 +149,7 @@ def strip_figure(view, steps, field):
     aspect = np.clip(np.ptp(projected[:, 1]) / (np.ptp(projected[:, 0]) or 1.0), 0.25, 2.2)
     panel = 13.0 / max(min(most, len(steps)), 3)
     canvas, panels = style.panels(len(steps), most, panel, panel * aspect + 0.5, (0.8, 0.4), sharex=True, sharey=True)
-    canvas.get_layout_engine().set(h_pad=0.1)  # inches; the title has a root, which is measured too low
+    canvas.get_layout_engine().set(h_pad=0.1)  # inches; the height of a root in the title is underestimated
     for axes, step, points, value in zip(panels.flat, steps, position, values):
         pieces = _draw_lines(axes, view, points, value, scale)
         view.frame(axes, projected / view.unit, *FRAME)
@@ -162,7 +162,7 @@ def strip_figure(view, steps, field):
 
 
 def strip_steps(steps):
-    """At most STRIP_STEPS steps, evenly spread over the path, the last one among them."""
+    """Returns at most STRIP_STEPS steps, evenly spread over the path, including the last one."""
     numbers = np.unique(np.linspace(0, len(steps) - 1, min(STRIP_STEPS, len(steps))).round().astype(int))
     return [steps[i] for i in numbers]
 
@@ -176,7 +176,7 @@ def _draw_triads(view, axes, step, position, projection):
 
 
 def _draw_lines(axes, view, points, values, scale):
-    """The structure as lines through points, coloured by values; grey: undeformed. Returns what a colour bar belongs to."""
+    """Draws the structure as lines coloured by values; grey: undeformed. Returns the collection for a colour bar."""
     width = 0.8 * line_width(view.structure)
     lines, colors = view.lines(points, values, tangents(points, view.structure.starts))
     add_lines(axes, view.lines(view.structure.reference)[0] @ view.projection.T, width=max(0.35 * width, 0.4), zorder=1)

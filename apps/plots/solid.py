@@ -1,4 +1,4 @@
-"""Members as solids with their true sections, shaded as on the page of `mixbeam view`, for pictures in a plane of view."""
+"""Members as shaded solids with their true sections, like on the page of `mixbeam view`, projected to a plane."""
 
 import numpy as np
 from matplotlib.collections import PolyCollection
@@ -8,18 +8,18 @@ import style
 from results import DRAWN_AS
 from structure import RASTER_PIECES, tangents
 
-THIN_ROD = 1 / 110     # diameter over size of members that have no shape,
+THIN_ROD = 1 / 110     # diameter of members without a shape over the size of the structure,
 SLENDER_ROD = 1 / 10   # and at most this share of the median length of members
 MOST_FACES = 60000   # of a picture; sections of larger structures are drawn with fewer sides
-MOST_SIDES = 24      # of round sections,
-FEWEST_SIDES = 3     # and of those of large structures
-THINNEST = 0.003     # of the extent of a picture: no member is thinner
+MOST_SIDES = 24      # of round sections
+FEWEST_SIDES = 3     # of round sections in large structures
+THINNEST = 0.003     # least thickness of a member over the extent of the picture
 LIGHT, SHINE = np.array([-0.35, 0.55, 0.75]), np.array([-0.18, 0.30, 0.94])  # to the right, up, toward the reader
 LIGHT, SHINE = LIGHT / np.linalg.norm(LIGHT), SHINE / np.linalg.norm(SHINE)
 
 
 class Sections:
-    """Kinds of sections of all members, and `dimensions` (n, 4) of all samples, as the page of `mixbeam view` has them."""
+    """Kinds of sections of all members, and `dimensions` (n, 4) of all samples, as on the page of `mixbeam view`."""
 
     def __init__(self, structure):
         run, starts = structure.run, structure.starts
@@ -27,7 +27,7 @@ class Sections:
         shapes = acting.get("sections")
         rod = min(THIN_ROD * structure.size, SLENDER_ROD * float(np.median([member.arc_length[-1] for member in run.members])))
         known = [row[0] for row, shape in zip(shapes["dimensions"], shapes["shape"]) if shape != "none"] if shapes else []
-        rod = min([rod, *known])  # a wire is thinner than what has a shape
+        rod = min([rod, *known])  # not thicker than any member with a shape
         self.kinds = ["none"] * len(run.members)
         self.dimensions = np.tile([rod, rod, 0.0, 0.0], (len(structure.reference), 1))
         for at, member in enumerate(run.members if shapes else ()):
@@ -43,13 +43,13 @@ class Sections:
 
 
 def _along(values, x):
-    """Rows at relative arc lengths `x` of values at evenly spread places."""
+    """Interpolates values at equidistant places to relative arc lengths `x`."""
     places = np.linspace(0.0, 1.0, len(values))
     return np.stack([np.interp(x, places, column) for column in values.T], axis=1)
 
 
 def _with_centroid(shape, width, height, wall, web):
-    """Name of the drawing of a T, L or U: how it stands, and its centroid from the middle over width and height."""
+    """Returns the drawing of a T, L or U: orientation, and offset of the centroid from the middle over width and height."""
     upright = width * wall, 0.0, (height - wall) / 2  # area and middle of the flange at the top, then of the web
     parts = {"T": [upright, (web * (height - wall), 0.0, -wall / 2)],
              "U": [(2 * width * wall, 0.0, 0.0), (web * (height - 2 * wall), (web - width) / 2, 0.0)],
@@ -61,7 +61,7 @@ def _with_centroid(shape, width, height, wall, web):
 
 
 def outline(kind, dimensions, sides):
-    """(..., corners, 2) of sections in the plane of their axes 2 and 3, counter-clockwise; `dimensions` (..., 4)."""
+    """Returns corners (..., corners, 2) of sections along axes 2 and 3, counter-clockwise; `dimensions` (..., 4)."""
     width, height, wall, web = (dimensions[..., i, None] for i in range(4))
     x, y, inner, web = width / 2, height / 2, height / 2 - wall, web / 2
     word, *turn = kind.split(" ")
@@ -75,7 +75,7 @@ def outline(kind, dimensions, sides):
                "U": [(-x, y), (-x, -y), (x, -y), (x, -inner), (2 * web - x, -inner), (2 * web - x, inner), (x, inner), (x, y)]
                }.get(word, [(x, y), (-x, y), (-x, -y), (x, -y)])
     found = np.stack([np.concatenate(np.broadcast_arrays(*corner), axis=-1) for corner in corners], axis=-2)
-    if len(turn) == 3:  # "T upright 0 0.2": with its centroid over width and height
+    if len(turn) == 3:  # "T upright 0 0.2": with the offset of the centroid over width and height
         found = found - np.concatenate([float(turn[1]) * width, float(turn[2]) * height], axis=-1)[..., None, :]
         if turn[0] == "mirrored":
             found = (found * (1, -1))[..., ::-1, :]
@@ -84,7 +84,7 @@ def outline(kind, dimensions, sides):
 
 def draw_solid(axes, view, position, triads, projection, values=None, scale=None, colors=None):
     """Draws the members at `position` (n, 3), `triads` (g2, g3), coloured by `values` on `scale` = (colour map, norm), or by
-    `colors` (members, 3). Returns what a colour bar belongs to, and the corners of all faces in the picture."""
+    `colors` (members, 3). Returns the mappable of a colour bar, and the corners of all faces in the picture."""
     sections, structure = Sections(view.structure), view.structure
     levels = [position[:, 0] * 0 if values is None else np.nan_to_num(values, nan=-1e300), *np.hstack(triads).T, *sections.dimensions.T]
     nodes, along, between, owner = structure.nodes(position, tangents(position, structure.starts), *levels)

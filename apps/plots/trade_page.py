@@ -279,7 +279,7 @@ def _motion(row):
 
 
 def _rates(everything):
-    """Between the finest two meshes above rounding."""
+    """Returns the rates of convergence between the finest two meshes above rounding."""
     def rate(table, error, floor):
         above = np.cumprod(table[error] > max(ROUND_OFF, floor)).sum()
         if above < 2:
@@ -299,7 +299,7 @@ def _rates(everything):
 
 
 def _integrations(table):
-    """Error and time with force strains fully integrated beside those with both parts reduced."""
+    """Returns error and time with force strains fully integrated, beside those with both parts reduced."""
     full = table.where(integration="full", elements=FULL_ELEMENTS)
     text = ""
     for name in dict.fromkeys(full["benchmark"]):

@@ -1,7 +1,7 @@
 #!/usr/bin/python3 -Es
-"""The verification table: what benchmarks and scenes checked, against what, and how well it agrees. Read from the
-summaries RESULTS/<benchmark>/summary.json, RESULTS/verification/<scene>/summary.json and the same for the gallery;
-printed as text or as Markdown, or written between the two marker lines of a file: apps/docs/verification.md."""
+"""Makes the verification table: quantities checked by benchmarks and scenes, their references and agreement. It reads the
+summaries RESULTS/<benchmark>/summary.json, RESULTS/verification/<scene>/summary.json and those of the gallery, and prints
+text or Markdown, or writes between the two marker lines of a file: apps/docs/verification.md."""
 
 import argparse
 import json
@@ -15,13 +15,13 @@ from command import InputError, replace_part
 from plot_all import BENCHMARKS
 
 NOT_VERIFICATION = ("thread_scaling",)  # times, not values
-WHEN_NAMED = ("trade",)  # run.sh computes it only when it is named
+WHEN_NAMED = ("trade",)  # computed by run.sh only when named
 SCENE_GROUPS = ("verification", "gallery")  # folders of scenes, run by mixbeam
 NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 HEADINGS = ("level", "benchmark", "quantity", "values", "worst", "allowed", "pass", "source")
 TEXT_HEADINGS = HEADINGS[:-1]  # sources are too long for a terminal
 LONGEST_QUANTITY = 84  # in a terminal
-# What a value is compared with: (name, words of a source, how exact that is itself); the first whose words a source has.
+# Kinds of references: (name, pattern of the source, error of the reference); the first match counts.
 LEVELS = (
     ("closed form", r"closed form|elastica|elliptic|Bessel|^pure bending|Frenet|Eq\.|pi\^2|K\(|sqrt\(EI/m\)|Fletcher|polygon|"
      "twice the error", "that of the printed digits"),
@@ -53,7 +53,7 @@ def main():
 
 
 def read_summaries(results):
-    """The summaries in the order of the paper, then those of scenes, without benchmarks that have none."""
+    """Reads the summaries in the order of the paper, then those of scenes; benchmarks without a summary are left out."""
     if not results.is_dir():
         raise InputError(f"{results}: no such folder")
     benchmarks = [name for name in BENCHMARKS if name not in NOT_VERIFICATION]
@@ -78,7 +78,7 @@ def read_summary(file):
 
 
 def all_rows(summaries):
-    """By level; in each level in the order of the summaries."""
+    """Returns the rows by level, in each level in the order of the summaries."""
     rows = [row for summary in summaries if "group" not in summary for row in rows_of(summary)]
     for group in SCENE_GROUPS:
         rows += rows_of_scenes(group, [summary for summary in summaries if summary.get("group") == group])
@@ -90,14 +90,14 @@ def level_of(source):
 
 
 def level_rows(summaries):
-    """Values of each level, those that agree, and how exact the references are."""
+    """Returns for each level the number of values, of those that agree, and the error of the references."""
     checks = [(level_of(check["source"]), check["pass"]) for summary in summaries for check in summary["checks"]]
     counts = [(name, [passed for level, passed in checks if level == name], error) for name, _, error in LEVELS]
     return [(name, str(len(found)), str(sum(found)), error) for name, found, error in counts if found]
 
 
 def rows_of_scenes(group, summaries):
-    """One row for each scene, source and allowance, and one for the balance of forces that every run checks."""
+    """Returns a row for each scene, source and tolerance, and one for the balance of forces that every run checks."""
     groups, rows = {}, []
     for summary in summaries:
         for check in summary["checks"]:
@@ -116,7 +116,7 @@ def rows_of_scenes(group, summaries):
 
 
 def list_of(names):
-    """"balance, forces" and "balance, moments" are "balance: forces, moments"."""
+    """Joins names: "balance, forces" and "balance, moments" become "balance: forces, moments"."""
     heads = {name.rpartition(", ")[0] for name in names}
     if len(names) < 2 or len(heads) > 1 or heads == {""}:
         return ", ".join(names)
@@ -124,13 +124,13 @@ def list_of(names):
 
 
 def short_name(name):
-    """"elastica: loads and reactions, sum of forces" and "u_x, force 600" without what names the case."""
+    """Removes the case from a name: from "elastica: loads and reactions, sum of forces" or "u_x, force 600"."""
     quantity = quantity_of(name)
     return quantity if quantity != name else name.partition(", ")[0]
 
 
 def rows_of(summary):
-    """One row for each group of checks that have source, allowance and kind of quantity in common."""
+    """Returns a row for each group of checks with the same source, tolerance and kind of quantity."""
     groups = {}
     for check in summary["checks"]:
         groups.setdefault(group_of(check), []).append(check)
@@ -150,7 +150,7 @@ def group_of(check):
 
 
 def quantity_of(name):
-    """"k=3, 8 elements: u1" is the quantity u1 of one case."""
+    """Returns the quantity of a name: u1 of "k=3, 8 elements: u1"."""
     return name.rpartition(": ")[2]
 
 
@@ -163,7 +163,7 @@ def row_of(program, checks):
 
 
 def common_name(names):
-    """One text for all names: numbers that differ become a range; without the cases where these have no common form."""
+    """Returns one text for all names: different numbers become a range; cases without a common form are left out."""
     for texts in (names, [quantity_of(name) for name in names]):
         if len({NUMBER.sub("#", text) for text in texts}) == 1:
             return with_ranges(texts)
@@ -178,12 +178,12 @@ def with_ranges(texts):
 
 
 def rounded(printed):
-    """Three significant digits of a bound or of the end of a range; counts keep all of theirs."""
+    """Rounds a bound or the end of a range to three significant digits; integers keep all digits."""
     return printed if float(printed).is_integer() else f"{float(printed):.3g}"
 
 
 def difference(check):
-    """How far the value is from its reference, in the unit in which the check allows it; infinite for no number."""
+    """Returns the distance of a value from its reference, in the unit of the tolerance; infinite if it is not a number."""
     value, reference, comparison = check["value"], check["reference"], check["comparison"]
     if comparison == "word":
         return 0.0 if check["pass"] else math.inf

@@ -1,4 +1,4 @@
-"""How a structure is looked at: from where, how much of its displacements, which unit of length. Shared by all pictures of a run."""
+"""View of a structure: direction, scale of displacements, unit of length. Shared by all pictures of a run."""
 
 import numpy as np
 
@@ -7,14 +7,14 @@ import style
 from results import InputError
 from structure import Structure, axis_name, best_plane, best_view, plane_of
 
-SHRUNK = 0.3  # below this share of its undeformed extent a structure gets the picture in space for itself
-FLAT = 1e-6     # a structure this thin over its size lies in a plane, which is looked at
+SHRUNK = 0.3  # below this share of its undeformed extent a structure is drawn without its other states
+FLAT = 1e-6     # a structure thinner than this over its size lies in a plane, which is then the view
 PLANES = {"xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
-ISO = (35.264, -45.0)  # all three axes equally short
+ISO = (35.264, -45.0)  # all three axes equally foreshortened
 
 
 class Look:
-    """What the user wants: `view` as --view, `scale` of displacements, `moments`: the side on which they stand."""
+    """Choices of the user: `view` as in --view, `scale` of displacements, `moments`: side of their diagrams."""
 
     def __init__(self, view=None, scale=1.0, moments="tension"):
         self.scale, self.moments = scale, moments
@@ -27,7 +27,7 @@ class Look:
 
 
 def _camera(text):
-    """Elevation and azimuth from "azimuth/elevation"."""
+    """Parses "azimuth/elevation" into (elevation, azimuth)."""
     try:
         azimuth, elevation = (float(word) for word in text.split("/"))
     except ValueError:
@@ -39,12 +39,12 @@ def _camera(text):
 
 
 def _way(direction):
-    """An arrow for a direction in the picture."""
+    """Returns an arrow character for a direction in the picture."""
     return "\u2192\u2197\u2191\u2196\u2190\u2199\u2193\u2198"[round(np.arctan2(direction[1], direction[0]) / (np.pi / 4)) % 8]
 
 
 class View:
-    """Structure, plane, camera, unit of length and scale of displacements, found once for a run."""
+    """Structure, plane, camera, unit of length and scale of displacements, determined once for a run."""
 
     def __init__(self, run, steps, look=None):
         self.run, self.structure, self.look = run, Structure(run), look or Look()
@@ -61,7 +61,7 @@ class View:
         self.projection = self.plane if self.is_plane else plane_of(self.camera)  # directions to the right and upwards
 
     def position(self, of):
-        """Of all samples at a step or critical point, displacements scaled as the user wants."""
+        """Returns positions of all samples at a step or critical point, with scaled displacements."""
         if self.look.scale == 1.0:
             return of.field("position")
         return self.structure.reference + self.look.scale * of.field("displacement")
@@ -77,7 +77,7 @@ class View:
         return axis_name(direction) + fields.times(self.exponent, self.run.units[0])
 
     def frame(self, axes, points, margin, least, ticks):
-        """Equal axes around points of the picture, with their names; `margin`, and at least half a side, over the extent."""
+        """Sets equal axes around points of the picture, and names them; `margin` and `least` half side over the extent."""
         low, high = points.min(axis=0), points.max(axis=0)
         extent = (high - low).max() or 1.0
         half = np.maximum((high - low) / 2 + margin * extent, least * extent)
@@ -88,7 +88,7 @@ class View:
         self.name_axes(axes)
 
     def name_axes(self, axes):
-        """x, y or z with numbers where the picture is along them; else no numbers, and the directions in the picture as words."""
+        """Labels axes along x, y or z with numbers; in an oblique view there are no numbers, only directions as words."""
         if all(np.abs(direction).max() > 1 - 1e-9 for direction in self.projection):
             axes.set(xlabel=self.axis_label(self.projection[0]), ylabel=self.axis_label(self.projection[1]))
             return
@@ -107,7 +107,7 @@ class View:
         return f"{self.scene_words}: step {step.number}, load factor {step.load_factor:.6g}"
 
     def scale_words(self):
-        """What the picture says of its displacements and units."""
+        """Returns the caption on displacements and units."""
         scale = self.look.scale
         shown = "displacements to scale" if scale == 1.0 else f"displacements times {scale:.6g}"
         length, force = self.run.units

@@ -1,6 +1,6 @@
 #!/usr/bin/python3 -Es
-"""The trade between accuracy and cost: every order on every mesh of many benchmarks, and what the program makes of wanted
-accuracies on them and on the scenes of the gallery. Which order is the best for what tells apps/plots/trade_page.py."""
+"""Study of the trade-off between accuracy and cost: every order on every mesh of many benchmarks, and runs with `Accuracy`
+on these and on the scenes of the gallery. apps/plots/trade_page.py evaluates which order is best for what."""
 
 import math
 import sys
@@ -19,32 +19,32 @@ from mixbeam.errors import InputError  # noqa: E402
 
 MOST_ELEMENTS, HIGHEST_ORDER = 100000, 8
 
-# The references agree to this: a tenth of the smallest accuracy that every benchmark is judged by.
+# Largest difference of the references: a tenth of the smallest accuracy by which every benchmark is judged.
 REFERENCES_AGREE = 1e-10
-# The difference of the references is an error of both; what is judged stands well above.
+# Errors are judged if they are this many times the difference of the references, which is an error of both.
 ABOVE_REFERENCE = 10.0
-# Confirms the references of the scenes of the gallery, with one and a half times as many elements.
+# Order that confirms the references of the gallery, with one and a half times as many elements.
 CONFIRMING_ORDER = 6
 
-# Theory: polynomials of degree k. Higher orders reach round-off on meshes too coarse to tell a rate.
+# Theory: polynomials of degree k. Higher orders reach round-off on meshes too coarse for a rate.
 HIGHEST_RATED_ORDER, RATE_TOLERANCE, RATE_ROUND_OFF = 4, 0.2, 1e-10
 
-# Estimates are judged where the true error is neither that of a mesh that says little nor that of rounding, and known
-# to a tenth by the references.
+# Estimates are judged if the true error is neither that of a very coarse mesh nor rounding, and is known to a tenth
+# from the references.
 LARGEST_ERROR, SMALLEST_ERROR = 1e-2, 1e-10
 FACTOR, SHARE_BEYOND, MOST_BELOW = 5.0, 0.05, 10.0
 
-# A mesh is as exact as rounding allows when all errors are this small or those of the reference, and two meshes in a
-# row tell it, so that one lucky error does not end a row.
+# A mesh is at round-off if all errors are this small, or as small as those of the reference, on two consecutive meshes,
+# so that one error that is small by chance does not end a row.
 ROUND_OFF, ROUNDED_MESHES = 1e-12, 2
-GROWTH = 2.0  # of the time for twice as many elements, at least: how long a finer mesh takes is guessed from the last one
-NO_SOLUTION = 0.01  # from a mesh that is worse nothing is guessed: it has followed a path of its own
-CLEARLY_DEARER = 1.3  # times scatter: a cell that costs more than this many times a better one is no candidate
+GROWTH = 2.0  # least growth of the time for twice as many elements, by which the time of a finer mesh is estimated
+NO_SOLUTION = 0.01  # no time is estimated from a mesh with a larger error: it has followed another path
+CLEARLY_DEARER = 1.3  # a cell that costs more than this many times a better one is no candidate, despite scatter
 MOST_HALVINGS = 4  # of the elements of a member of the file
 
-LEAST_ROUNDS = 3  # a median of fewer is none
-PRICE_BUDGET = 0.3  # seconds for the runs of one accuracy with one number of threads, beyond the least number of them
-CANDIDATES = 3  # timed again for it: the cheapest of a matrix is one of them, whatever the scatter of its times
+LEAST_ROUNDS = 3  # for a median
+PRICE_BUDGET = 0.3  # seconds for the runs of one accuracy with one number of threads, beyond LEAST_ROUNDS
+CANDIDATES = 3  # timed again: the cheapest of a matrix is one of them despite the scatter of times
 
 DISPLACEMENT, CENTERLINE, MOMENT, ENERGY = range(4)  # see ErrorOf in apps/python/judged_problem.hpp
 ERRORS = ("displacement", "centerline", "moment", "energy")
@@ -57,13 +57,13 @@ class Benchmark(NamedTuple):
     name: str  # in tables and files
     file: str  # in the folder trade_benchmarks beside the program; empty: the study's own scene
     kind: str  # a few words: plane or space, smooth or kinked, slender or thick
-    point: str = ""  # whose displacement is judged; empty: the first loaded point
+    point: str = ""  # the displacement of this point is judged; empty: the first loaded point
     load_case: str = ""
-    load_share: float = 1.0  # of the loads of the file: a fixed load short of where the path turns
-    branch: str = ""  # where the load is beyond a bifurcation; else what the file says
-    integrations: bool = False  # measured with force strains fully integrated too
-    rates: bool = False  # smooth, and every order converges as theory says: checked
-    refinement: int = 0  # of a scene of the gallery, solved as its file says: elements of the reference for each of its own
+    load_share: float = 1.0  # share of the loads of the file, below the first limit point
+    branch: str = ""  # for loads beyond a bifurcation; empty: as in the file
+    integrations: bool = False  # measured with full integration of force strains too
+    rates: bool = False  # smooth: rates of convergence are checked against theory
+    refinement: int = 0  # of a scene of the gallery, solved as given: elements of the reference per element of the file
 
     @property
     def in_gallery(self):
@@ -74,7 +74,7 @@ class Benchmark(NamedTuple):
         return "gallery" if self.in_gallery else "matrix"
 
 
-SMOOTH, LAYERS = 4, 64  # what bends everywhere needs few elements of order 8, thin layers of bending many
+SMOOTH, LAYERS = 4, 64  # smooth bending needs few elements of order 8, thin layers of bending many
 
 
 def scene(name, kind, refinement=SMOOTH):
@@ -120,8 +120,8 @@ GALLERY = (
     scene("twisted_blade", "space, pre-twist, coupled section, two stages"),
     scene("honeycomb", "plane, lattice"))
 
-# In place of the values in the file of the helical rod, which are those of a coarse mesh: the finest row of the
-# paper's table, to half a unit of the last digit.
+# The finest row of the paper's table, to half a unit of the last digit; the values in the file of the helical rod are
+# those of a coarse mesh.
 HELICAL_ROD = (("x", 4.803e-3, 5.1e-7), ("y", 7.250e-5, 5.1e-9), ("z", -7.644e-2, 5.1e-6))
 HELICAL_ROD_SOURCE = "Humer, Steinbrecher, Pechstein, table of the rod bent to helical shape, k = 4"
 
@@ -131,12 +131,12 @@ def largest(errors):
 
 
 def of_motion(errors):
-    """Of tip and centerline."""
+    """Returns the larger error of tip and centerline."""
     return largest(errors[:2])
 
 
 def cost(times, threads):
-    """With one thread the processor time is the wall time on an idle machine, and what others do does not lengthen it."""
+    """Returns processor time for one thread, which is independent of other work on the machine, else wall time."""
     return times[PROCESSOR if threads == 1 else WALL]
 
 
@@ -145,7 +145,7 @@ def medians(runs):
 
 
 class Plan:
-    """Which cells, against which reference, and how they are timed."""
+    """Parameters of the study: cells, references, timing."""
 
     def __init__(self, app):
         self.benchmarks, self.gallery = app.words("Benchmarks"), app.words("Gallery")
@@ -161,7 +161,7 @@ class Cell:
     """A benchmark on one mesh, solved, judged, timed."""
     order: int
     elements: int
-    is_full: bool = False  # integration of force strains; else reduced like that of moments
+    is_full: bool = False  # full integration of force strains, else reduced
     status: str = "failed"  # no equilibrium was found
     errors: tuple = UNKNOWN
     estimated: tuple = UNKNOWN  # by the run itself; none in the gallery
@@ -181,7 +181,7 @@ class Cell:
 
 @dataclass
 class AccurateCell:
-    """What the program makes of a wanted accuracy."""
+    """Result of a run with a wanted accuracy."""
     wanted: float
     end: str
     meshes: list  # (order, elements, whether the path was followed)
@@ -215,12 +215,12 @@ class Study:
         return run
 
     def judged(self, errors):
-        """The largest of the errors that are judged: in the gallery those of displacements only."""
+        """Returns the largest of the judged errors: in the gallery those of displacements only."""
         return of_motion(errors) if self.about.in_gallery else largest(errors)
 
     @property
     def floor(self):
-        """Smallest accuracy that is judged: errors below are those of reference and rounding."""
+        """Smallest accuracy that is judged; errors below are those of the reference and rounding."""
         return ABOVE_REFERENCE * self.judged(self.difference)
 
     @property
@@ -228,8 +228,8 @@ class Study:
         return len(HELICAL_ROD) if self.about.name == "helical_rod" else self.problem.expected_values
 
     def cheapest(self, accuracy, threads):
-        """Cells with both force parts reduced and a motion as exact as this, the cheapest first; none where so small an
-        error is not judged."""
+        """Returns the cells with both force parts reduced and errors of motion within the accuracy, cheapest first; none
+        if so small an error is not judged."""
         if accuracy < self.floor:
             return []
         good = [c for c in self.cells if c.converged and not c.is_full and of_motion(c.errors) <= accuracy]
@@ -239,8 +239,8 @@ class Study:
         return self.problem.solve(cell.order, cell.elements, cell.is_full, threads, self.plan.most_seconds)
 
     def time_cell(self, cell, first, threads):
-        """Numbers of threads in turn, so that a machine that slows down for a while does so for all of them. The first
-        run with each warms up; it counts only where it is the only one that the budget allows."""
+        """Times a cell with all numbers of threads in turn, so that a temporary slowdown of the machine affects all alike.
+        The first run with each is a warm-up; it counts only if the budget allows no other."""
         affordable = int(min(self.plan.repetitions, self.plan.budget / (first[WALL] * len(threads))))
         runs = {}
         for turn in range(1 + (affordable if affordable >= LEAST_ROUNDS else 0)):
@@ -269,7 +269,7 @@ class Study:
         return cell
 
     def measure_row(self, order, is_full):
-        """Cells that are not computed are among them, with the reason."""
+        """Measures the cells of an order; those that are not computed are added with the reason."""
         plan, rounded, rounded_meshes, last_seconds = self.plan, max(ROUND_OFF, largest(self.difference)), 0, 0.0
         for elements in plan.elements:
             cell = Cell(order, elements, is_full)
@@ -285,15 +285,15 @@ class Study:
             self.cells.append(cell)
 
     def meshes_of_file(self):
-        """Elements of the finest member: those of the file, halved and doubled."""
+        """Returns the elements of the finest member: those of the file, halved and doubled."""
         own = self.problem.own_elements
         parts = [2**halvings for halvings in range(MOST_HALVINGS, -1, -1)]
         factors = [2**doublings for doublings in range(1, self.about.refinement.bit_length())]
         return [-(-own // part) for part in parts if own >= part] + [own * factor for factor in factors]
 
     def measure_front(self):
-        """Only cells that may be the cheapest for one of the accuracies, from the highest order down."""
-        threads = self.plan.threads[:1]  # more of them are left to the accuracies
+        """Measures only cells that may be the cheapest for one of the accuracies, from the highest order down."""
+        threads = self.plan.threads[:1]  # other numbers of threads are measured with the accuracies
         smallest = min(self.plan.accuracies)
         for order in reversed(self.plan.orders):
             for elements in self.meshes_of_file():
@@ -323,11 +323,10 @@ class Study:
                             {n: self.price(wanted, n) for n in sorted(set(self.plan.threads))})
 
     def price(self, wanted, threads):
-        """The program's way and the cheapest cells in turn, so that a machine that slows down for a while does so for
-        all."""
+        """Times runs with `Accuracy` and the cheapest cells in turn, so that a temporary slowdown affects all alike."""
         cells = self.cheapest(wanted, threads)[:CANDIDATES]
         own, others = [], [[] for _ in cells]
-        begin = time.monotonic()  # how many rounds are made; what they take is told by the solver
+        begin = time.monotonic()  # determines the number of rounds only; times come from the solver
         while len(own) < min(self.plan.repetitions, LEAST_ROUNDS) or \
                 (len(own) < self.plan.repetitions and time.monotonic() - begin < PRICE_BUDGET):
             own.append(cost(self.problem.solve_accurately(wanted, threads).times, threads))
@@ -338,7 +337,7 @@ class Study:
         return median(own), best, best_seconds
 
     def check_reference(self, app):
-        """The two solutions against each other, and the finer one against closed forms and values from the literature."""
+        """Compares the two references, and the finer one with closed forms and values from the literature."""
         name = self.about.name
         app.check_upper_bound(f"{name}: difference of the references", self.judged(self.difference), REFERENCES_AGREE,
                               "another order on another mesh")
@@ -349,8 +348,8 @@ class Study:
             app.check_absolute(f"{name}: tip, {component}", own, value, tolerance, HELICAL_ROD_SOURCE)
 
     def check_rates(self, app):
-        """The error of the centerline falls with the power k + 1 of the element length: between the finest two meshes
-        before the error first falls below rounding."""
+        """Checks that the error of the centerline falls with the power k + 1 of the element length, between the finest two
+        meshes before the error first falls below rounding."""
         for order in self.plan.orders:
             above = []
             for cell in self.cells:
@@ -367,7 +366,7 @@ class Study:
                                "Humer, Steinbrecher, Pechstein: polynomials of degree k, optimal rate k + 1")
 
     def check(self, app):
-        """What is promised of the cells."""
+        """Checks rates and wanted accuracies."""
         if self.about.rates:
             self.check_rates(app)
         for cell in self.accurate:
@@ -379,7 +378,7 @@ class Study:
 
 
 def check_estimates(app, studies):
-    """Promised of displacements and moments; the energy is told beside."""
+    """Checks estimates of displacements and moments; those of the energy are recorded only."""
     for quantity in (DISPLACEMENT, CENTERLINE, MOMENT):
         ratios = [cell.estimated[quantity] / cell.errors[quantity] for one in studies for cell in one.cells
                   if cell.converged and not cell.is_full and SMALLEST_ERROR <= cell.errors[quantity] <= LARGEST_ERROR
@@ -396,7 +395,7 @@ def check_estimates(app, studies):
 
 
 def meshes_text(meshes):
-    """Mesh after mesh, "5 x 4, 7 x 6", with a star where the solution was carried over."""
+    """Returns the sequence of meshes, "5 x 4, 7 x 6"; a star: the solution was carried over."""
     return ", ".join(f"{order} x {elements}" + ("" if followed or i == 0 else "*")
                      for i, (order, elements, followed) in enumerate(meshes))
 
