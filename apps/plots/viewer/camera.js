@@ -1,15 +1,15 @@
-// Where from the structure is seen: parallel projection, z points up unless one looks along it.
+// Camera with parallel projection; z points up unless the view is along z.
 
 class Camera {
   constructor(elevation, azimuth) {
     this.target = [0, 0, 0];
-    this.height = 1; // of what the picture shows [length]
+    this.height = 1; // of the visible region [length]
     this.width = 1; // of the picture [css pixels]
     this.rows = 1;
     this.look(elevation, azimuth);
   }
 
-  /** Angles in degrees. */
+  /** Sets the direction; angles in degrees. */
   look(elevation, azimuth) {
     this.elevation = clamp(elevation, -90, 90);
     this.azimuth = azimuth;
@@ -24,12 +24,12 @@ class Camera {
     this.rows = rows;
   }
 
-  /** Length of a pixel. */
+  /** Length that corresponds to a pixel. */
   get pixel() {
     return this.height / this.rows;
   }
 
-  /** The whole of the points fills the part of the picture inside the margins [left, right, top, bottom, pixels]. */
+  /** Fits all points into the picture inside the margins [left, right, top, bottom, pixels]. */
   fit(points, margins) {
     const spans = [this.right, this.up].map((direction) => {
       const along = points.map((point) => dot(point, direction));
@@ -45,14 +45,14 @@ class Camera {
       middle[1] + ((top - bottom) / 2) * pixel), this.toward, depth);
   }
 
-  /** Pixels from the upper left corner, and how near [length]. */
+  /** Projects a point to pixels from the upper left corner, and its nearness [length]. */
   project(point) {
     const from = sum(point, this.target, -1);
     return [this.width / 2 + dot(from, this.right) / this.pixel, this.rows / 2 - dot(from, this.up) / this.pixel,
       dot(from, this.toward)];
   }
 
-  /** A direction in the picture: pixels to the right and downwards for a length of one. */
+  /** Projects a unit direction to shares to the right and downwards in the picture. */
   flat(direction) {
     return [dot(direction, this.right), -dot(direction, this.up)];
   }
@@ -65,7 +65,7 @@ class Camera {
     this.target = sum(sum(this.target, this.right, -dx * this.pixel), this.up, dy * this.pixel);
   }
 
-  /** What lies at pixel (x, y) stays there. */
+  /** Zooms such that the point at pixel (x, y) stays there. */
   zoom(factor, x, y) {
     const before = this.pixel;
     this.height = this.height / factor;
@@ -73,7 +73,7 @@ class Camera {
     this.target = sum(sum(this.target, this.right, (x - this.width / 2) * moved), this.up, (this.rows / 2 - y) * moved);
   }
 
-  /** Rows of the matrix to clip coordinates; everything within `reach` of the target is inside. */
+  /** Matrix to clip coordinates, column by column; points within `reach` of the target are not clipped in depth. */
   matrix(reach) {
     const lines = [[this.right, 2 / (this.pixel * this.width)], [this.up, 2 / this.height], [this.toward, -1 / reach]];
     const columns = [0, 1, 2].map((i) => lines.map(([direction, factor]) => factor * direction[i]).concat(0));
@@ -81,7 +81,7 @@ class Camera {
     return new Float32Array([...columns.flat(), ...shift]);
   }
 
-  /** Rotation into the frame of the eye. */
+  /** Rotation into the frame of the camera. */
   eye() {
     return new Float32Array([0, 1, 2].flatMap((i) => [this.right[i], this.up[i], this.toward[i]]));
   }

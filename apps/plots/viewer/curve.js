@@ -1,4 +1,4 @@
-// The curve of one followed number over another, with the state that is shown; a click takes the nearest step.
+// Curve of one followed number over another, with a mark at the current state; a click selects the nearest step.
 
 const SVG = "http://www.w3.org/2000/svg";
 const MARGINS = { left: 58, right: 12, top: 10, bottom: 38 };
@@ -12,7 +12,7 @@ function svgElement(name, attributes, parent, text) {
 }
 
 class Curve {
-  /** `choose(place)` is called with the number of a step of the run, or with a critical point behind all of them. */
+  /** `choose(place)` is called with the number of a step of the run; critical points are numbered after all steps. */
   constructor(svg, result, choose) {
     Object.assign(this, { svg, result, choose });
     svg.onclick = (event) => {
@@ -22,7 +22,7 @@ class Curve {
     };
   }
 
-  /** Names of the series. */
+  /** Draws the series with these names; up to the first critical point unless `isWhole`. */
   draw(abscissa, ordinate, isWhole) {
     const { svg, result } = this;
     svg.replaceChildren();
@@ -58,7 +58,7 @@ class Curve {
     svgElement("circle", { cx: x, cy: y, r: radius, class: kind }, this.inside);
   }
 
-  /** Pixels of a row of the series; NaN where it is not known. */
+  /** Returns the pixels of a row of the series; NaN if a value is unknown. */
   at(i) {
     const share = [this.x[i], this.y[i]].map((value, axis) =>
       (Math.abs(value) < NO_VALUE ? (value - this.limits[axis][0]) / (this.limits[axis][1] - this.limits[axis][0]) : NaN));
@@ -82,7 +82,7 @@ class Curve {
     }
   }
 
-  /** Moves the mark of the present state. */
+  /** Moves the mark to the current state. */
   show(place) {
     const at = this.at(place);
     const known = at.every(Number.isFinite);

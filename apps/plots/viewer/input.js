@@ -48,7 +48,7 @@ function listenToPointers(app) {
   }, { passive: false });
 }
 
-/** Two fingers: their middle carries the picture, their distance its size. */
+/** Handles two fingers: their midpoint pans, their distance zooms. */
 function pinch(app, down, moved, now) {
   const [, other] = [...down.entries()].find(([id]) => id !== moved);
   const before = down.get(moved);
@@ -125,7 +125,7 @@ function start() {
   document.documentElement.dataset.firstPicture = Math.round(performance.now()); // milliseconds since the page was opened
 }
 
-/** A page that is watched asks for itself anew while the reader is elsewhere, and looks as before. */
+/** Reloads a watched page regularly while it has no focus, and keeps its camera. */
 function renew(app, seconds) {
   const kept = sessionStorage.getItem("camera");
   if (kept) {
@@ -140,7 +140,7 @@ function renew(app, seconds) {
   }, 1000 * seconds);
 }
 
-/** Of scripts, and of promises that nobody waits for. */
+/** Shows errors of scripts and of unhandled promises. */
 function showError(message) {
   byId("error").hidden = false;
   byId("error").textContent = message.replace(/^Uncaught (Error: )?/, "");

@@ -1,12 +1,12 @@
-// Puts the parts together, and hands them what the user does.
+// Application: connects the parts and forwards the actions of the user to them.
 
 const MODE_SHARE = 0.12; // largest displacement of a mode over the size of the structure
-const HIDDEN_SHARE = 0.9; // of the motion of a mode along the line of sight: hardly anything of it is seen
-const VISIBLE_SHARE = 0.1; // the same of displacements that are made visible
+const HIDDEN_SHARE = 0.9; // of the squared motion of a mode along the line of sight, beyond which the view is changed
+const VISIBLE_SHARE = 0.1; // largest displacement over the size of the structure after automatic scaling
 const PLAY_SECONDS = 6;
-const FILM_SECONDS = 2 * Math.PI; // of two periods of a mode
+const FILM_SECONDS = 2 * Math.PI; // two periods of a mode
 const VIEWS = { xy: [90, -90], xz: [0, -90], yz: [0, 0], iso: [35.264, -45] }; // elevation, azimuth
-const ROOM = [130, 70, 96, 72]; // pixels left free around the structure: left, right, top, bottom
+const ROOM = [130, 70, 96, 72]; // margins around the structure [pixels]: left, right, top, bottom
 
 class App {
   constructor() {
@@ -17,7 +17,7 @@ class App {
     this.open(0);
   }
 
-  /** Shows a load case, by its number, as the one before was shown. */
+  /** Shows a load case, by its number, with the settings of the one before. */
   open(number) {
     const before = this.result && this.field.name;
     this.result = new Result(number);
@@ -70,7 +70,7 @@ class App {
     this.showState();
   }
 
-  /** Buckling out of the plane of a view would look like nothing. */
+  /** Changes the view if the mode moves along the line of sight, where it would not be visible. */
   turnToMode() {
     const { mode } = this.shape;
     let [along, all] = [0, 0];
@@ -83,7 +83,7 @@ class App {
     this.fit();
   }
 
-  /** A place on the path: a step of the run, or a critical point behind all of them. */
+  /** Shows a place on the path: a step of the run; critical points are numbered after all steps. */
   choose(place) {
     const steps = this.result.stable.length;
     if (place >= steps) return this.showMode(place - steps);
@@ -92,7 +92,7 @@ class App {
     return this.showStep(this.result.steps.indexOf(nearest));
   }
 
-  /** Hands the present state to all that show it. */
+  /** Passes the current state to all parts that show it. */
   showState() {
     const { shape, result } = this;
     const { place } = result.steps[shape.step];
@@ -118,7 +118,7 @@ class App {
     return [result.title, `step ${step.number} of ${result.steps[result.steps.length - 1].number} · λ = ${numberText(step.factor, 6)}${this.stageWords(step.factor)} · ${stable}${scaled}`];
   }
 
-  /** Of several stages, the one that grows and how far it is. */
+  /** Returns the growing stage of several and its share, as text. */
   stageWords(factor) {
     const { stages } = this.result;
     if (stages < 2 || factor < 0 || factor > stages) return "";
@@ -127,7 +127,7 @@ class App {
     return ` (stage ${stage} ${share > 1 - 1e-9 ? "full" : `at ${numberText(100 * share, 3)} %`})`;
   }
 
-  /** The values that colour the state; a mode is coloured by its own size. */
+  /** Sets the values that colour the state; a mode is coloured by its magnitude. */
   showColors() {
     const { shape, result, field } = this;
     const values = new Float32Array(result.samples);
@@ -147,7 +147,7 @@ class App {
     this.redraw();
   }
 
-  /** Signed fields are symmetric about zero, sizes begin there. */
+  /** Returns the range of colours: symmetric about zero for signed fields, from zero for magnitudes. */
   rangeOf(field) {
     const pairs = byId("range").value === "step" ? [field.extremes[this.shape.step]] : field.extremes;
     const largest = pairs.flatMap((pair) => pair || []).reduce((a, b) => Math.max(a, Math.abs(b)), 0);
@@ -156,7 +156,7 @@ class App {
 
   // ---- the picture
 
-  /** What all painters of the picture go by. */
+  /** Returns the settings for painter and marks. */
   view() {
     const checked = (id) => byId(id).checked;
     const farthest = this.result.hull.reduce((far, point) => Math.max(far, norm(point)), this.result.size);
@@ -248,7 +248,7 @@ class App {
     byId("play").textContent = "▶";
   }
 
-  /** The mode moves to both sides and back. */
+  /** Animates the mode to both sides and back. */
   swing() {
     if (this.swinging) return this.stopSwing();
     const start = performance.now();
@@ -269,7 +269,7 @@ class App {
     byId("swing").textContent = "animate";
   }
 
-  /** What lies at a pixel of the picture, with its values beside it. */
+  /** Shows the values of the member at a pixel of the picture, and highlights it. */
   hover(x, y) {
     const found = this.picker.at(x, y, this.shape, this.camera, Number(byId("thickness").value));
     this.panel.showHover(found, this.shape.step, x, y);
@@ -281,7 +281,7 @@ class App {
     return found;
   }
 
-  /** A canvas as large as the picture, and what copies the picture with all that is drawn over it. */
+  /** Returns a canvas as large as the picture, and a function that copies picture and marks to it. */
   copier(options) {
     const canvas = document.createElement("canvas");
     Object.assign(canvas, { width: byId("scene").width, height: byId("scene").height });
@@ -289,7 +289,7 @@ class App {
     return [canvas, () => ["scene", "marks"].forEach((id) => context.drawImage(byId(id), 0, 0))];
   }
 
-  /** As a data URL. */
+  /** Returns the picture as a data URL. */
   picture() {
     this.marked = [-1, -1];
     this.draw();
@@ -302,7 +302,7 @@ class App {
     this.hand(this.picture(), `-${this.shape.step}.png`);
   }
 
-  /** A file of this name's end. */
+  /** Downloads an address as a file with this ending. */
   hand(address, ending) {
     const link = element("a");
     link.href = address;
@@ -310,10 +310,10 @@ class App {
     link.click();
   }
 
-  /** The steps one after the other, or a period of the motion of a mode, as a film; its frames are those of the screen. */
+  /** Records the steps, or two periods of a mode, as a film, in real time. */
   film() {
     if (this.filming) return;
-    const [canvas, copy] = this.copier({ willReadFrequently: true, alpha: false }); // without a graphics card nothing else is recorded
+    const [canvas, copy] = this.copier({ willReadFrequently: true, alpha: false }); // needed for recording without a graphics card
     const isMode = this.shape.modeNumber >= 0;
     const recorder = new MediaRecorder(canvas.captureStream(), { mimeType: "video/webm;codecs=vp8", videoBitsPerSecond: 8e6 });
     const parts = [];
@@ -327,14 +327,14 @@ class App {
     const frame = () => {
       copy();
       if (performance.now() < end && (isMode || this.playing)) requestAnimationFrame(frame);
-      else setTimeout(() => { this.filming = false; this.stopSwing(); recorder.stop(); }, 400); // the last step stands
+      else setTimeout(() => { this.filming = false; this.stopSwing(); recorder.stop(); }, 400); // holds the last step
     };
     recorder.onstart = () => {
       end = performance.now() + (isMode ? FILM_SECONDS * 1000 : 60000);
       (isMode ? this.swing() : this.play());
       requestAnimationFrame(frame);
     };
-    copy(); // a recorder that has no picture at its start may stay empty
+    copy(); // a recorder without a picture at its start may stay empty
     recorder.start();
   }
 }

@@ -1,21 +1,21 @@
-// What is drawn over the members, flat and sharp at any zoom: supports, joints, loads, axes, the scale of colours.
+// Marks drawn over the members, with the same size at any zoom: supports, joints, loads, axes, the colour scale.
 
 const ARROW = 46; // pixels of an arrow across the line of sight,
 const LINE_ARROW = 34; // and of the largest line load
-const FACING = 0.2; // of its length: an arrow that appears shorter points at the reader
+const FACING = 0.2; // share of its length: an arrow that appears shorter points at the reader
 const MOST_LINE_ARROWS = 150;
 const MANY_LINE_LOADS = 10;
-const MANY_SUPPORTS = 40; // get small signs,
-const MOST_MARKS = 20; // of loads: of more, one is drawn for all that are alike
+const MANY_SUPPORTS = 40; // more get small signs
+const MOST_MARKS = 20; // of loads: if there are more, one represents all equal ones
 const DIAGRAM = 62; // pixels of the largest value
-const DIAGRAMS = { axial_force: 0, shear_2: 2, shear_3: 3, torsion: 0, bending_2: 3, bending_3: -2 }; // axis on whose side positive values stand; 0: that which is seen best
-const NARROW = 560; // pixels of a picture with room for little more than the buttons
-const CROWD = 300; // and more of them squares
+const DIAGRAMS = { axial_force: 0, shear_2: 2, shear_3: 3, torsion: 0, bending_2: 3, bending_3: -2 }; // section axis of positive values; 0: the more visible one
+const NARROW = 560; // pixels: a picture up to this width has no title
+const CROWD = 300; // more supports are squares, more joints small
 const INK = {
   light: { text: "#20262e", soft: "#5b6673", support: "#20262e", force: "#c2410c", moment: "#a21caf", motion: "#047857", named: "#b42318", halo: "#ffffff", positive: "#0072B2", negative: "#D55E00" },
   dark: { text: "#e6eaf0", soft: "#9aa5b4", support: "#dfe5ee", force: "#fb923c", moment: "#e879f9", motion: "#34d399", named: "#ff8a7a", halo: "#15181d", positive: "#56B4E9", negative: "#fb923c" },
 };
-// Signs below the point, which is at the origin; lines through points, in units of the size of a sign.
+// Signs below the point at the origin: polylines in units of the sign size.
 const SIGNS = {
   clamp: [[[-1, 0], [1, 0]], [[-1, 0], [-1.4, 0.5]], [[-0.3, 0], [-0.7, 0.5]], [[0.4, 0], [0, 0.5]], [[1, 0], [0.6, 0.5]]],
   hinge: [[[0, 0], [-0.8, 1.2], [0.8, 1.2], [0, 0]], [[-1.2, 1.2], [1.2, 1.2]]],
@@ -31,7 +31,7 @@ class Marks {
     this.largestLine = Math.max(...result.line_loads.flatMap((load) => load[1].map(norm)), 1e-300);
   }
 
-  /** Everything for a picture; `view` as that of the painter, and what of it is shown. */
+  /** Draws all marks; `view` as for the painter, with switches for supports, loads, diagram. */
   draw(shape, view) {
     const { context } = this;
     this.shape = shape;
@@ -62,7 +62,7 @@ class Marks {
     context.stroke();
   }
 
-  /** A filled or an open circle. */
+  /** Draws a filled or an open circle. */
   circle(x, y, radius, fill, color) {
     const { context } = this;
     context.beginPath();
@@ -70,7 +70,7 @@ class Marks {
     this.paint(fill, color);
   }
 
-  /** The path as it is: filled, then drawn around where there are colours for that. */
+  /** Fills and then strokes the current path, each if there is a colour for it. */
   paint(fill, color, width = 2.2) {
     const { context } = this;
     Object.assign(context, { fillStyle: fill, strokeStyle: color, lineWidth: width });
@@ -78,7 +78,7 @@ class Marks {
     if (color) context.stroke();
   }
 
-  /** How the next words are written. */
+  /** Sets the style of the next text. */
   letters(font, color, align = "left") {
     Object.assign(this.context, { font, fillStyle: color, textAlign: align, textBaseline: "middle" });
   }
@@ -106,7 +106,7 @@ class Marks {
     }
   }
 
-  /** Whether something that begins to act at a load factor acts in the state that is shown. */
+  /** Returns whether a load that begins at a load factor acts in the current state. */
   acts(begins) {
     const { shape, result } = this;
     if (result.preview) return true;
@@ -118,7 +118,7 @@ class Marks {
     return follows ? turned(Array.from(this.shape.triad.subarray(4 * sample, 4 * sample + 4)), vector) : vector;
   }
 
-  /** Loads that are alike, [{ name, loads }]: of one entry of the scene, as a rule. */
+  /** Groups equal loads, [{ name, loads }]: usually those of one entry of the scene. */
   groups() {
     const found = new Map();
     for (const name of ["forces", "moments", "shifts", "turns", "line_loads"]) {
@@ -154,7 +154,7 @@ class Marks {
     this.arrow(this.at(sample), this.camera.flat(spatial).map((part) => part * ARROW), color, heads, dot(spatial, this.camera.toward));
   }
 
-  /** A section force along all members, in the plane of the section axis that it belongs to; its largest and smallest value. */
+  /** Draws a section force along all members, in the plane of its section axis, with its largest and smallest value. */
   drawDiagram(field, largest) {
     const { result, ink } = this;
     const extremes = [{ value: 0 }, { value: 0 }]; // largest, smallest
@@ -182,7 +182,7 @@ class Marks {
     }
   }
 
-  /** Pixels of a length of one on the side of positive values, at a sample. */
+  /** Returns the projected unit direction of positive values at a sample. */
   sideOf(name, sample) {
     const axes = [2, 3].map((axis) => this.camera.flat(this.shape.axis(axis, sample)));
     const axis = DIAGRAMS[name];
@@ -205,7 +205,7 @@ class Marks {
     this.lines(runsOf(points, sign).map((run) => [run[0].foot, ...run.map(({ tip }) => tip), run[run.length - 1].foot]), context.fillStyle, 1.2);
   }
 
-  /** A moment has two heads; what points at the reader is a ring with a dot, away from him one with a cross. */
+  /** Draws an arrow; a moment has two heads. An arrow toward the reader is a ring with a dot, away from the reader with a cross. */
   arrow([x, y], [dx, dy], color, heads, toward) {
     const length = Math.hypot(dx, dy);
     if (length < FACING * ARROW) return this.facing(x, y, color, heads, toward);
@@ -227,7 +227,7 @@ class Marks {
 
   facing(x, y, color, heads, toward) {
     const { context } = this;
-    if (heads === 2) { // a turning arrow, against the clock when it points at the reader
+    if (heads === 2) { // a circular arrow, counter-clockwise if it points at the reader
       const way = toward > 0 ? -1 : 1;
       context.beginPath();
       context.arc(x, y, 13, way * 0.6, way * 5.2, way < 0);
@@ -258,19 +258,19 @@ class Marks {
         if (i % every === 0) paths.push(...barbed(back, head));
       });
     }
-    this.context.globalAlpha = acting.length > MANY_LINE_LOADS ? 0.5 : 1; // the members are to be seen through them
+    this.context.globalAlpha = acting.length > MANY_LINE_LOADS ? 0.5 : 1; // keeps members visible behind the loads
     this.lines(paths, ink.force, 1.1);
     this.context.globalAlpha = 1;
   }
 
-  /** A letter at the middle of a member with an eigenstrain. */
+  /** Writes a letter at the middle of a member with an eigenstrain. */
   drawStrained(member) {
     const { result, ink } = this;
     const middle = (result.first_sample[member] + result.lastSample(member)) >> 1;
     this.word("ε", this.at(middle), ink.force, "italic 600 15px Georgia, serif", "center");
   }
 
-  /** A member that the message names: along its line and by its name. */
+  /** Marks a member named in the message by its line and its name. */
   drawNamed(member) {
     const { context, result, ink } = this;
     const [first, last] = [result.first_sample[member], result.lastSample(member)];
@@ -332,7 +332,7 @@ class Marks {
     }
   }
 
-  /** Of the colours of members, as many as there is room for. */
+  /** Draws the legend of the colours of members. */
   drawNames(names, x, y) {
     const { context, ink } = this;
     const shown = names.slice(0, STOPS.names.length);
@@ -346,7 +346,7 @@ class Marks {
     });
   }
 
-  /** Behind words, so that they can be read before a structure. */
+  /** Draws a background for text, so that it is readable in front of a structure. */
   veil(x, y, width, height) {
     const { context } = this;
     context.globalAlpha = 0.72;
@@ -357,7 +357,7 @@ class Marks {
 
   drawTitle(words) {
     const { context, ink } = this;
-    if (this.camera.width < NARROW) return; // the panel says it too
+    if (this.camera.width < NARROW) return; // the panel has the title too
     this.letters("600 15px system-ui, sans-serif", ink.text);
     this.veil(16, 12, context.measureText(words[0]).width + 16, 26);
     context.fillStyle = ink.text;
@@ -371,7 +371,7 @@ class Marks {
   }
 }
 
-/** A thin arrow as lines. */
+/** Returns a thin arrow as lines. */
 function barbed(from, to) {
   const [dx, dy] = [to[0] - from[0], to[1] - from[1]];
   const length = Math.hypot(dx, dy);
@@ -381,7 +381,7 @@ function barbed(from, to) {
   return [[from, [to[0], to[1]]], [barb(1), [to[0], to[1]], barb(-1)]];
 }
 
-/** Runs of points whose values are not of the other sign. */
+/** Returns runs of points whose values do not have the opposite sign. */
 function runsOf(points, sign) {
   const runs = [[]];
   for (const point of points) {

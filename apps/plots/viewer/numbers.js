@@ -1,6 +1,6 @@
-// Numbers and vectors, texts of numbers, ticks of axes.
+// Vectors, texts of numbers, ticks of axes.
 
-const NO_VALUE = 1e29; // values beyond it are not known
+const NO_VALUE = 1e29; // larger values stand for unknown ones
 
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
@@ -9,7 +9,7 @@ const norm = (a) => Math.hypot(a[0], a[1], a[2]);
 const row = (array, i, columns = 3) => [array[columns * i], array[columns * i + 1], array[columns * i + 2]];
 const clamp = (value, low, high) => Math.min(high, Math.max(low, value));
 
-/** A vector turned by the unit quaternion w, x, y, z. */
+/** Rotates a vector by the unit quaternion w, x, y, z. */
 function turned(quaternion, vector) {
   const [w, x, y, z] = quaternion;
   const axis = [x, y, z];
@@ -19,7 +19,7 @@ function turned(quaternion, vector) {
 
 const SUPERSCRIPTS = { "-": "⁻", 0: "⁰", 1: "¹", 2: "²", 3: "³", 4: "⁴", 5: "⁵", 6: "⁶", 7: "⁷", 8: "⁸", 9: "⁹" };
 
-/** A number with so many digits: 0.01234, 12340, 1.234·10⁻⁷. */
+/** Formats a number with `digits` significant digits: 0.01234, 12340, 1.234·10⁻⁷. */
 function numberText(value, digits = 5) {
   if (!(Math.abs(value) < NO_VALUE)) return "–";
   if (value === 0) return "0";
@@ -31,7 +31,7 @@ function numberText(value, digits = 5) {
   return `${minus(String(Number(mantissa)))}·10${power}`;
 }
 
-/** About `count` round numbers between two. */
+/** Returns about `count` round numbers between two. */
 function ticksBetween(low, high, count) {
   const rough = (high - low) / Math.max(count, 1);
   if (!(rough > 0)) return [low];

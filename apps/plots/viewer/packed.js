@@ -1,11 +1,11 @@
-// Data of the page: deflated (RFC 1951) in base64, inflated once by the browser, unpacked when they are first looked at.
+// Data of the page: deflated (RFC 1951) in base64, inflated once by the browser, unpacked at first use.
 
-const PLANES = 3; // bytes of a number, the lowest ones of all numbers first
-const MISSING = 2 ** 22; // in place of numbers that are not known
+const PLANES = 3; // bytes of a number; the lowest bytes of all numbers come first
+const MISSING = 2 ** 22; // stands for an unknown number
 
 const inflated = new Map();
 
-/** Inflates all elements that the writer of the page filled. */
+/** Inflates all data elements of the page. */
 async function inflateAll() {
   await Promise.all([...document.querySelectorAll('script[type="application/octet-stream"]')].map(async (element) => {
     const bytes = Uint8Array.from(atob(element.textContent), (letter) => letter.charCodeAt(0));
@@ -14,13 +14,13 @@ async function inflateAll() {
   }));
 }
 
-/** The bytes of an element of this name; undefined where there is none. */
+/** Returns the bytes of an element of this name; undefined if there is none. */
 const bytesOf = (name) => inflated.get(name);
 const jsonOf = (name) => JSON.parse(new TextDecoder().decode(bytesOf(name)));
 
-/** Numbers of the page as whole multiples of a unit for each column, one column after the other. */
+/** Numbers of the page as integer multiples of a unit for each column, one column after the other. */
 class Packed {
-  /** `later`: up to two of the same quantity, from which this one was extrapolated. */
+  /** `later`: up to two later steps of the same quantity, from which this one was extrapolated. */
   constructor(bytes, units, later = []) {
     const total = bytes.length / PLANES;
     this.units = units;
@@ -35,18 +35,18 @@ class Packed {
         rest += (folded >>> 1) ^ -(folded & 1);
         let expected = 0;
         if (one) expected = clamp(Math.floor((two ? 2 * (one[k] * a) - two[k] * b : one[k] * a) / unit + 0.5), -MISSING, MISSING);
-        this.whole[k] = ((rest + expected) << 8) >> 8; // of 24 bits
+        this.whole[k] = ((rest + expected) << 8) >> 8; // sign-extends 24 bits
       }
     });
   }
 
-  /** Column after column. */
+  /** Returns the numbers, column after column. */
   columns() {
     const { units, rows, whole } = this;
     return Float32Array.from(whole, (number, k) => (number === MISSING ? 1e30 : number * units[Math.floor(k / rows)]));
   }
 
-  /** Row after row. */
+  /** Returns the numbers, row after row. */
   floats() {
     const values = new Float32Array(this.whole.length);
     const [columns, count] = [this.columns(), this.units.length];

@@ -1,12 +1,12 @@
-// Draws members by WebGL 2. Samples stand in textures of floats; another step uploads two of them and nothing else.
+// Draws members by WebGL 2. Samples are stored in float textures; a change of the step uploads only two of them.
 
 const TEXTURE_WIDTH = 1024;
 const THINNEST = 2.2; // pixels
-const STRIDES = [1, 3, 9, 27]; // samples from end to end of a piece,
-const SHORT_PIECE = 6; // the largest whose pieces are no longer than this [pixels]: no eye sees their bend,
-const FEW_SAMPLES = 5000; // where there are more than these;
-const THIN = 5; // members thinner than this [pixels] are then drawn by
-const SIMPLE_SIDES = 3; // planes
+const STRIDES = [1, 3, 9, 27]; // samples from end to end of a piece; the largest one
+const SHORT_PIECE = 6; // with pieces up to this length [pixels] is used, as their curvature is not visible,
+const FEW_SAMPLES = 5000; // if there are more samples than this;
+const THIN = 5; // members thinner than this [pixels] are then drawn
+const SIMPLE_SIDES = 3; // with so many sides
 const LOOKS = { // a picture's colours
   light: { background: [1, 1, 1, 1], ghost: [0.45, 0.5, 0.58, 0.3], unknown: [0.55, 0.55, 0.55] },
   dark: { background: [0.082, 0.094, 0.114, 1], ghost: [0.75, 0.8, 0.9, 0.22], unknown: [0.55, 0.55, 0.55] },
@@ -18,7 +18,7 @@ const STOPS = {
 STOPS.names = ["#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#8A8A8A", "#7F6000"]; // of members
 const hex = (text) => [1, 3, 5].map((at) => parseInt(text.slice(at, at + 2), 16));
 
-/** Red, green, blue (0 to 255) at a share of a scale of colours. */
+/** Returns red, green, blue (0 to 255) at a share of a colour scale. */
 function colorAt(scale, share) {
   const stops = STOPS[scale];
   const at = clamp(share, 0, 1) * (stops.length - 1);
@@ -27,7 +27,7 @@ function colorAt(scale, share) {
   return a.map((channel, i) => Math.round(channel + (b[i] - channel) * (at - low)));
 }
 
-/** How finely round sections are drawn. */
+/** Number of sides of round sections. */
 const sidesFor = (samples) => (samples > 40000 ? 5 : samples > 10000 ? 8 : samples > 3000 ? 12 : 24);
 
 class Painter {
@@ -39,7 +39,7 @@ class Painter {
     this.prepare();
   }
 
-  /** All that a context holds; again after it was lost. */
+  /** Creates everything in the WebGL context, also after the context was lost. */
   prepare() {
     const { gl, result } = this;
     this.rows = Math.ceil(result.samples / TEXTURE_WIDTH);
@@ -62,13 +62,13 @@ class Painter {
     this.textures[name] = unit;
     gl.activeTexture(gl.TEXTURE0 + unit);
     gl.bindTexture(gl.TEXTURE_2D, texture);
-    const filter = name === "colors" ? gl.LINEAR : gl.NEAREST; // floats cannot be blended everywhere
+    const filter = name === "colors" ? gl.LINEAR : gl.NEAREST; // not all devices filter float textures
     for (const which of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, which, filter);
     for (const which of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, which, gl.CLAMP_TO_EDGE);
     if (name !== "colors") gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA32F, TEXTURE_WIDTH, this.rows);
   }
 
-  /** `columns` numbers for each sample, and the fourth from `last` where it is given. */
+  /** Uploads `columns` numbers for each sample, and the fourth from `last` if given. */
   upload(name, values, columns, last) {
     const { gl, padded, result } = this;
     if (columns === 4) padded.set(values);
@@ -89,7 +89,7 @@ class Painter {
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, 256, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, texels);
   }
 
-  /** The state that is shown, and the values that colour it. */
+  /** Sets the state to be drawn, and the values that colour it. */
   setShape(shape, values) {
     this.upload("displacement", shape.displacement, 3, values);
     this.upload("triad", shape.triad, 4);
@@ -97,7 +97,7 @@ class Painter {
     this.hasMode = shape.mode !== null;
   }
 
-  /** Vertex arrays: of each kind of section the sides of all pieces, and the ends of all members. */
+  /** Makes vertex arrays for each kind of section: the sides of all pieces, and the ends of all members. */
   meshes() {
     const { result } = this;
     const groups = [];
@@ -116,7 +116,7 @@ class Painter {
     return groups;
   }
 
-  /** How finely large structures are drawn: what is smaller than some pixels costs time and shows nothing. */
+  /** Chooses the level of detail of large structures: details of a few pixels cost time and are not visible. */
   detail({ camera, thickness }) {
     const { result } = this;
     if (result.samples <= FEW_SAMPLES) return { stride: 1, isSimple: false };
@@ -127,7 +127,7 @@ class Painter {
       isSimple: (thickness * this.thickest) / camera.pixel < THIN };
   }
 
-  /** `pieces`: pairs of samples. */
+  /** Makes the vertex array of a mesh and its instances; `pieces`: pairs of samples. */
   group(mesh, pieces) {
     const { gl } = this;
     const array = gl.createVertexArray();
@@ -153,7 +153,7 @@ class Painter {
     return this.places.get(name);
   }
 
-  /** `view`: camera, look, range, thickness, ghost, marked [first, last sample], ratio of device to css pixels. */
+  /** Draws the members. `view`: camera, look, range, thickness, ghost, marked [first, last sample], reach. */
   draw(shape, view) {
     const { gl } = this;
     const { background, ghost, unknown } = LOOKS[view.look];
@@ -176,9 +176,9 @@ class Painter {
     this.shown = this.detail(view);
     this.drawAll(false, [0, 0, 0, 0]);
     if (view.ghost) {
-      gl.enable(gl.POLYGON_OFFSET_FILL); // behind what has not moved
+      gl.enable(gl.POLYGON_OFFSET_FILL); // behind members that have not moved
       gl.polygonOffset(1, 4);
-      gl.colorMask(false, false, false, false); // first where its surface is, so that it is blended once
+      gl.colorMask(false, false, false, false); // first the depth only, so that each pixel is blended once
       this.drawAll(true, ghost);
       gl.colorMask(true, true, true, true);
       gl.depthFunc(gl.EQUAL);
@@ -191,7 +191,7 @@ class Painter {
     }
   }
 
-  /** Waits until all is drawn. */
+  /** Waits until everything is drawn. */
   finish() {
     this.gl.readPixels(0, 0, 1, 1, this.gl.RGBA, this.gl.UNSIGNED_BYTE, new Uint8Array(4));
   }

@@ -1,4 +1,4 @@
-// The words and numbers beside the picture. Names come from a scene: they are set as text, never as markup.
+// Text and numbers beside the picture. Names come from a scene: they are set as text, never as markup.
 
 const byId = (id) => document.getElementById(id);
 const MOST_VALUES = 60; // rows of the table
@@ -23,7 +23,7 @@ function option(value, text) {
   return made;
 }
 
-/** "tip.reaction_force.x" becomes "tip: reaction force x". */
+/** Converts "tip.reaction_force.x" to "tip: reaction force x". */
 function readable(name) {
   const match = name.match(/^(.*)\.(displacement|rotation|reaction_force|reaction_moment)(?:\.(x|y|z|norm))?$/s);
   if (!match) return name;
@@ -32,7 +32,7 @@ function readable(name) {
 }
 
 class Panel {
-  /** `wanted`: name of the field to be shown, where there is a choice. */
+  /** `wanted`: name of the field to be shown if available. */
   constructor(result, wanted) {
     this.result = result;
     const { preview } = result;
@@ -66,7 +66,7 @@ class Panel {
     byId("field").value = before >= 0 ? before : wanted.find(everywhere) ?? 0;
   }
 
-  /** Section forces that do not vanish can be drawn on the structure. */
+  /** Offers diagrams of the section forces that do not vanish. */
   fillDiagrams(shown) {
     const some = this.result.fields.filter((field) => field.name in DIAGRAMS && field.extremes.some((pair) => pair && (pair[0] || pair[1])));
     byId("diagram").replaceChildren(option("", "none"), ...some.map((field) => option(field.name, field.label)));
@@ -102,14 +102,14 @@ class Panel {
     byId("mode-tools").hidden = number < 0;
   }
 
-  /** Extremes of a field in a step, as words; none of a mode, -1. */
+  /** Shows the extremes of a field in a step as text; none for a mode (step -1). */
   showExtremes(field, step) {
     const pair = field.extremes[step];
     const unit = field.unit ? ` ${field.unit}` : "";
     byId("extremes").textContent = step < 0 || field.names ? "" : pair ? `this step: ${numberText(pair[0])} to ${numberText(pair[1])}${unit}` : "not recorded in this step";
   }
 
-  /** Quantities, displacements, reactions in a row of the series. */
+  /** Shows quantities, displacements, reactions in a row of the series. */
   showValues(place) {
     const { series_names: names } = this.result;
     const isVector = (name) => names.includes(`${name}.norm`);
@@ -126,7 +126,7 @@ class Panel {
     if (shown.length > MOST_VALUES) byId("values").append(tableRow("td", [`and ${shown.length - MOST_VALUES} more in the result file`]));
   }
 
-  /** Whether a quantity tells where another one has its extreme. */
+  /** Returns whether a quantity is the place of the extreme of another one. */
   isPlaceOf(name) {
     const match = name.match(/^(.*)\.(member|arc_length|side)$/s);
     return match !== null && this.result.series_names.includes(match[1]);
@@ -141,7 +141,7 @@ class Panel {
     return ` (${member}, s = ${numberText(this.result.series(`${name}.arc_length`)[place], 4)})`;
   }
 
-  /** What is known of a place on a member: { member, sample, share }. */
+  /** Shows all values at a place on a member: { member, sample, share }. */
   showHover(found, step, x, y) {
     const { result } = this;
     const hover = byId("hover");
@@ -169,13 +169,13 @@ class Panel {
   }
 }
 
-/** Where a mode is: its load factor, or the frequency at which the structure vibrates in it. */
+/** Returns the load factor of a mode, or the frequency of its vibration. */
 function placeOfMode(mode) {
   if (mode.omega === undefined) return `λ = ${numberText(mode.factor, 6)}`;
   return `ω = ${numberText(mode.omega, 6)}, f = ${numberText(mode.omega / (2 * Math.PI), 6)}`;
 }
 
-/** Numbers behind a word; a single one stands in the last columns. */
+/** Makes a row of a table: numbers after a word; a single one spans the last columns. */
 function tableRow(kind, cells) {
   const made = element("tr");
   cells.forEach((cell, i) => {

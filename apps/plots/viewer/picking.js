@@ -1,4 +1,4 @@
-// What lies under the pointer: the nearest piece of a member that is hit, else the nearest within reach.
+// Picks the piece of a member under the pointer: the one nearest to the viewer that is hit, else the nearest within reach.
 
 const REACH = 9; // pixels
 
@@ -9,12 +9,12 @@ class Picker {
     this.stale = true;
   }
 
-  /** After any change of camera or shape. */
+  /** Discards projected samples, after any change of camera or shape. */
   forget() {
     this.stale = true;
   }
 
-  /** All samples, without an object for each: there may be a hundred thousand. */
+  /** Projects all samples, without an object for each: there may be a hundred thousand. */
   project({ displacement, mode, scale, amplitude }, { right, up, toward, target, pixel, width, rows }) {
     const { reference, samples } = this.result;
     const axes = [[right, 1 / pixel, width / 2], [up, -1 / pixel, rows / 2], [toward, 1, 0]];
@@ -30,14 +30,14 @@ class Picker {
     this.stale = false;
   }
 
-  /** { member, sample, share } of a point on the piece that begins at the sample; null where there is nothing. */
+  /** Returns { member, sample, share } of a point on the piece that begins at the sample; null if there is none. */
   at(x, y, shape, camera, thickness) {
     if (this.stale) this.project(shape, camera);
     const { result, screen } = this;
     const s = screen;
     let best = null;
     for (let i = 0; i + 1 < result.samples; ++i) {
-      if (result.reference[4 * i + 3] === 2) continue; // the last one of a member
+      if (result.reference[4 * i + 3] === 2) continue; // the last sample of a member
       const [a, b] = [3 * i, 3 * i + 3];
       const radius = Math.max(0.5 * Math.max(result.dimensions[4 * i], result.dimensions[4 * i + 1]) * thickness / camera.pixel, 1.5);
       const reach = Math.max(radius, REACH);

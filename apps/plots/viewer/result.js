@@ -1,17 +1,17 @@
-// The result that the page holds: members, steps, fields. Numbers are unpacked when they are first looked at; as floats those
-// of a step are forgotten when another one comes.
+// Result in the page: members, steps, fields. Numbers are unpacked at first use; the floats of a step are dropped when
+// another step is shown.
 
-const COMPLIANT = { force_strain: ["material_force", 0], moment_strain: ["material_moment", 3] }; // and the first compliance
+const COMPLIANT = { force_strain: ["material_force", 0], moment_strain: ["material_moment", 3] }; // force, index of its first compliance
 
 class Result {
-  /** Of a load case, by its number. */
+  /** Reads the result of a load case, by its number. */
   constructor(number) {
     this.bytes = (name) => bytesOf(`${number}/${name}`);
     Object.assign(this, jsonOf(`${number}/description`));
     this.packed = new Map();
     this.held = new Map();
     this.heldStep = -1;
-    this.reference = this.withEnds(this.floats("reference")); // x, y, z from the middle; 1 at the first, 2 at the last sample of a member
+    this.reference = this.withEnds(this.floats("reference")); // x, y, z from the middle; tag 1 at the first, 2 at the last sample of a member
     this.arcLength = this.floats("arc_length");
     this.dimensions = this.floats("dimensions"); // width, height, wall, web
     this.restTriad = this.floats("rest_triad");
@@ -29,12 +29,12 @@ class Result {
     return made;
   }
 
-  /** An array of the page; null where there is none of that name. */
+  /** Returns an array of the page; null if there is none of that name. */
   floats(name) {
     return this.units_of[name] ? new Packed(this.bytes(name), this.units_of[name]).floats() : null;
   }
 
-  /** A quantity of a step: extrapolated from the steps behind, it is kept as whole numbers. Null where the step does not have it. */
+  /** Returns a quantity of a step as integers, stored as differences to the extrapolation of later steps; null if missing. */
   unpacked(quantity, step) {
     const name = `${quantity}-${step}`;
     if (!this.units_of[name]) return null;
@@ -46,7 +46,7 @@ class Result {
     return this.packed.get(name);
   }
 
-  /** An array of a step, null where the step does not have it. */
+  /** Returns an array of a step, null if the step does not have it. */
   ofStep(name, step) {
     if (step !== this.heldStep) this.held.clear();
     this.heldStep = step;
@@ -57,7 +57,7 @@ class Result {
     return this.held.get(name);
   }
 
-  /** A value with those of at most four digits that the page knows: what it holds are multiples of a unit. */
+  /** Rounds a value to the digits that the page knows, at most four: stored values are multiples of a unit. */
   known(value, name, step, member, column) {
     const packed = this.unpacked(name, step);
     const [force, first] = COMPLIANT[name] || [];
@@ -67,7 +67,7 @@ class Result {
     return Number(value.toPrecision(clamp(Math.floor(Math.log10(Math.abs(value) / unit)) + 1, 1, 4)));
   }
 
-  /** Strains that a page does not hold: compliances of each section times forces; null for other quantities. */
+  /** Computes strains, which the page does not store: compliances of each section times forces; null for other quantities. */
   strains(name, step) {
     if (!COMPLIANT[name]) return null;
     const [force, first] = COMPLIANT[name];
@@ -79,7 +79,7 @@ class Result {
     return values;
   }
 
-  /** Of one sample; NaN where there is no value. */
+  /** Returns the value of a field at a sample; NaN if there is none. */
   valueAt(field, step, sample) {
     if (field.of_members) return field.of_members[this.memberOf(sample)];
     const values = this.ofStep(field.source, step);
@@ -105,7 +105,7 @@ class Result {
     return (member + 1 < this.first_sample.length ? this.first_sample[member + 1] : this.samples) - 1;
   }
 
-  /** Values of a followed number for each step of the run and then for each critical point. */
+  /** Returns the values of a followed number for each step of the run, then for each critical point. */
   series(name) {
     const { values, rows } = this.path;
     const at = this.series_names.indexOf(name);
@@ -117,7 +117,7 @@ class Result {
   }
 }
 
-/** What the picture shows: a step or a critical state, with a share of a mode. */
+/** State that is shown: a step or a critical state, with an amplitude of a mode. */
 class Shape {
   constructor(result) {
     this.result = result;
@@ -135,10 +135,10 @@ class Shape {
     this.mode = null;
     this.displacement = this.result.ofStep("displacement", step);
     this.triad = this.result.ofStep("triad", step) || this.result.restTriad;
-    this.isAligned = this.triad === this.result.restTriad; // a page without directions: round sections follow their line
+    this.isAligned = this.triad === this.result.restTriad; // without triads in the page round sections follow their line
   }
 
-  /** A critical state moved along its mode; the sections are those of the nearest step. */
+  /** Shows a critical state moved along its mode; the sections are those of the nearest step. */
   showMode(number) {
     const { result } = this;
     const place = result.modes[number].step;
@@ -150,7 +150,7 @@ class Shape {
     this.displacement = result.floats(`critical-displacement-${number}`) || this.zero;
   }
 
-  /** Section axis 1, 2 or 3 at a sample, square to the line that is drawn. */
+  /** Returns section axis 1, 2 or 3 at a sample, aligned with the drawn line. */
   axis(number, sample) {
     const { result, triad } = this;
     const own = [0, 1, 2].map((i) => turned(Array.from(triad.subarray(4 * sample, 4 * sample + 4)), [i === 0, i === 1, i === 2].map(Number)));
@@ -167,7 +167,7 @@ class Shape {
     return turned(quaternion.map((part) => part / size), own[number - 1]);
   }
 
-  /** Relative to the middle of the structure. */
+  /** Returns the position of a sample relative to the middle of the structure. */
   position(sample) {
     const at = sum(row(this.result.reference, sample, 4), row(this.displacement, sample), this.scale);
     return this.mode ? sum(at, row(this.mode, sample), this.amplitude) : at;

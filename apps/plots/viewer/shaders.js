@@ -1,4 +1,4 @@
-// One program for all pieces of members: the mesh of a section is carried from sample to sample by the textures.
+// One program for all pieces of members: it places the mesh of a section at the samples, which it reads from textures.
 
 const VERTEX_SHADER = `#version 300 es
 precision highp float;

@@ -1,7 +1,7 @@
-// Outlines of sections, whose corners are linear in the dimensions (width, height, wall, web) of a sample: one mesh for each
-// kind, drawn once for every piece of a member between two samples.
+// Outlines of sections. Their corners are linear in the dimensions (width, height, wall, web) of a sample, so that one mesh
+// for each kind is drawn for every piece of a member between two samples.
 
-/** A corner: coordinates along axes 2 and 3, each as factors of width, height, wall, web; normal in the section. */
+/** Corner: coordinates along axes 2 and 3, each as factors of width, height, wall, web; normal in the section. */
 function corner(along2, along3, normal) {
   return { along2, along3, normal };
 }
@@ -20,7 +20,7 @@ function rectangle(half2, half3) {
     .map(([a, b]) => corner(a, b, [0, 0]));
 }
 
-/** Outlines, counter-clockwise, and rectangles (left, right, lower, upper) that fill them; from the middle of their width and
+/** Outlines, counter-clockwise, and rectangles (left, right, lower, upper) that fill them, relative to the middle of width and
  * height. */
 const RECTANGULAR = {
   rectangle: { outline: "b+t -b+t -b-t b-t", areas: ["-b b -t t"] },
@@ -31,7 +31,7 @@ const RECTANGULAR = {
 };
 
 function rectangularMeshes(kind) {
-  const [word, turn, ...center] = [...kind.split(" "), 0, 0, 0]; // "T upright 0 0.2": its centroid over width and height
+  const [word, turn, ...center] = [...kind.split(" "), 0, 0, 0]; // "T upright 0 0.2": offset of the centroid over width and height
   const upwards = turn === "mirrored" ? -1 : 1;
   const along2 = { b: [0.5, 0, 0, 0], w: [0, 0, 0, 0.5], i: [-0.5, 0, 0, 1], k: [-0.5, 0, 1, 0] };
   const along3 = { t: [0, 0.5, 0, 0], u: [0, 0.5, -1, 0] };
@@ -61,7 +61,7 @@ class Mesh {
     this.indices.push(a, b, c, b, d, c);
   }
 
-  /** The side of a piece; `smooth` outlines share their vertices. */
+  /** Adds the lateral surface of a piece; `smooth` outlines share their vertices. */
   side(outline, smooth) {
     if (smooth) {
       const at = outline.map((from) => [0, 1].map((end) => this.vertex(from, [...from.normal, 0], end)));
@@ -76,12 +76,12 @@ class Mesh {
     return this;
   }
 
-  /** A plane area that all of its corners see its first one in. */
+  /** Adds a plane area that is star-shaped with respect to its first corner. */
   area(outline) {
     return this.ring(outline, outline.map(() => outline[0]));
   }
 
-  /** A plane area between two outlines with the same number of corners. */
+  /** Adds a plane area between two outlines with the same number of corners. */
   ring(outer, inner) {
     const at = outer.map((from, i) => [from, inner[i]].map((each) => this.vertex(each, [0, 0, 1], 0)));
     at.forEach(([out, into], i) => this.quad(out, into, ...at[(i + 1) % at.length]));
@@ -89,7 +89,7 @@ class Mesh {
   }
 }
 
-/** Edges of flat sections lie along the axes whatever the dimensions are: typical ones tell the direction. */
+/** Normal of an edge of a flat section. Edges are along the axes for any dimensions, so typical ones give the direction. */
 function flatNormal(from, to) {
   const typical = [1, 1, 0.1, 0.1];
   const along = (factors) => factors.reduce((total, factor, i) => total + factor * typical[i], 0);
@@ -98,7 +98,7 @@ function flatNormal(from, to) {
   return [edge[1] / length, -edge[0] / length];
 }
 
-/** Meshes { side, end } of a kind; `sides` of round ones. */
+/** Makes the meshes { side, end } of a kind; `sides`: of round ones. */
 function meshesOf(kind, sides) {
   const box = rectangle([0.5, 0, 0, 0], [0, 0.5, 0, 0]);
   if (kind === "box") return { side: new Mesh().side(box), end: new Mesh().ring(box, rectangle([0.5, 0, -1, 0], [0, 0.5, -1, 0])) };
