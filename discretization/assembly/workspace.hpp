@@ -14,7 +14,7 @@ struct TangentArrays {
   Teuchos::RCP<DofVector> condensed_rows;
   KernelView<int*> interior_negative;      ///< (element), allocated on first use
   std::vector<VibratingBlock> rotating{};  ///< rotating frame: condensed elements, theory (75); else empty
-  KernelView<double*> rotating_rows{};  ///< interior right-hand side condensed last, in the form of take_residual()
+  KernelView<double*> rotating_rows{};     ///< interior right-hand side condensed last, in the form of take_residual()
 };
 
 /// Line fields summed last. An array that has been handed out is not written to again.

@@ -1,6 +1,6 @@
 /// Members are chains: every vertex that joins exactly two elements and has no load or constraint of its own is
 /// eliminated inside the kernels (kernels/chains/level.hpp, theory (45)), level by level, until one link of each chain
-/// remains. Sparse solvers only see the graph of junctions, supports and vertices with follower or rotating loads.
+/// remains. Sparse solvers only see the graph of junctions, supports and vertices with moments or follower loads.
 #pragma once
 
 #include "kernels/chains/level.hpp"

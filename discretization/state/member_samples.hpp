@@ -278,9 +278,9 @@ struct LargestAlong {
 struct StressSummary {
   std::vector<StressedMember> members{};  ///< at most kMostStressed, the largest von Mises stress first
   LargestAlong strain{};                  ///< largest relative to its limit, see Section::largest_strain
-  LargestAlong curvature{};    ///< see SectionStresses::curvature_error; members with a shape
-  LargestAlong utilisation{};  ///< members with a strength; the limit is 1
-  bool has_strength = false;   ///< the material of some section has one
+  LargestAlong curvature{};               ///< see SectionStresses::curvature_error; members with a shape
+  LargestAlong utilisation{};             ///< members with a strength; the limit is 1
+  bool has_strength = false;              ///< the material of some section has one
 };
 
 /// Summary of a converged configuration and how it was reached: the same on every rank.

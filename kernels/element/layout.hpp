@@ -130,7 +130,7 @@ struct SectionNumbers {
 };
 static_assert(sizeof(SectionNumbers<double>) == SectionNumbers<double>::kCount * sizeof(double));
 
-/// Constants of a section, with those that its elements do not read per lane.
+/// Constants of a section, including those of the cap.
 struct SectionConstants : SectionNumbers<double> {
   double force_cap_compliance[3];  ///< tangent compliance minus the true one: zero unless capped
   double moment_cap_compliance[3];

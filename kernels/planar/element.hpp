@@ -5,8 +5,8 @@
 /// The angle of a section is that of Lambda_lo plus psi = sum_{j >= 1} psi_j P_j; its increment is alpha = sum_{j >= 0}
 /// alpha_j P_j with alpha_0 the spin w ("angle modes"). Vectors have components along g1 and n x g1 of Lambda_lo
 /// ("element frame") or of Lambda_E (N, gamma), n being the normal of the plane; angles are about n. kappa = psi' -
-/// kappa0 and phi are linear in the angles. The force f is constant along the element, with components in the element
-/// frame: the part of N that is not a given force. A given right-hand side may replace the residuals.
+/// kappa0 and phi are linear in the angles. One unknown force f remains, constant along the element, with components in
+/// the element frame. A given right-hand side may replace the residuals.
 #pragma once
 
 #include "kernels/element/layout.hpp"

@@ -74,8 +74,7 @@ void factorize(double* a, int n, int* pivots) {
 }
 template <class Real>
 KOKKOS_FORCEINLINE_FUNCTION void solve_factors(const double* a, int n, const int* pivots, Real* x) {
-  for (int k = 0; k < n; ++k)
-    std::swap(x[k], x[pivots[k]]);  // all before any: rows of L were exchanged too
+  for (int k = 0; k < n; ++k) std::swap(x[k], x[pivots[k]]);  // all before any: rows of L were exchanged too
   for (int k = 0; k < n; ++k)
     for (int i = k + 1; i < n; ++i) x[i] -= a[i * n + k] * x[k];
   for (int k = n - 1; k >= 0; --k) {

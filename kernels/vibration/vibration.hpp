@@ -45,11 +45,11 @@ enum class VibrationUse { matrices, condensed, counted, columns };
 struct MomentumColumns {
   int columns = 0;
   size_t momenta_of_column = 0;
-  int of_element = 0;              ///< most momenta of an element; missing ones are set to zero
-  KernelView<const int*> place{};  ///< (local element): offset of its first momentum in a column
-  const double* forces = nullptr;  ///< momenta as forces; null: rows of stresses instead
-  double* momenta = nullptr;       ///< of the motions; may be the same array as `forces`
-  KernelView<double**> ends{};     ///< (local element, 12 * column): rows of both vertices
+  int of_element = 0;                    ///< most momenta of an element; missing ones are set to zero
+  KernelView<const int*> place{};        ///< (local element): offset of its first momentum in a column
+  const double* forces = nullptr;        ///< momenta as forces; null: rows of stresses instead
+  double* momenta = nullptr;             ///< of the motions; may be the same array as `forces`
+  KernelView<double**> ends{};           ///< (local element, 12 * column): rows of both vertices
   const double* const* moved = nullptr;  ///< (column): motions (6 * local vertex + component)
   int stresses = 0;                      ///< most stresses of an element
   KernelView<double**> excess{};         ///< (local element, stresses * column): rows of excess_rows(); empty: no cap
