@@ -63,7 +63,7 @@ double cap_component(double limit, double compliance, double& added, double& sti
 Cap cap_for(const Model& model, const ResidualScales& scales, double raise) {
   Workspace& workspace = model.workspace();
   const double stiffness = cap_stiffness(model, scales, raise);
-  const double moment_limit = stiffness * model.structure().length * model.structure().length;  // above all of bending
+  const double moment_limit = stiffness * model.structure().length * model.structure().length;  // above any EI or GIt
   const KernelView<const SectionConstants*> uncapped = model.structure().views.sections;
   Cap cap{stiffness};
   const auto note_ratio = [&cap](double ratio) {

@@ -183,13 +183,13 @@ namespace {
 //
 // The force rows are projected on the axes e_i of the support; a fixed one becomes e_i . (u - prescribed), a free one
 // keeps e_i . f, to which external_energy.hpp has added the spring k_i e_i . u. Rotations have four cases:
-// - free: the moment rows are unchanged;
-// - all fixed: the rotation vector from the prescribed to the current triad;
+//   - free: the moment rows are unchanged;
+//   - all fixed: the rotation vector from the prescribed to the current triad;
 //   - two fixed (a hinge about the third axis, any number of turns): the swings of Lambda_V (swing.hpp), and the moment
 //     about the third axis, with a spring there + k angle (State::turns);
-// - one fixed, or springs and fewer than two: with theta the rotation vector of Lambda_V in the axes, a fixed one
-// becomes theta_i, a free one (T(theta) e_i) . m + k_i theta_i, the derivative of the energy with respect to theta_i;
-// |theta| < 2 pi.
+//   - one fixed, or springs and fewer than two: with theta the rotation vector of Lambda_V in the axes, a fixed one
+//     becomes theta_i, a free one (T(theta) e_i) . m + k_i theta_i, the derivative of the energy with respect to
+//     theta_i; |theta| < 2 pi.
 
 Vec axis(const VertexSupport& support, int i) { return {{support.axes(i, 0), support.axes(i, 1), support.axes(i, 2)}}; }
 
@@ -363,7 +363,7 @@ constexpr double kWholeTurn = 1e-3;
 // by the joint are du_s = du_m + dtheta_m x p (+ dq a for a slider) and dtheta_s = dtheta_m (+ dq a for a hinge), so
 //   master:  f_m + f_s,   m_m + m_s + p x f_s;
 //   hinge:   u_s - u_m;   swings of Lambda_m^T Lambda_s against a_0 (swing.hpp),  a . m_s + k angle;
-// ball:    u_s - u_m;   m_s (which the master's row then omits);
+//   ball:    u_s - u_m;   m_s (which the master's row then omits);
 //   slider:  b1 . p, b2 . p, a . f_s + k a . p;   rotation vector of Lambda_s Lambda_m^T.
 
 /// Current configuration of a joint.

@@ -64,9 +64,9 @@ constexpr double kSmallestSecondAxisAngle = 1e-6;
 /// g2 at the start is the normalised projection of the member's second axis onto the plane normal to the tangent.
 /// Without a second axis:
 ///   arc, helix                g2 points to the axis: an arc bends in its plane about g3, with EI3;
-/// line, spline, parametric  g3 is as close to the global e3 as possible, g2 = e3 x g1 / |e3 x g1|: the identity along
-/// e1, and all curves in the e1-e2 plane bend in that plane about g3 = e3, with EI3; with a start tangent within
-/// kParallelToE3 of +-e3, g2 is as close to e2 as possible.
+///   line, spline, parametric  g3 is as close to the global e3 as possible, g2 = e3 x g1 / |e3 x g1|: the identity
+///               along e1, and all curves in the e1-e2 plane bend in that plane about g3 = e3, with EI3; with a start
+///               tangent within kParallelToE3 of +-e3, g2 is as close to e2 as possible.
 /// With keeps_second_axis or second_axis_from the same rule applies to g2 everywhere on the member.
 /// Throws std::invalid_argument for a curve without length, radius, axis or tangent, for non-finite numbers, for a
 /// second axis along the tangent, and for points and formulas that define no curve (polynomial_curve.hpp).

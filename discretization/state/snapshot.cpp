@@ -50,7 +50,7 @@ std::vector<Entry> receive(int from, MPI_Comm comm) {
   return entries;
 }
 
-/// One array of a snapshot, and the share with the rows held of it.
+/// One array of a snapshot, and the rows of it that a share holds.
 struct SnapshotArray {
   std::vector<double> StateSnapshot::*array;
   RowShare StateShare::*share;

@@ -94,7 +94,7 @@ template <class Real>
 KOKKOS_INLINE_FUNCTION void watch_pivot(const Real& pivot, const Real& diagonal, PivotWatch<Real>& watch) {
   using std::fabs;
   const Real ratio = fabs(pivot / diagonal);
-  watch.smallest = select(ratio >= watch.smallest, watch.smallest, ratio);  // takes a NaN ratio
+  watch.smallest = select(ratio >= watch.smallest, watch.smallest, ratio);  // also takes a NaN ratio
   watch.negative += select(pivot < Real(0.0), Real(1.0), Real(0.0));
 }
 

@@ -4,7 +4,7 @@
 ///
 /// If all forces of an element have a potential, its tangent, theory (30), is symmetric and depends on displacements
 /// only through u_b - u_a. Only the lower triangle of the matrix over (u_b - u_a, theta_a, theta_b) is then stored, row
-/// by row: 45 numbers instead of 144 in space, 10 instead of 36 in a plane. Memory limits elements of low order.
+/// by row: 45 numbers instead of 144 in space, 10 instead of 36 in a plane. For low orders memory is the limit.
 #pragma once
 
 #include "kernels/execution/execution_space.hpp"

@@ -9,8 +9,8 @@ namespace mixbeam {
 
 /// The sign of a pivot may be due to rounding unless the pivot exceeds this multiple of the original diagonal entry. If
 /// all pivots exceed it, the interior matrix is positive definite and elimination without pivoting is as accurate as
-/// with it, whatever the condition number (Higham, Accuracy and Stability of Numerical Algorithms, theorem 10.3). About
-/// the rounding of as many products as the largest matrix has rows.
+/// with it, whatever the condition number (Higham, Accuracy and Stability of Numerical Algorithms, theorem 10.3). The
+/// value is about the rounding of as many products as the largest matrix has rows.
 constexpr double kSmallestPivot = 50 * std::numeric_limits<double>::epsilon();
 
 /// c -= a b^T

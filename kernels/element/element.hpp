@@ -1,7 +1,7 @@
-/// Mixed element, evaluated in the frame of its own constant triad Lambda_lo (the "element frame"), on which the energy
-/// there does not depend: the discrete strains are objective to the last digits. First the state, then the residual of
-/// the whole mixed system, theory (16) to theory (20): the first variation of the functional of theory (13), stationary
-/// in all fields.
+/// Mixed element in the frame of its own constant triad Lambda_lo (the "element frame"). The energy does not depend on
+/// Lambda_lo there, which makes the discrete strains objective to the last digits. First the state, then the residual
+/// of the whole mixed system, theory (16) to theory (20): the first variation of the functional of theory (13),
+/// stationary in all fields.
 #pragma once
 
 #include "kernels/element/section.hpp"

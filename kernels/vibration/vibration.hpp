@@ -2,8 +2,8 @@
 /// velocities of motions, and the recovery. Loops over the elements of a block.
 ///
 /// Rows of G are velocities at the k + 1 moment points times roots of weight and mass, so that T = 1/2 |G dx|^2, theory
-/// (71) ("momenta": both factors G have the unit sqrt(mass) * velocity). The equations are
-/// stresses:  D dx - S dN = -r,     motions:  D^T dN + (H + B + shift G^T G) dx = f,
+/// (71) ("momenta": their unit is sqrt(mass) * velocity). The equations are
+///   stresses:  D dx - S dN = -r,     motions:  D^T dN + (H + B + shift G^T G) dx = f,
 /// D, H, S as in element_matrices.hpp, B of line loads without a potential. S is the capped compliance; excess_rows()
 /// gives the error of the cap.
 #pragma once
