@@ -20,10 +20,10 @@ namespace mixbeam {
 
 namespace {
 
-/// The same scene in a space that holds more.
+/// The scene with a richer space.
 struct RicherScene {
   std::shared_ptr<Scene> scene;
-  std::vector<unsigned char> is_halved;  ///< (member): two elements in place of each one, else a higher order
+  std::vector<unsigned char> is_halved;  ///< (member): two elements instead of each one; else a higher order
 };
 
 void halve_elements(const MeshMember& mesh, Member& member) {
@@ -37,12 +37,12 @@ void halve_elements(const MeshMember& mesh, Member& member) {
   member.stations.back() = 1.0;
 }
 
-/// Meshes with no more elements in any member, and no more members. There one order more often errs with the other
-/// sign, and two of them cost little beside what does not depend on the mesh.
+/// Limits of elements per member, and of members, for small meshes. On these the error of the next order often has the
+/// opposite sign, and two orders more cost little compared to work that does not depend on the mesh.
 constexpr int kFewElements = 2;
 constexpr size_t kFewMembers = 3;
 
-/// Orders more in which a state is judged: the same in all members, or their shares would not compare.
+/// Increase of the order for an estimate: the same in all members, so that their shares are comparable.
 int more_orders(const std::vector<Member>& members) {
   const auto allows_two = [](const Member& member) {
     return member.elements <= kFewElements && member.order + 2 <= kMaximumOrder;
@@ -50,8 +50,8 @@ int more_orders(const std::vector<Member>& members) {
   return members.size() <= kFewMembers && std::all_of(members.begin(), members.end(), allows_two) ? 2 : 1;
 }
 
-/// So many orders more in every member; where the order is the highest there is, two elements in place of each one.
-/// `more` orders; 0: every element is halved.
+/// Raises the order of every member by `more`; members of the highest order get two elements instead of each one.
+/// `more` = 0: every element is halved.
 RicherScene richer_scene(const Model& model, int more) {
   const Scene& scene = model.scene();
   std::shared_ptr<const Mesh> mesh;
@@ -69,7 +69,7 @@ RicherScene richer_scene(const Model& model, int more) {
   return richer;
 }
 
-/// There is no estimate, for this reason.
+/// Thrown if there is no estimate, with the reason.
 struct NotEstimated {
   std::string reason;
 };
@@ -89,14 +89,14 @@ class RicherSolve {
   double residual() const { return group_->getNormF(); }
   int corrections() const { return corrections_; }
 
-  /// With the tangent here.
+  /// Corrects with the present tangent.
   void correct() {
     tangent_ = group_;
     Teuchos::ParameterList none;
     tangent_->computeNewton(none);
     move(tangent_->getNewton(), 1.0);
   }
-  /// With the tangent of the last correct().
+  /// Corrects with the tangent of the last correct().
   void correct_with_old_tangent() {
     BeamVector rows(BeamVector::of(group_->getF()).clone(true));
     unscale_rows(problem_->model, group_->scales(), rows.values());
@@ -128,7 +128,7 @@ class RicherSolve {
   int corrections_ = 0;
 };
 
-/// Sums over the elements of the richer mesh, halves of an element together.
+/// Sums differences over the elements of the richer mesh, into elements of the mesh.
 void add_differences(const Mesh& mesh, const Model& richer, const StateDifference& difference,
                      ErrorEstimate& estimate) {
   const double length = mesh.total_length();
@@ -161,7 +161,7 @@ void add_differences(const Mesh& mesh, const Model& richer, const StateDifferenc
   close(estimate.element_moment, estimate.moment);
 }
 
-/// (vertex of the richer mesh), where elements meet.
+/// Returns (vertex of the richer mesh): its error, for vertices of elements.
 std::vector<Vector3> vertex_errors(const Model& richer, const StateDifference& difference) {
   const Structure& structure = richer.structure();
   std::vector<Vector3> errors(static_cast<size_t>(richer.mesh().vertices()));
@@ -174,7 +174,7 @@ std::vector<Vector3> vertex_errors(const Model& richer, const StateDifference& d
   return errors;
 }
 
-/// Vertices of the mesh are vertices of the richer one.
+/// Adds the errors of vertices, which are vertices of the richer mesh too.
 void add_vertices(const Model& model, const Model& richer, const StateDifference& difference, ErrorEstimate& estimate) {
   std::vector<Vector3> there = vertex_errors(richer, difference);
   estimate.largest_displacement.size = difference.largest_displacement;
@@ -201,7 +201,7 @@ void add_vertices(const Model& model, const Model& richer, const StateDifference
 
 double total(const StrainEnergy& energy) { return energy.force + energy.moment; }
 
-/// `state` beside what it became in the richer space, where `start` is the same fields.
+/// Compares `state` with its correction in the richer space; `start`: the fields of `state` there.
 ErrorEstimate compare(const Model& model, const State& state, const Model& richer, const State& start,
                       const State& corrected) {
   ErrorEstimate estimate;
@@ -213,10 +213,10 @@ ErrorEstimate compare(const Model& model, const State& state, const Model& riche
   return estimate;
 }
 
-/// Relative errors below this are rounding, and quantities that are exact.
+/// Relative error below which a quantity is exact up to rounding.
 constexpr double kLeastError = 1e-12;
 
-/// The smallest of the relative errors.
+/// Smallest of the relative errors.
 double smallest(const ErrorEstimate& estimate) {
   double least = 1.0;
   for (const RecordedError* quantity :
@@ -227,19 +227,19 @@ double smallest(const ErrorEstimate& estimate) {
   return least;
 }
 
-/// A residual below this share of the smallest relative error is not seen in it: scaled residuals are of the order of
-/// relative errors. Of the energy errors of eight scenes 96 % came out within a factor of five with a share of one, 98
-/// % with 0.1 and 98.5 % with 0.01; the rest are cells where the energy error changes its sign.
+/// Ratio of the residual to the smallest relative error below which it does not affect it: scaled residuals are of the
+/// order of relative errors. Of the energy errors of eight scenes 96 % were within a factor of five with a ratio of
+/// one, 98 % with 0.1 and 98.5 % with 0.01; the rest are cells where the energy error changes its sign.
 constexpr double kVisible = 0.01;
-/// A correction that leaves more than this of the residual was far off, and its tangent with it.
+/// Reduction of the residual above which a correction, and its tangent, were inaccurate.
 constexpr double kFarOff = 0.1;
-/// Only where elements turn by about one radian more than two are of any use.
+/// Limit of corrections: more than two help only if elements rotate by about one radian.
 constexpr int kMostCorrections = 4;
 
 ErrorEstimate estimate_in(const RicherScene& richer, BeamProblem& of, const SolverParameters& parameters,
                           const State& state, double load_factor) {
   const Model& model = of.model;
-  of.release_idle();  // arrays of the richer space take their place
+  of.release_idle();  // makes room for the richer space
   const auto problem = Teuchos::rcp(new BeamProblem(richer.scene, model.map()->getComm(), parameters));
   problem->take_over(of);
   const State start = transfer(model, state, problem->model);
@@ -276,7 +276,7 @@ State polished(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters&
     solve.correct();
   } catch (const LinearSolverError&) {
     return state;
-  } catch (const NotEstimated&) {  // nothing that is a number
+  } catch (const NotEstimated&) {  // a failed solve, or NaN
     return state;
   }
   return solve.residual() <= most ? solve.state() : state;
@@ -357,16 +357,16 @@ ErrorEstimate estimate_error(BeamProblem& problem, const SolverParameters& param
   const Model& model = problem.model;
   ErrorEstimate none;
   for (int more = more_orders(model.scene().members); more > 0;
-       --more) {  // on a very coarse mesh a smaller step may converge
+       --more) {  // on a very coarse mesh only a smaller increase of the order may converge
     try {
       return estimate_in(richer_scene(model, more), problem, parameters, state, load_factor);
     } catch (const NotEstimated& cause) {
       none.not_estimated = cause.reason;
-    } catch (const std::invalid_argument& error) {  // of the transfer
+    } catch (const std::invalid_argument& error) {  // from the transfer
       none.not_estimated = error.what();
-    } catch (const LinearSolverError& error) {  // of a tangent that is singular
+    } catch (const LinearSolverError& error) {  // from a singular tangent
       none.not_estimated = error.what();
-    } catch (const InputError& error) {  // of the richer scene
+    } catch (const InputError& error) {  // from the richer scene
       none.not_estimated = error.what();
     }
   }

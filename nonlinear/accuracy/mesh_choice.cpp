@@ -17,8 +17,8 @@ namespace mixbeam {
 
 namespace {
 
-/// (member): with inner points also where its formulas need vertices, as far as they are not there; none for members
-/// that keep their elements. Only the positions of these members count. Empty where no formula needs any.
+/// Returns (member): with additional inner points where its formulas need vertices, except for members with fixed
+/// elements. Only positions of inner points are meaningful. Empty if no formula needs any.
 std::vector<Member> members_with_places(const Scene& scene) {
   std::vector<Member> members;
   std::optional<Mesh> mesh;
@@ -41,8 +41,8 @@ std::vector<Member> members_with_places(const Scene& scene) {
   return members;
 }
 
-/// Divides a member at all its places: each piece between two of them into as many elements as any other, and what is
-/// left of them where they are longest.
+/// Divides a member at all its places: each piece between two of them into equally many elements, with the remaining
+/// ones where elements are longest.
 void divide_at_places(const Member& with_places, Member& member) {
   Member finer = with_places;
   finer.stations.clear();
@@ -62,43 +62,43 @@ void divide_at_places(const Member& with_places, Member& member) {
   member.elements = static_cast<int>(member.stations.size()) - 1;
 }
 
-/// Errors of meshes of 16 scenes: an element of order k that turns by theta has a relative error of (theta / c)^(k+1)
-/// with c from 14 (order 4) to 20 (order 8). [radian]
+/// Rotation c at which the relative error (theta / c)^(k+1) of an element of order k that rotates by theta is one: from
+/// errors of meshes of 16 scenes, with c from 14 (order 4) to 20 (order 8). [radian]
 constexpr double kTurningScale = 16.0;
-/// A start mesh aims at this share of the wanted error. A digit more costs a tenth more time, another mesh costs half.
+/// Share of the wanted error at which a start mesh aims. A digit more costs 10 % more time, another mesh 50 %.
 constexpr double kAim = 0.1;
-/// Vertices of an element must not turn by pi against it; beyond this Newton's method finds other solutions, too.
+/// Limit of the rotation along an element, below pi at its vertices: beyond, Newton's method finds other solutions too.
 constexpr double kLargestTurning = 2.5;
-/// A member of length L under a force F with a lever d has errors as if it turned evenly by f sqrt(F d L / EI): where
-/// the force bends it most, its curvature is sqrt(2 F / EI) at most. Measured with the elastica, arcs and frames: f is
-/// 1.7 to 2.1, and small loads leave errors as if it turned by 2. A force turns no further than into its own direction;
-/// a hundred coils by moments are few enough to try. [radian]
+/// Factor f such that a member of length L under a force F with a lever d has errors as if it rotated evenly by f
+/// sqrt(F d L / EI): its curvature is at most sqrt(2 F / EI). Measured with the elastica, arcs and frames: f is 1.7 to
+/// 2.1, and small loads leave errors as if it rotated by 2. A force rotates a member at most into its own direction; a
+/// hundred coils by moments are few enough to try. [radian]
 constexpr double kTurningByForce = 2.0, kLeastTurningByLoad = 2.0, kMostTurningByForce = 8.0,
                  kMostTurningByMoment = 600.0;
-/// All loads bend each member of a frame, levers as long as the structure; in one of more members a load bends those
-/// next to it, with levers of some of their lengths.
+/// Members up to which every load is assumed to bend each one, otherwise its neighbours; limit of levers in lengths of
+/// a member.
 constexpr std::size_t kMembersOfAFrame = 8;
 constexpr double kLeverInLengths = 3.0;
-/// Orders that pay for any accuracy, see apps/docs/trade.md.
+/// Lowest orders that pay, see apps/docs/trade.md.
 constexpr int kLeastOrder = 2, kLeastStartOrder = 3;
 
-/// Microseconds of a Newton iteration for one element of order 1 to 8: 64 elements in space on one thread; with coupled
-/// sections, whose kernels have matrices in place of diagonals.
+/// Microseconds of a Newton iteration for one element of order 1 to 8 (64 elements in space on one thread), and with
+/// coupled sections, whose kernels have matrices instead of diagonals.
 constexpr std::array<double, kMaximumOrder + 1> kElementCost = {0.0, 2.0, 3.3, 5.0, 6.5, 9.0, 11.5, 15.0, 20.0};
 constexpr std::array<double, kMaximumOrder + 1> kGeneralCost = {0.0, 6.0, 11.0, 24.0, 42.0, 60.0, 90.0, 130.0, 165.0};
-/// Elements that are computed together, but those with coupled sections: fewer cost as much.
+/// Number of elements computed together, except with coupled sections: fewer cost as much.
 constexpr int kPack = 4;
 
-/// Elements of a member of a start mesh: a low order that is kept would take any number for a high accuracy.
+/// Limit of elements of a member of a start mesh: a low fixed order would need any number for a high accuracy.
 constexpr int kMostStartElements = 20'000;
-/// Elements of a member become fewer by at most this from mesh to mesh.
+/// Largest factor by which elements of a member decrease from mesh to mesh.
 constexpr int kLargestCoarsening = 2;
-/// Numbers of elements that are looked at grow by this factor.
+/// Ratio of successive candidates for the number of elements.
 constexpr double kElementRatio = 1.15;
-/// Where nothing moves rounding leaves displacements of 1e-14 to 1e-12 of the length of the structure (columns, rings
-/// turned by 4 pi): a relative error has no meaning there. Above a thousandth of the length they are what is asked for.
+/// Displacements over the length of the structure: rounding, 1e-14 to 1e-12 if nothing moves (columns, rings rotated by
+/// 4 pi), for which a relative error has no meaning; and size above which they are certainly significant.
 constexpr double kRoundedDisplacement = 1e-11, kSmallDisplacement = 1e-3;
-/// An error that has not begun to fall does so with this q h at best.
+/// Largest q h for an error that has not begun to fall yet.
 constexpr double kUnresolved = 0.7;
 
 int pieces_between(const Member& member) { return static_cast<int>(member.inner_points.size()) + 1; }
@@ -119,7 +119,7 @@ double angle_between(const double* p, const double* q) {
   return 4.0 * std::atan2(std::sqrt(difference), std::sqrt(sum));
 }
 
-/// Angle by which the triad of the undeformed member turns from start to end, along its way.
+/// Total angle by which the triad of the undeformed member rotates from start to end.
 double reference_turning(const ReferenceCurve& curve) {
   const auto norm_of = [](const Vec3<double>& v) { return std::hypot(v[0], v[1], v[2]); };
   if (curve.has_constant_curvature()) return norm_of(curve.start_curvature) * curve.length;
@@ -135,7 +135,7 @@ double reference_turning(const ReferenceCurve& curve) {
   return std::hypot(angle, curve.twist_rate * curve.length);
 }
 
-/// Compliance of a member in bending and twisting: 1 / EI or 1 / GIt, the larger one.
+/// Compliance of a member in bending and torsion: the larger of 1 / EI and 1 / GIt.
 double bending_compliance(const Scene& scene, const Member& member) {
   for (const Section& section : scene.sections)
     if (section.name == member.section)
@@ -143,7 +143,7 @@ double bending_compliance(const Scene& scene, const Member& member) {
   return 1.0;
 }
 
-/// What bends a member, by the sizes of loads, whatever their directions; formulas are left to the first estimate.
+/// Magnitude of the loads that bend a member, whatever their directions; formulas are ignored until the first estimate.
 struct LoadSize {
   double force = 0.0, moment = 0.0;
 };
@@ -162,8 +162,8 @@ LoadSize load_size(const Scene& scene, const Mesh& mesh) {
   return size;
 }
 
-/// (member): angle that it seems to turn by from its start to its end in the deformed structure, judged by the errors
-/// of its elements; a guess that solves nothing. [radian]
+/// Guesses (member): effective rotation from start to end in the deformed structure, as it determines the errors of
+/// elements, without a solution. [radian]
 std::vector<double> expected_turning(const Scene& scene, const Mesh& mesh) {
   const LoadSize load = load_size(scene, mesh);
   vector_algebra::Box box;
@@ -188,12 +188,12 @@ std::vector<double> expected_turning(const Scene& scene, const Mesh& mesh) {
 
 double squared(const Vector3& v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; }
 
-/// Error of vertices interpolated along an element: integral of its square over the length.
+/// Mean square of the error of vertices interpolated linearly along an element.
 double carried(const Vector3& a, const Vector3& b) {
   return (squared(a) + squared(b) + a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) / 3.0;
 }
 
-/// q of error = (q h)^power with h = 1 / elements.
+/// Rate q in error = (q h)^power with h = 1 / elements.
 double rate_of(double error, int power, int elements) {
   return error > 0.0 ? elements * std::min(kUnresolved, std::pow(error, 1.0 / power)) : 0.0;
 }
@@ -227,7 +227,7 @@ std::vector<Candidate> candidates_of(const Scene& scene, const Member& member, c
   return list;
 }
 
-/// Least cost plus the price of what is left of the error.
+/// Candidate with the least cost plus price of the remaining error.
 const Candidate& best_of(const std::vector<Candidate>& list, double price, double aim) {
   const auto value = [&](const Candidate& c) {
     return c.cost + price * (c.inside * c.inside / (aim * aim) + c.vertex / aim);
@@ -263,7 +263,7 @@ MeshChoice choose(const Candidates& members, double price, double aim, double& e
 
 namespace {
 
-/// Whether `keeps` holds for a member other than rigid arms, which keep the mesh that they are made with.
+/// Whether `keeps` holds for a member other than rigid arms, whose mesh is fixed when they are made.
 template <class Keeps>
 bool any_but_arms(const Scene& scene, const Keeps& keeps) {
   std::unordered_set<std::string> rigid;
@@ -349,7 +349,7 @@ MeshChoice start_mesh(const Scene& scene, double accuracy, bool of_vertices) {
         n = std::max(least_elements,
                      static_cast<int>(std::min<double>(
                          kMostStartElements, std::ceil(turning / allowed_turning(k, accuracy, of_vertices)))));
-      // an order that misses the accuracy on elements that are kept is as dear as those that would do
+      // An order that misses the accuracy on fixed elements costs as much as the elements that it would need.
       const double needed = std::max<double>(n, turning / allowed_turning(k, accuracy, of_vertices));
       const double cost = needed * costs[k];
       if (cost >= least) continue;
@@ -455,7 +455,7 @@ MeshChoice next_mesh(const Scene& scene, const Mesh& mesh, const MeshChoice& pre
   for (size_t m = 0; m < present.size(); ++m)
     members.push_back(candidates_of(scene, with_places.empty() ? scene.members[m] : with_places[m],
                                     {present[m].order, mesh.members[m].elements}, errors[m]));
-  // Prices from that of a single coarse element to one that leaves no error; a factor of 4 tells neighbours apart.
+  // Prices range from that of a single coarse element to one that leaves no error, in steps of a sufficient resolution.
   constexpr double kFirstPrice = 1e-3, kLastPrice = 1e30, kPriceRatio = 4.0;
   MeshChoice choice;
   double error = std::numeric_limits<double>::infinity();

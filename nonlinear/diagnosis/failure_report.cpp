@@ -17,32 +17,32 @@ namespace mixbeam {
 
 namespace {
 
-/// Beyond this angle between an element and its vertices one more step may pass pi, where rotations become ambiguous.
+/// Angle between an element and its vertices beyond which another step may pass pi, where rotations become ambiguous.
 constexpr double kWideAngle = 0.75 * kPi;
-/// Failed attempts pass through large angles; only one close to pi is a cause.
+/// Angle in a failed attempt that is a cause: iterates pass through large angles, and only one close to pi matters.
 constexpr double kWideAngleOfAttempt = 0.95 * kPi;
-/// Elements are suggested for a quarter turn at the end of the path: where half of the range is left.
+/// Angle at the end of the path for which elements are suggested: half of the range.
 constexpr double kComfortableAngle = 0.5 * kPi;
-/// The angle grows at most with the load; a path that ended at its very start says little of its end.
+/// Limit of the extrapolated growth of angles with the load: a path that ended at its start says little about its end.
 constexpr double kLargestAngleGrowth = 4.0;
 constexpr std::size_t kMostAngles = 5;
 
-/// Before a fold the smallest eigenvalue falls like the root of what is left of the load: the smallest step of 1e-4 of
-/// a stage leaves 1e-2 of it, times a factor of order one.
+/// Relative eigenvalue of a nearly singular tangent. Before a fold the smallest eigenvalue falls like the root of the
+/// remaining load: the smallest step of 1e-4 of a stage leaves 1e-2, times a factor of order one.
 constexpr double kNearlySingular = 0.05;
-/// Eigenvalues are measured in EI/L of the stiffest member: six decades softer ones are far above this, and a motion
-/// without strain has 1e-10 from rounding.
+/// Eigenvalue of a mechanism, in units of EI/L of the stiffest member: members softer by six decades are far above
+/// this, and a motion without strain has 1e-10 from rounding.
 constexpr double kNoStiffness = 1e-8;
 constexpr int kModes = 2;
 constexpr int kVerticesOfMode = 3;
 
-/// Whose residual had fallen this far, and was still at its lowest, would have arrived with more iterations.
+/// Reduction of the residual with which an attempt, still at its lowest, would have converged after more iterations.
 constexpr double kFallen = 1e-2;
 
-/// Share of the length. A member that cannot stretch sags by 1e-5, as far as the tolerance of its strain lets it.
+/// Displacement over the length that is negligible: inextensible members sag by 1e-5 within the tolerance of strains.
 constexpr double kHardlyMoved = 1e-3;
 
-/// Load factors are sums of rounded steps.
+/// Rounding of load factors, which are sums of rounded steps.
 constexpr double kFactorRounding = 1e-9;
 
 bool is_wide_in(const std::vector<WideAngle>& angles, const std::string& member) {
@@ -61,7 +61,7 @@ WideAngle wide_angle(const Model& model, const EndAngle& angle, bool converged, 
   return wide;
 }
 
-/// At the last equilibrium.
+/// Wide angles at the last equilibrium, and in failed attempts.
 std::vector<WideAngle> wide_angles(const Model& model, const PathEnd& end, const std::vector<FailedAttempt>& failed) {
   MixedVector residual = model.create_vector();
   const EvaluationPoint point = mixed_residual(model, end.state, end.load_factor, residual);
@@ -80,7 +80,7 @@ std::vector<WideAngle> wide_angles(const Model& model, const PathEnd& end, const
   return wide;
 }
 
-/// Supports with springs about more than one axis that have turned by nearly all that a rotation vector can tell.
+/// Supports with springs about several axes whose rotation vector is close to its limit of 2 pi.
 std::vector<std::pair<std::string, double>> spent_springs(const Model& model, const PathEnd& end) {
   constexpr double kSpent = 0.9 * 2.0 * kPi;
   const Scene& scene = model.scene();
@@ -96,10 +96,10 @@ std::vector<std::pair<std::string, double>> spent_springs(const Model& model, co
   return spent;
 }
 
-/// The vertices of one rank or of all that move most: size, vertex, displacement and rotation of each.
+/// Motion of a vertex: size, vertex, displacement and rotation.
 using Motion = std::array<double, 8>;
 
-/// Largest first; of equal ones the vertex of lower number.
+/// Keeps the largest motions, largest first; of equal ones the vertex of lower number.
 void keep_largest(std::vector<Motion>& motions) {
   std::sort(motions.begin(), motions.end(),
             [](const Motion& a, const Motion& b) { return a[0] != b[0] ? a[0] > b[0] : a[1] < b[1]; });
@@ -166,7 +166,7 @@ TangentReport tangent_report(BeamProblem& problem, const PathEnd& end) {
   return report;
 }
 
-/// Nothing where the tangent cannot be factorised.
+/// Estimates the condition number; none if the tangent cannot be factorised.
 std::optional<double> condition_of_tangent(BeamProblem& problem, const SolverParameters& parameters,
                                            const PathEnd& end) {
   try {
@@ -176,7 +176,7 @@ std::optional<double> condition_of_tangent(BeamProblem& problem, const SolverPar
   }
 }
 
-/// Whether even the smallest step leaves strains in a member that is rigid, or nearly so.
+/// Whether even the smallest step leaves strains in a rigid, or nearly rigid, member.
 bool is_rigid_where_it_fails(const FailureReport& report, const Model& model, const PathEnd& end) {
   const FailedAttempt& last = report.attempts.back();
   if (!report.step_at_minimum || !last.peak || last.peak->place.kind != RowKind::element_force) return false;

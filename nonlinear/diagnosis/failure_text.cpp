@@ -15,11 +15,11 @@ namespace mixbeam {
 
 namespace {
 
-/// Attempts shown: the first ones say no more than the last.
+/// Number of attempts shown: the first ones add nothing to the last.
 constexpr std::size_t kAttemptsShown = 5;
-/// Share of the path, after all steps that are permitted.
+/// Share of the path, after all permitted steps, below which more steps would not help.
 constexpr double kShareOfACrawl = 1e-2;
-/// A path that has come no farther into its stage has not set out.
+/// Share of a stage below which the path ended at the start of the stage.
 constexpr double kStartOfStage = 1e-3;
 
 std::string number(double value) { return rounded(value, 4); }
@@ -108,7 +108,7 @@ void write_tangent(std::ostream& out, const FailureReport& report) {
     if (tangent.nearly_singular || tangent.mechanism || mode.eigenvalue < 0.0) write_mode(out, mode);
 }
 
-/// The sentences, each with the numbers of this run.
+/// Writes the advice, with the numbers of this run.
 class Adviser {
  public:
   Adviser(const FailureReport& report, const BeamProblem& problem, const SolverParameters& parameters)
@@ -191,7 +191,7 @@ class Adviser {
     const double now = report_.minimum_step;
     add_smaller(AdviceKind::smaller_minimum_step, "\"Minimum Step\" in \"Load Path\"", 0.01 * now, now);
   }
-  /// Whether the steps permitted have brought the path next to nowhere: more of them will not do.
+  /// Whether the permitted steps made almost no progress, so that more of them would not help.
   bool crawls() const { return !has_lost_stability() && report_.last_load_factor < kShareOfACrawl * report_.stages; }
   void more_steps() {
     const int now = parameters_.load_path.maximum_steps;
@@ -208,8 +208,8 @@ class Adviser {
         "orders "
         "of magnitude for double precision; \"Inextensible\" and \"Shear Rigid\" serve better than huge numbers.");
   }
-  /// Whether the path ended at the start of a stage in which motions or eigenstrains act beside loads on members that
-  /// only tension holds.
+  /// Whether the path ended at the start of a stage, with imposed motions or eigenstrains in the scene and members that
+  /// only tension stiffens.
   bool is_limp_at_start() const {
     const double into_stage = report_.last_load_factor - std::floor(report_.last_load_factor);
     const Model& model = problem_.model;
@@ -223,7 +223,7 @@ class Adviser {
         "eigenstrains) act in one \"Stage\" and the other loads in the next one, or where they stay slack the other "
         "way round.");
   }
-  /// Said where the path has lost itself or sticks beyond critical points, and a scene may ask for it.
+  /// Advises jumps if the path was lost at or beyond critical points, and the scene permits jumps.
   void jump() {
     if (!has_lost_stability() || !may_jump()) return;
     add(AdviceKind::jump, "The path was lost near load factor " + number(report_.last_load_factor) +
@@ -243,15 +243,15 @@ class Adviser {
   }
 
  private:
-  /// Paths start at stable states: those that end at an unstable one have passed critical points. Others stick at one,
-  /// where equilibria that were found are not taken for the same path.
+  /// Whether the path has lost stability. It starts at a stable state: if it ends at an unstable one it has passed
+  /// critical points. Or it is stuck at one, where further equilibria are rejected as another path.
   bool has_lost_stability() const {
     const TangentReport& tangent = report_.tangent;
     const bool sticks = !report_.attempts.empty() && report_.attempts.back().end == AttemptEnd::refused;
     return tangent.known && (tangent.negative > 0 || (tangent.nearly_singular && sticks));
   }
 
-  /// Whether `Snap` = `jump` is permitted: it goes down a potential, by steps of the load (check_jumps of a scene).
+  /// Whether `Snap` = `jump` is permitted: it needs a potential and load steps (check_jumps of a scene).
   bool may_jump() const {
     const AnalysisParameters& analysis = parameters_.analysis;
     const Scene& scene = problem_.model.scene();
@@ -284,7 +284,7 @@ class Adviser {
   const SolverParameters& parameters_;
 };
 
-/// A cause in words, and what to try, the most promising first.
+/// Description of a cause, and advice, the most promising first.
 struct Remedy {
   const char* words;
   std::vector<void (Adviser::*)()> advice;

@@ -22,11 +22,11 @@ namespace {
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
-/// Share of the force that a member would carry if nothing but its own (capped) stiffness answered the strain. Where
-/// equilibrium or bending determines the force, the answer is smaller by the cap, 1e5 as a rule.
+/// Response to a strain, over that of the member's own (capped) stiffness alone, from which on it is a self-stress. If
+/// equilibrium or bending determines the force, the response is smaller by the cap, usually 1e5.
 constexpr double kSelfStress = 1e-2;
 
-/// EA, GA2, GA3: the largest of a member's sections.
+/// Largest EA, GA2, GA3 of a member's sections.
 std::array<double, 3> stiffness_of(const Scene& scene, const Member& member) {
   std::array<double, 3> largest{};
   for (const Section& section : scene.sections) {
@@ -37,7 +37,7 @@ std::array<double, 3> stiffness_of(const Scene& scene, const Member& member) {
   return largest;
 }
 
-/// In [-1, 1], without any pattern that a structure could have, the same on any number of ranks.
+/// Pseudo-random number in [-1, 1], independent of the number of ranks.
 double scattered(int element, int row) {
   std::uint64_t x = (static_cast<std::uint64_t>(element) << 8) + static_cast<std::uint64_t>(row);
   x += 0x9e3779b97f4a7c15ULL;  // splitmix64
@@ -46,7 +46,7 @@ double scattered(int element, int row) {
   return static_cast<double>((x ^ (x >> 31)) >> 11) * 0x1p-52 - 1.0;
 }
 
-/// Whether equilibrium alone determines all forces: members, joints and supports close no loop (through the ground).
+/// Whether equilibrium alone determines all forces: members, joints and supports form no loop (through the ground).
 bool is_statically_determinate(const Scene& scene, const Mesh& mesh) {
   const std::vector<int> part = connected_parts(mesh);
   std::vector<unsigned char> is_held(1 + *std::max_element(part.begin(), part.end()), 0);
@@ -65,7 +65,7 @@ void for_each_force(const Structure& structure, const Visit& visit) {
   });
 }
 
-/// Errors of strains by rounding, in the N rows.
+/// Rounding errors of strains, in the rows of N.
 MixedVector rounding_errors(const Model& model, const ResidualScales& scales) {
   MixedVector rows = model.create_vector();
   rows.fill(0.0);
@@ -84,7 +84,7 @@ double largest_of(const Model& model, double own) {
 
 using Stiffnesses = std::vector<std::array<double, 3>>;  ///< (member of the scene)
 
-/// Among components that are rigid, or among the others. Collective.
+/// Finds the least certain force among rigid components, or among the others. Collective.
 std::optional<UncertainForce> least_certain(const Model& model, const Stiffnesses& stiffness, double force,
                                             const MixedVector& increment, const Cap& cap, bool rigid) {
   const KernelView<const double*> interior = increment.interior();

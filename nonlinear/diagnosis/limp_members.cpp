@@ -14,7 +14,7 @@ double bending_of(const Section& section) {
 }
 
 bool is_limp(const Section& section, double load, double length) {
-  // A cantilever that the load at its end turns into its direction over less than a hundredth of its length.
+  // A load at the end of such a cantilever bends it into its direction over less than a hundredth of the length.
   constexpr double kLimp = 5e-5;
   return bending_of(section) < kLimp * load * length * length;
 }

@@ -1,11 +1,11 @@
-/// Members that nothing but tension holds under their loads: cables.
+/// Members that only tension stiffens under their loads: cables.
 #pragma once
 
 #include "discretization/assembly/model.hpp"
 
 namespace mixbeam {
 
-/// Smallest bending stiffness of a section [force x length^2]; infinite where it is coupled.
+/// Smallest bending stiffness of a section [force x length^2]; infinite for coupled sections.
 double bending_of(const Section& section);
 
 /// Whether a member of this section is limp in a structure of this length [length] under this load [force].

@@ -19,22 +19,22 @@ namespace mixbeam {
 
 namespace {
 
-/// Meshes that are estimated; those that may be left before because their elements turn too far.
+/// Limits of meshes that are estimated, and of those abandoned before because their elements rotate too far.
 constexpr int kMostMeshes = 6, kMostTurned = 5;
-/// Meshes on which a path may fail to arrive before that is the scene's own fault.
+/// Number of meshes on which a path may fail to arrive before the scene itself is to blame.
 constexpr int kMostFailures = 2;
-/// Elements of a start mesh may turn this much further than they should: the estimate will tell.
+/// Factor by which elements of a start mesh may rotate further than allowed, since the estimate will check them.
 constexpr double kTurningMargin = 1.5;
-/// Aims of the meshes after an estimate: a tenth of the accuracy, and less each time that it was missed.
+/// Aims of the meshes after an estimate: a tenth of the accuracy, reduced by a factor each time that it was missed.
 constexpr double kFirstAim = 0.1, kNextAim = 0.2;
-/// Below this an estimate that a finer mesh does not halve is that of rounding errors.
+/// Estimate below which failing to be halved by a finer mesh indicates rounding errors.
 constexpr double kRoundingMayShow = 1e-7, kLeastEstimateGain = 0.5;
-/// What is left of a load may turn the elements this much further: where a path starts infinitely steep (a buckled
-/// member that is shortened) its first step tells nothing about the last.
+/// Limit of the extrapolated growth of rotations: on a path with infinite initial slope (a buckled member that is
+/// shortened) the first step says nothing about the last.
 constexpr double kLargestPreview = 10.0;
-/// Critical load factors of less are measured against this one.
+/// Least divisor for relative errors of critical load factors.
 constexpr double kLeastLoadFactor = 1e-3;
-/// A corrected state that moves by more than this many times the estimated error has gone to another equilibrium.
+/// Ratio of the motion by a correction to the estimated error above which it has led to another equilibrium.
 constexpr double kLargestFinishingCorrection = 20.0;
 
 class AccurateSolver {
@@ -95,9 +95,8 @@ class AccurateSolver {
     round.remark = remark;
   }
 
-  /// Whether the elements will have turned too far at the end of the path, if they go on as they did up to here; then
-  /// takes a mesh for that. Where the load has turned back, what is left of it tells nothing about that: no element is
-  /// expected to turn further.
+  /// Extrapolates the rotations of elements to the end of the path; if they will be too large, takes a mesh for that
+  /// and returns true. If the load has turned back there is no extrapolation: no element is expected to rotate further.
   bool turns_too_far(const Simulation& simulation, double load_factor) {
     if (load_factor <= 0.0) return false;
     const bool goes_on = load_factor >= largest_load_factor_;
@@ -116,8 +115,8 @@ class AccurateSolver {
     return true;
   }
 
-  /// The step at the end is kept for its estimate; where it is followed by one that is closer to the end, it is one of
-  /// the way after all.
+  /// Follows the path. The step at its end is held back for the estimate, and reported as an ordinary one only if a
+  /// step closer to the end follows.
   bool follow() {
     simulation_ = simulation_of_choice();
     if (observer_.begin) observer_.begin(*simulation_);
@@ -154,7 +153,7 @@ class AccurateSolver {
       if (at_end) give(*at_end);
       return false;
     }
-    // a point at the very end may be met or not
+    // A point at the very end may be found or not: ignore it.
     const auto is_at_end = [&](double load_factor) {
       return std::abs(load_factor - report_.load_factor) <= accuracy_ * std::abs(report_.load_factor);
     };
@@ -166,7 +165,7 @@ class AccurateSolver {
     return true;
   }
 
-  /// Newton's method from the state of the mesh before; false where the path must tell which equilibrium is meant.
+  /// Newton's method from the state of the previous mesh; false if only the path determines which equilibrium is meant.
   bool settle(const Simulation& last, const StepReport& last_report) {
     simulation_ = simulation_of_choice();
     if (observer_.begin) observer_.begin(*simulation_);
@@ -179,7 +178,7 @@ class AccurateSolver {
       const double size = std::max(moved.largest_displacement, least_displacement_);
       if (moved.largest_change > kLargestFinishingCorrection * std::max(judged_error(estimate_), accuracy_) * size)
         return false;
-    } catch (const std::invalid_argument&) {  // the state turns too far inside the new elements
+    } catch (const std::invalid_argument&) {  // the state rotates too far inside the new elements
       return false;
     } catch (const LinearSolverError&) {  // its eigenvalues cannot be counted
       return false;
@@ -208,7 +207,7 @@ class AccurateSolver {
     return solved;
   }
 
-  /// Takes the difference of two paths for the error of the coarser one.
+  /// Estimates the error of critical load factors on the coarser mesh by their difference between two paths.
   void compare_critical_points() {
     MeshRound& round = rounds_.back();
     round.critical_points = static_cast<int>(critical_.size());
@@ -252,7 +251,7 @@ class AccurateSolver {
     return observer_.error_of ? observer_.error_of(*simulation_, estimate) : judged_error(estimate);
   }
 
-  /// An estimate that is nearly small enough may be what Newton's method has left: another iteration tells.
+  /// Repeats the estimate after another Newton iteration: a nearly sufficient one may be due to the residual.
   void polish(ErrorEstimate& estimate) {
     simulation_->polish();
     estimate = simulation_->estimate_error();
@@ -262,17 +261,17 @@ class AccurateSolver {
 
   void estimate_buckling() {
     const int count = parameters_.analysis.buckling_modes;
-    // without a path on this mesh nobody is told of them
+    // Without a path on this mesh they are not reported.
     if (!keeps_path_ || !estimates_error(parameters_.analysis, simulation_->model().mesh().elements.size())) return;
     if (count == 0) return;
     double& largest = rounds_.back().buckling_error;
     for (const RecordedBucklingMode& mode : simulation_->buckling_modes(count, 2)) {
       const double relative = mode.error / std::abs(mode.load_factor);
-      if (!(relative <= largest)) largest = relative;  // keeps what is not a number
+      if (!(relative <= largest)) largest = relative;  // keeps NaN
     }
   }
 
-  /// Whether a finer mesh did not make a small error smaller.
+  /// Whether a finer mesh did not reduce a small error.
   bool shows_rounding(double MeshRound::*error) const {
     if (rounds_.size() < 2) return false;
     const double now = rounds_.back().*error, before = rounds_[rounds_.size() - 2].*error;
@@ -292,14 +291,14 @@ class AccurateSolver {
     return std::nullopt;
   }
 
-  /// Takes a mesh that is finer whatever the error is; false where members keep theirs.
+  /// Takes a finer mesh without using the error; false if members keep theirs.
   bool try_finer() {
     const MeshChoice before = choice_;
     choice_ = doubled(scene_, choice_);
     return !(choice_ == before);
   }
 
-  /// Takes the next mesh after an estimate, or for want of one; false where members prevent it.
+  /// Takes the next mesh after an estimate, or without one; false if members prevent it.
   bool choose_finer() {
     if (!estimate_.exists()) return try_finer();
     const MeshChoice before = choice_;
@@ -311,8 +310,8 @@ class AccurateSolver {
     const auto mesh = simulation_->model().whole_mesh();
     if (!shares_.empty()) {
       choice_ = next_mesh(scene_, *mesh, choice_, shares_, aim_ * accuracy_);
-      if (!critical_.empty()) choice_ = joined(choice_, before);  // or another mesh would be needed to compare them
-    } else if (error > 0.0) {  // what counts in place of displacements may be taken to fall with them
+      if (!critical_.empty()) choice_ = joined(choice_, before);  // so that critical points can be compared
+    } else if (error > 0.0) {  // assumes that another judged error falls like that of displacements
       choice_ = next_mesh(scene_, *mesh, choice_, errors_of_members(scene_, *mesh, estimate_),
                           aim_ * accuracy_ * std::min(1.0, moved / error));
     }
@@ -323,7 +322,7 @@ class AccurateSolver {
     return !(choice_ == before);
   }
 
-  /// Elements short enough for the layers at their ends.
+  /// Makes elements short enough for the layers at their ends.
   void divide_layers() {
     for (const EndLayer& layer : end_layers(simulation_->model(), simulation_->state())) {
       const size_t m = static_cast<size_t>(layer.member);
@@ -341,18 +340,18 @@ class AccurateSolver {
   const Communicator& comm_;
   const AccurateRunObserver& observer_;
   const double accuracy_;
-  bool keeps_path_;      ///< or some path had critical points
-  const bool compares_;  ///< critical load factors: no member keeps its mesh
+  bool keeps_path_;      ///< follow the path on each mesh; set if some path had critical points
+  const bool compares_;  ///< compare critical load factors: no member keeps its mesh
   const int most_failures_;
   MeshChoice choice_;
   double aim_ = kFirstAim;
   int failures_ = 0;
-  std::unique_ptr<Simulation> simulation_;  ///< of `choice_`, or the mesh before
+  std::unique_ptr<Simulation> simulation_;  ///< of `choice_`, or of the previous mesh
   StepReport report_{};                     ///< its last step
   ErrorEstimate estimate_{};
   std::vector<ErrorOfMember> shares_{};  ///< of its error, see AccurateRunObserver
   double least_displacement_ = 0.0;      ///< see least_displacement()
-  /// Critical load factors of the last path, as often as eigenvalues vanish there, and those of the path before on a
+  /// Critical load factors of the last path, repeated for multiple eigenvalues, and those of the previous path, if on a
   /// mesh that the last one contains.
   std::vector<double> critical_{};
   std::optional<std::vector<double>> critical_before_{};

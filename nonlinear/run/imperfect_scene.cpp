@@ -16,14 +16,14 @@ namespace {
 
 using namespace vector_algebra;
 
-/// Both are asked for beside the positive ones.
+/// Number of additional buckling modes requested, since some may have negative factors.
 constexpr int kNegativeModes = 2;
 
-/// Of a mode whose largest entry is one, for a central difference: its error is about 1e-10, from the third derivative
-/// as from rounding.
+/// Amplitude of a mode with largest entry one for a central difference, whose error is about 1e-10, both from the third
+/// derivative and from rounding.
 constexpr double kStepAlongMode = 1e-5;
 
-/// Largest distance between a vertex in two states.
+/// Largest displacement of a vertex between two states.
 double largest_displacement(const Model& model, const State& from, const State& to) {
   double largest = 0.0;
   const auto &a = from.views.vertex_displacement, &b = to.views.vertex_displacement;
@@ -32,13 +32,13 @@ double largest_displacement(const Model& model, const State& from, const State& 
   return maximum_over_ranks(*model.map()->getComm(), largest);
 }
 
-/// A mode of a deformed state as it is laid on the undeformed structure: `factor` times the motion between two states.
+/// A mode of a deformed state to apply to the undeformed structure: `factor` times the motion between two states.
 struct LaidMode {
   State back{}, forth{};
   double factor = 0.0;
 };
 
-/// The first critical points on the path of the structure as it was drawn, at least `most` if there are as many.
+/// Finds the first critical points on the path of the structure as drawn, at least `most` if there are that many.
 std::vector<CriticalPoint> critical_points(const Teuchos::RCP<BeamProblem>& problem, SolverParameters parameters,
                                            std::size_t most) {
   parameters.analysis.branch = Branch::primary;
@@ -57,7 +57,7 @@ std::vector<CriticalPoint> critical_points(const Teuchos::RCP<BeamProblem>& prob
   return found;
 }
 
-/// The modes of critical points that are asked for.
+/// Modes of the requested critical points.
 std::vector<LaidMode> modes_of_path(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,
                                     const Scene& scene, const InputPlace& place) {
   int most = 0;
@@ -86,7 +86,7 @@ std::vector<LaidMode> modes_of_path(const Teuchos::RCP<BeamProblem>& problem, co
   return laid;
 }
 
-/// Undeformed structure, moved by the modes of linear buckling that are asked for.
+/// Undeformed structure, displaced by the requested modes of linear buckling.
 State moved_by_modes(BeamProblem& problem, const Scene& scene, const InputPlace& place) {
   int most = 0;
   for (const ModeImperfection& wanted : scene.imperfection_modes) most = std::max(most, wanted.mode.value_or(0));
@@ -115,23 +115,23 @@ State moved_by_modes(BeamProblem& problem, const Scene& scene, const InputPlace&
   return moved;
 }
 
-/// Angle by which `triad` is turned about its first axis against `carried`, nearest to `last`.
+/// Angle by which `triad` is rotated about its first axis relative to `carried`, nearest to `last`.
 double turned(const Quaternion<double>& carried, const Quaternion<double>& triad, double last) {
   const Quaternion<double> q = conjugate(carried) * triad;
   const double angle = 2.0 * std::atan2(q.x, q.w);
   return angle - 2.0 * kPi * std::round((angle - last) / (2.0 * kPi));
 }
 
-/// Arc length over length of the place of a curve that is nearest to `point`, not far from `position`.
+/// Relative arc length of the point of a curve that is nearest to `point`, close to `position`.
 double nearest_position(const ReferenceCurve& curve, const Vec3<double>& point, double position) {
-  constexpr int kSteps = 20;  // Newton's method from a place that is right to a small share of an element
+  constexpr int kSteps = 20;  // of a fixed-point iteration from a start within a small share of an element
   double s = position * curve.length;
   for (int step = 0; step < kSteps; ++step)
     s = std::clamp(s + dot(curve.tangent(s), point - curve.position(s)), 0.0, curve.length);
   return s / curve.length;
 }
 
-/// Where the imperfect structure has a section.
+/// Section of the imperfect structure.
 struct PlacedSection {
   double arc_length = 0.0;
   Vec3<double> position, tangent;
@@ -162,7 +162,7 @@ class ModeShape {
     return position;
   }
 
-  /// Points that followed from curves become points of their own.
+  /// Moves points; points that followed from curves become explicit ones.
   void move_points() {
     std::map<std::string, Vector3> positions;
     for (const auto& [point, vertex] : mesh_->vertex_of_point) positions[point] = displaced(vertex);
@@ -205,7 +205,7 @@ class ModeShape {
     return {{axes(0, i), axes(1, i), axes(2, i)}};
   }
 
-  /// Derivative of the position by the undeformed arc length.
+  /// Derivative of the position with respect to the undeformed arc length.
   static Vec3<double> slope(const PointSample& at) {
     const Vec3<double>& strain = at.force_strain;
     return (1.0 + strain[0]) * axis(at.triad, 0) + strain[1] * axis(at.triad, 1) + strain[2] * axis(at.triad, 2);

@@ -18,42 +18,42 @@ namespace mixbeam {
 
 namespace {
 
-// What the layouts do not tell is a round number from peaks of RSS over that of an empty run
+// Numbers that do not follow from the layouts are rounded from peaks of RSS over that of an empty run
 // (apps/docs/large_scale.md).
 
-/// States and vectors that are alive at the peak of a load step: the groups of NOX and LOCA, their copies, our own.
+/// States and vectors alive at the peak of a load step: the groups of NOX and LOCA, their copies, our own.
 constexpr double kCopiesAlive = 6.0;
-/// Mesh, adjacency, rows of vertices and numbering of chains; of a member names, curve and fields. [byte]
+/// Per element: mesh, adjacency, rows of vertices and numbering of chains; per member: names, curve, fields. [byte]
 constexpr double kBytesOfElement = 350.0, kBytesOfMember = 1800.0;
-/// Share of these and of the factors that every one of several ranks holds.
+/// Share of these and of the factors that each of several ranks holds.
 constexpr double kShareEverywhere = 0.33;
 /// Share of a run's own memory that it still holds while its error is estimated on a richer mesh.
 constexpr double kShareDuringEstimate = 0.5;
-/// Of networks: factors with the fronts from which MUMPS makes them; matrix, its copies and what gathers it; where it
-/// is iterated with, the matrix, the levels of each junction, and the coarsest one. [byte]
+/// Networks: entries of factors, with the fronts of MUMPS; entries of the matrix, with its copies and gathering; with
+/// iteration entries of the matrix, levels of each junction, and the coarsest level. [byte]
 constexpr double kBytesOfFactorEntry = 16.0, kBytesOfMatrixEntry = 60.0, kBytesOfIteratedEntry = 14.0,
                  kBytesOfIteratedJunction = 5000.0, kBytesOfCoarsestLevel = 1.5e8;
-/// Nested dissection of V junctions that s of them cut in two: of the factor's 6 x 6 blocks, V log2 V beside what
-/// factor_entries() tells of s; operations per entries^(3/2) of the latter; passes over a factor until it is made.
+/// Nested dissection of V junctions with a separator of s: blocks of 6 x 6 over V log2 V, besides factor_entries() of
+/// s; operations over entries^(3/2) of the latter; passes over a factor during factorisation.
 constexpr double kBlocksOfSheets = 1.0, kOperationsOfSeparators = 0.1, kPassesOfFactor = 15.0;
-/// Coarse spaces and conjugate gradients of an iteration without factors.
+/// Operations per junction for coarse spaces and conjugate gradients in a Newton iteration without factors.
 constexpr double kOperationsOfIteratedJunction = 5e6;
 
-/// What MemberSamples hold of a sample, what a step of the file does, and what its members do; HDF5's own. [byte]
+/// Bytes of a sample in MemberSamples, and in the file in a step and once; of a member and a step in the file. [byte]
 constexpr double kSampleBytes = 212.0, kFileBytesOfSample = 296.0, kFileBytesOfPlace = 40.0, kFileBytesOfMember = 250.0,
                  kFileBytesOfStep = 12000.0, kStressBytes = 4.0 * sizeof(double);
 
-/// Vectors of momenta that a search for modes holds of each: those of its space, and the modes; where velocities make
-/// forces eleven times as many numbers. What a mode takes of the file at a sample. [byte]
+/// Vectors of momenta per mode in a search: those of its space, and the modes; factor on their numbers if velocities
+/// cause forces; bytes of a mode in the file at a sample.
 constexpr double kVectorsOfMode = 3.5, kVectorsWithVelocities = 11.0, kFileBytesOfMode = 3.0 * sizeof(double);
 
-/// An element: orders, and whether its section is coupled or varies along the member.
+/// Kind of an element: orders, and whether its section is coupled or varies along the member.
 struct Kind {
   int order = 1, force_points = 1;
   bool general = false, rotating = false;
 
   InteriorLayout interior() const { return {order, force_points}; }
-  /// Numbers of its tangent, and of what recovers its interior.
+  /// Numbers of its tangent, and of the data that recover its interior.
   double tangent() const {
     if (rotating) return kFullTangent + vibrating();
     if (general) return kFullTangent + kResponseColumns * interior().increments();
@@ -66,14 +66,14 @@ struct Kind {
     return kMassNumbers * (order + 1.0) + (stresses + layout.velocities() + motions) * motions +
            3.0 * (general ? stresses * stresses : stresses) + (inside + 12.0) * inside + interior().increments();
   }
-  /// Numbers while `modes` modes are searched for, of which `complex` times as much is kept, and `followed` of them
-  /// from one state to the next.
+  /// Numbers during a search for `modes` modes; `complex`: factor on the vectors kept; `followed`: vectors kept from
+  /// one state to the next.
   double searched(int modes, double complex, int followed) const {
     const double momenta = VibrationLayout{order, force_points}.velocities();
     return vibrating() + kFullTangent + vertex_factor_size(kSpatialDofs) +
            momenta * (complex * kVectorsOfMode * modes + followed);
   }
-  /// Bytes of it with the vertex behind it while a path is followed, without samples. A plane takes less by a quarter.
+  /// Bytes of it and its end vertex while a path is followed, without samples. Planar scenes take a quarter less.
   double bytes() const {
     const double state = 7 + 4 + interior().unknowns(), vector = 6 + interior().increments();
     const double reference = ReferenceLayout{order, force_points}.size(),
@@ -81,7 +81,7 @@ struct Kind {
     return kBytesOfElement + sizeof(double) * (kCopiesAlive * (state + vector) + reference + section + tangent() +
                                                (rotating ? vertex_factor_size : free_factor_size)(kSpatialDofs));
   }
-  /// The same of the elements that the error estimate puts in its place: of one order more, or two.
+  /// Bytes of the elements that replace it in the error estimate: one of higher order, or two.
   double estimate_bytes() const {
     if (order == kMaximumOrder) return 2.0 * bytes();
     return Kind{order + 1, force_points + (force_points > order ? 2 : 1), general, rotating}.bytes();
@@ -99,12 +99,12 @@ int least_steps(const Scene& scene, const SolverParameters& parameters) {
   return 1 + static_cast<int>(std::min(1e9, of_stage * scene.stages));
 }
 
-/// Points and joined ends, members between them each as one link; of what chains leave of them the matrix over
-/// junctions, supports and loaded points, and its factor.
+/// Graph of points and joined ends, with each member as one link; the remaining system of chains over junctions,
+/// supports and loaded points, and its factor.
 struct Junctions {
   long long vertices = 0;  ///< points and joined ends
   double count = 0.0, unknowns = 0.0;
-  double matrix = 0.0;      ///< numbers of it, both triangles
+  double matrix = 0.0;      ///< numbers in the matrix, both triangles
   double separators = 0.0;  ///< factor_entries()
 
   explicit Junctions(const Scene& scene) {
@@ -128,7 +128,7 @@ struct Junctions {
     for (const RemainingLink& link : chains.remaining()) pairs.push_back(link.vertex);
     count_pairs(free, std::move(pairs));
   }
-  /// Of the factor; no more than those of a full matrix.
+  /// Entries of the factor, at most those of a full matrix.
   double entries() const {
     const double sheets = kBlocksOfSheets * kSpatialDofs * kSpatialDofs * count * std::log2(std::max(count, 1.0));
     return std::min(0.5 * unknowns * (unknowns + 1.0), separators + sheets);

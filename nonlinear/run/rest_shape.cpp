@@ -21,27 +21,27 @@ namespace mixbeam {
 
 namespace {
 
-/// Balance of forces, relative to the largest load, and turns [radian]: rounding of sums over a few elements.
+/// Tolerance of the balance of forces, over the largest load, and of rotations [radian]: rounding of short sums.
 constexpr double kSettled = 2e-15;
-/// Where rounding keeps them above, they no longer halve; above this they have not converged.
+/// Tolerance if rounding keeps them above that, and they no longer halve.
 constexpr double kNearlySettled = 1e-10;
-/// Each turn changes forces by the share of shear strains, so that few are needed unless shear governs.
+/// Limit of rotations of sections: each changes forces by the share of shear strains; few do unless shear governs.
 constexpr int kMostTurns = 60;
-/// Forces left without loads, relative to those under loads: what Newton's method leaves of a residual.
+/// Tolerances of forces without loads, over those under loads: the residual of Newton's method.
 constexpr double kClosed = 1e-12, kNearlyClosed = 1e-8;
-/// Two to five are needed; deformations that are large beside the structure need more.
+/// Limit of iterations, usually two to five; very large deformations need more.
 constexpr int kMostClosures = 20;
-/// Six for each loop of a frame in space; every one costs a solution in each iteration.
+/// Limit of redundancy, six for each loop of a frame in space: every one costs a solution in each iteration.
 constexpr int kMostRedundant = 30;
-/// To the structure without loads: paths that find it take a few.
+/// Limit of steps of the path to the structure without loads, which takes a few if it succeeds.
 constexpr int kMostStepsWithoutLoads = 60;
-/// Length left of a vector after projection, relative: less depends on the others.
+/// Relative length of a vector after projection below which it depends on the others.
 constexpr double kDependent = 1e-6;
-/// Of a row, when the shape is taken for an equilibrium: digits that a run would ask for.
+/// Scaled residual up to which the drawn shape is accepted as an equilibrium.
 constexpr double kAcceptedResidual = 1e-9;
-/// Turns that nothing tells from rounding. [radian]
+/// Rotation below which it is rounding. [radian]
 constexpr double kNoTurn = 1e-12;
-/// Of a random force, the least that is no rounding.
+/// Share of a random force below which a projected row is rounding.
 constexpr double kFreeRow = 1e-9;
 
 const BoundList<RestShapeParameters> kRestShapeParameters = [] {
@@ -63,7 +63,7 @@ const BoundList<RestShapeParameters> kRestShapeParameters = [] {
   return inverse;
 }();
 
-/// Throws InputError for a scene that has natural strains of its own, or parts that bear nothing in the drawn shape.
+/// Throws InputError for a scene with natural strains of its own, or with springs, unstressed in the drawn shape.
 void check_offered(const Scene& scene, const InputPlace& place) {
   const auto refuse = [&place](const std::string& what, const std::string& allowed) {
     throw place.error("given, but " + what + "; allowed: " + allowed);
@@ -84,7 +84,7 @@ void check_offered(const Scene& scene, const InputPlace& place) {
       refuse("member \"" + excerpt(member.name) + "\" has another \"Force Integration\"", "\"both reduced\"");
 }
 
-/// Of all loads. Strains that grow with them keep the drawn shape in equilibrium at every load factor.
+/// Stage of all loads. Natural strains that grow with them keep the drawn shape in equilibrium at every load factor.
 int stage_of_loads(const Scene& scene, const InputPlace& place) {
   std::set<Stage> stages;
   bool has_amplitude = false;
@@ -99,7 +99,7 @@ int stage_of_loads(const Scene& scene, const InputPlace& place) {
   return *stages.begin();
 }
 
-/// Vertices at which more than the two elements of one member meet, or something acts or holds.
+/// Vertices at ends of members, and those with supports, joints or point loads.
 std::set<int> attached_vertices(const Scene& scene, const Mesh& mesh) {
   std::set<int> attached;
   const auto add = [&](const std::string& point) { attached.insert(vertex_of(mesh, point)); };
@@ -116,21 +116,21 @@ std::set<int> attached_vertices(const Scene& scene, const Mesh& mesh) {
   return attached;
 }
 
-/// phi_e of theory (12).
+/// Relative rotation phi_e at an end, theory (12).
 Vec end_rotation(const ElementView& element, int end) {
   Vec psi{{0.0, 0.0, 0.0}};
   for (int j = 1; j < element.order(); ++j) psi += end_value(end, j) * element.relative_rotation(j);
   return log_quaternion(conjugate(element.triad() * exp_quaternion(psi)) * element.end_triad(end));
 }
 
-/// Lambda_E at a place of an element.
+/// Triad Lambda_E at a point of an element.
 Quat triad_at(const ElementView& element, double xi) {
   double P[kMaximumOrder + 1];
   legendre(element.order(), xi, P);
   return element.triad() * exp_quaternion(element.relative_rotation_at(P));
 }
 
-/// Solves with a tangent and takes out its cap. Of the increment N and M are left.
+/// Solves with a tangent and corrects for its cap; returns only N and M of the increment.
 MixedVector forces_by(Linearization& linear, const MixedVector& scaled_rows, bool removes_cap) {
   MixedVector increment = linear.tangent().model().create_vector();
   const Cap& cap = linear.tangent().cap();
@@ -143,11 +143,11 @@ MixedVector forces_by(Linearization& linear, const MixedVector& scaled_rows, boo
 
 double length_of(const MixedVector& forces) { return std::sqrt(forces.inner_product(forces)); }
 
-/// Makes the last vector orthogonal to those before it, and of length one, with what belongs to it. False where nothing
-/// but rounding is left of it.
+/// Makes the last vector orthogonal to the others and of unit length, and applies the same operations to `belonging`.
+/// False if only rounding is left of it.
 bool orthonormalize_last(std::vector<MixedVector>& vectors, std::vector<MixedVector>* belonging = nullptr) {
   const size_t last = vectors.size() - 1;
-  for (int again = 0; again < 2; ++again)  // the second one takes out what rounding left
+  for (int again = 0; again < 2; ++again)  // the second pass removes rounding of the first
     for (size_t i = 0; i < last; ++i) {
       const double factor = vectors[i].inner_product(vectors[last]);
       vectors[last].update(-factor, vectors[i], 1.0);
@@ -160,8 +160,8 @@ bool orthonormalize_last(std::vector<MixedVector>& vectors, std::vector<MixedVec
   return true;
 }
 
-/// Finds forces that balance the loads in the drawn geometry, and sections turned so that shear needs no natural
-/// strain.
+/// Finds forces that balance the loads in the drawn geometry, and rotates sections so that no natural shear strain is
+/// needed.
 class RestShapeFinder {
  public:
   RestShapeFinder(const Scene& scene, const RestShapeParameters& wanted, const SolverParameters& parameters,
@@ -177,8 +177,8 @@ class RestShapeFinder {
   const Model& model() const { return model_; }
   const State& state() const { return state_; }
 
-  /// Six forces are unknown in each element, as many rows of equilibrium are in each vertex, those of constraints
-  /// aside: the rest is redundant. In a plane that counts what lies in it.
+  /// Degree of redundancy: six unknown forces for each element less the rows of equilibrium of vertices without
+  /// constraints. In a plane only the in-plane ones count.
   int redundancy() const {
     const Structure& structure = model_.structure();
     const bool is_planar = drawn_.in_plane;
@@ -201,7 +201,7 @@ class RestShapeFinder {
     return (is_planar ? 3 : 6) * structure.local_elements() - free;
   }
 
-  /// Forces of least energy where there are loops. Throws ConvergenceError, InputError at `place`.
+  /// Finds the forces, those of least energy if there are loops. Throws ConvergenceError, InputError at `place`.
   void find(bool is_redundant, const InputPlace& place) {
     is_redundant_ = is_redundant;
     MixedVector rows = model_.create_vector();
@@ -212,7 +212,7 @@ class RestShapeFinder {
     if (wanted_.turns_triads) check_inner_points(place);
   }
 
-  /// Theory (79), from the rows of N and M that are left.
+  /// Computes natural strains by theory (79), from the residuals of the rows of N and M.
   std::vector<NaturalMember> natural_members() const {
     const Mesh& mesh = model_.mesh();
     const MixedVector rows = rows_of(nullptr);
@@ -234,7 +234,7 @@ class RestShapeFinder {
     return all;
   }
 
-  // Vectors of forces: N times the length of the structure, and M, of all elements.
+  // Vectors of forces, which contain N times the length of the structure, and M, of all elements.
   MixedVector forces_of(const State& state) const {
     MixedVector forces = model_.create_vector();
     const KernelView<double*> interior = forces.writable_interior(false);
@@ -247,7 +247,7 @@ class RestShapeFinder {
     return forces;
   }
 
-  /// The state with these forces added.
+  /// Adds these forces to a state.
   State with_forces(const State& state, const MixedVector& forces) const {
     MixedVector increment = forces.clone(true);
     const KernelView<double*> interior = increment.writable_interior(true);
@@ -258,8 +258,8 @@ class RestShapeFinder {
     return model_.apply(state, increment, 1.0);
   }
 
-  /// Orthonormal forces in balance without loads: what any strains leave in the drawn structure. Fewer than `count`
-  /// where not as many are independent.
+  /// Finds orthonormal self-stresses, as responses of the drawn structure to arbitrary strains. Fewer than `count` if
+  /// fewer are independent.
   std::vector<MixedVector> self_stresses(int count) {
     std::vector<MixedVector> basis;
     for (int i = 0; i < count; ++i) {
@@ -272,7 +272,7 @@ class RestShapeFinder {
     return basis;
   }
 
-  /// Rows of N and M that lose the elastic strains of these forces.
+  /// Elastic strains of these forces: the rows of N and M without them less those with them.
   MixedVector strains_of(const MixedVector& forces) const {
     MixedVector with = model_.create_vector(), strains = model_.create_vector();
     element_rows(model_, with_forces(drawn_, forces), 0.0, ElementLoads::none, with);
@@ -294,14 +294,14 @@ class RestShapeFinder {
     settle();
   }
 
-  /// Of the present state, whether its forces are more than rounding.
+  /// Whether the forces of the present state are more than rounding.
   bool carries_forces() const {
     const ResidualScales& scales = linear_->tangent().point().scales;
     return forces_of(state_).maximum_norm() > kSettled * model_.structure().length * scales.force;
   }
 
  private:
-  /// Rows at the present state under all loads, scaled, or as they are.
+  /// Rows at the present state under all loads; `scales`: divisors, null: unscaled.
   MixedVector rows_of(const ResidualScales* scales) const {
     MixedVector rows = model_.create_vector();
     const EvaluationPoint point = mixed_residual(model_, state_, load_factor_, rows);
@@ -310,8 +310,8 @@ class RestShapeFinder {
     return rows;
   }
 
-  /// Theory (77), as a correction: the first one finds the forces, later ones take out what rounding and turns left.
-  /// Returns what was out of balance before.
+  /// Solves theory (77) for a correction: the first one finds the forces, later ones remove residuals of rounding and
+  /// of rotated sections. Returns the previous imbalance.
   double balance() {
     const auto fixed = model_.fixed_rows();
     MixedVector rows = rows_of(&linear_->tangent().point().scales);
@@ -347,7 +347,7 @@ class RestShapeFinder {
     return left;
   }
 
-  /// Theory (78). Returns the shear strain that was left before; sections stay where that is rounding.
+  /// Rotates sections by theory (78). Returns the previous shear residual; does nothing if that is rounding.
   double turn_sections() {
     const MixedVector rows = rows_of(nullptr);
     const double left = largest_shear_left(rows);
@@ -375,7 +375,7 @@ class RestShapeFinder {
     return left;
   }
 
-  /// Between the elements of a member, to the mean of both.
+  /// Rotates vertices between the elements of a member by the mean of both.
   void turn_vertices() {
     const Structure& structure = model_.structure();
     std::vector<Vec> turn(structure.local_vertices(), Vec{{0.0, 0.0, 0.0}});
@@ -391,7 +391,7 @@ class RestShapeFinder {
         store_quaternion(exp_quaternion(turn[v]), &state_.views.vertex_rotation(v, 0));
   }
 
-  /// A jump of shear inside a member would be a kink of its rest shape.
+  /// Throws if shear jumps inside a member, which would be a kink of its rest shape.
   void check_inner_points(const InputPlace& place) const {
     const Mesh& mesh = model_.mesh();
     for_each_element(model_.structure(), state_, [&](const ElementView& element) {
@@ -407,7 +407,7 @@ class RestShapeFinder {
     });
   }
 
-  /// By which a section is turned against its vertex, but for what its drawn shape has.
+  /// Rotation of an end section relative to its vertex, in addition to that of the drawn shape.
   Vec turn_at(const ElementView& element, int end) const {
     return end_rotation(element, end) - end_rotation(element.in(drawn_.views), end);
   }
@@ -451,7 +451,7 @@ class RestShapeFinder {
     member.tables[1].pieces.push_back(std::move(piece));
   }
 
-  /// Strains that follow no pattern of the structure, in the plane of the scene where it has one.
+  /// Pseudo-random strains, in the plane of the scene if it has one.
   MixedVector any_strains(int number) const {
     MixedVector rows = model_.create_vector();
     const KernelView<double*> interior = rows.writable_interior(false);
@@ -483,7 +483,7 @@ class RestShapeFinder {
   bool is_redundant_ = false;
 };
 
-/// The structure with its natural strains and without loads.
+/// The structure with natural strains and without loads.
 class UnloadedStructure {
  public:
   UnloadedStructure(const Scene& scene, SolverParameters parameters, const Communicator& comm)
@@ -495,7 +495,7 @@ class UnloadedStructure {
     parameters_.load_path.maximum_steps = std::min(parameters_.load_path.maximum_steps, kMostStepsWithoutLoads);
   }
 
-  /// Its equilibrium, from the last one or else from the drawn shape; null where there is none.
+  /// Finds its equilibrium, starting from the last one or else from the drawn shape; null if there is none.
   const State* find(const RestShape& shape) {
     problem_ = Teuchos::rcp(new BeamProblem(with_rest_shape(scene_, shape), comm_, parameters_));
     State state = state_ ? *state_ : problem_->model.reference_state();
@@ -518,7 +518,7 @@ class UnloadedStructure {
   std::optional<State> state_{};
 };
 
-/// The part of `own` self-stresses whose strains, left out of the natural ones, give the unloaded structure `stress`.
+/// Combines the self-stresses `own` whose strains, omitted from the natural ones, cause `stress` without loads.
 MixedVector source_of_stress(const MixedVector& stress, const RestShapeFinder& finder,
                              const std::vector<MixedVector>& own, Linearization& unloaded, const InputPlace& place) {
   const Model& model = finder.model();
@@ -538,8 +538,8 @@ MixedVector source_of_stress(const MixedVector& stress, const RestShapeFinder& f
   return cause;
 }
 
-/// Newton's method for the redundant forces under loads: what they leave out of the natural strains takes away the
-/// stress of the unloaded structure. Without `closes`: that stress for the forces that are there.
+/// Newton's method for the redundant forces under loads such that the unloaded structure has no stress. Without
+/// `closes`: computes that stress for the given forces.
 void close_loops(RestShapeFinder& finder, UnloadedStructure unloaded, bool closes, RestShape& shape,
                  const InputPlace& place) {
   if (closes && shape.redundancy > kMostRedundant)
@@ -577,7 +577,7 @@ double largest_of_table(const FieldTable& table) {
   return largest;
 }
 
-/// The drawn state in the structure with its natural strains.
+/// Checks residual and stability of the drawn state in the structure with its natural strains.
 void judge(const Scene& scene, const State& state, const SolverParameters& parameters, const Communicator& comm,
            RestShape& shape) {
   BeamProblem problem(with_rest_shape(scene, shape), comm, parameters);
@@ -663,12 +663,12 @@ std::vector<NaturalStation> natural_curve(const MeshMember& drawn, const Natural
     all.push_back(here);
   };
   add();
-  constexpr int kStepsOfPiece = 8;  // of fourth order
+  constexpr int kStepsOfPiece = 8;  // of a fourth-order method
   const double gauss = std::sqrt(3.0) / 6.0;
   for (int e = 0; e < drawn.elements; ++e)
     for (int p = 0; p < pieces * kStepsOfPiece; ++p) {
       const double h = drawn.element_length(e) / (pieces * kStepsOfPiece), s = drawn.arc_length(e, -1.0) + p * h;
-      // Magnus' expansion over a part t of the step, and Simpson's rule for the axis
+      // Magnus expansion over a part t of the step, and Simpson's rule for the axis.
       const auto turned = [&](double t) {
         const Vec a = curvature(s + (0.5 - gauss) * t), b = curvature(s + (0.5 + gauss) * t);
         return triad * exp_quaternion((0.5 * t) * (a + b) + (std::sqrt(3.0) / 12.0 * t * t) * cross(a, b));

@@ -17,10 +17,10 @@ namespace mixbeam {
 
 namespace {
 
-/// A sample of a taper has a section of its own, whose fields are prepared for it alone.
+/// Elements for which one of a taper counts, since each of its samples has a section of its own.
 constexpr size_t kElementsOfTaper = 10;
 
-/// Elements as the stresses along them count.
+/// Number of elements, weighted by the cost of the stresses along them.
 size_t elements_for_stresses(const Scene& scene, const Mesh& mesh) {
   size_t count = 0;
   for (size_t m = 0; m < mesh.members.size(); ++m)
@@ -29,7 +29,7 @@ size_t elements_for_stresses(const Scene& scene, const Mesh& mesh) {
   return count;
 }
 
-/// With an even number of negative eigenvalues Coriolis forces may hold a state: theory (76).
+/// Records stability. With an even number of negative eigenvalues Coriolis forces may stabilise a state: theory (76).
 RecordedStability recorded(const StepReport& report, const Model& model) {
   RecordedStability stability;
   if (report.stability) {
@@ -43,7 +43,7 @@ RecordedStability recorded(const StepReport& report, const Model& model) {
   return stability;
 }
 
-/// Of paths that may jump, in the time series of every step.
+/// Adds the data of jumps to the time series of every step, for paths that may jump.
 void follow_jumps(StepRecord& record) {
   const RecordedJump jump = record.jump.value_or(RecordedJump{});
   const double values[] = {static_cast<double>(record.point.jumps), jump.released, jump.motion, jump.largest};
@@ -115,7 +115,7 @@ Simulation Simulation::richer(const ErrorEstimate& estimate, std::vector<EndLaye
   try {
     other.state_ = with_layers(other.problem_, parameters_, other.state_, load_factor_, layers);
     layers = end_layers(other.model(), other.state(), &scene());
-  } catch (const LinearSolverError&) {  // the layers count where they are
+  } catch (const LinearSolverError&) {  // keeps the layers of the uncorrected state
   }
   return other;
 }
@@ -164,8 +164,8 @@ StepRecord Simulation::record(const StepReport& report, int points_per_element,
   const Balance sums = balance(&record.reactions);
   record.balance = {sums.applied_force,   sums.applied_moment, sums.reaction_force,
                     sums.reaction_moment, sums.force_error,    sums.moment_error};
-  // state and samples come last, when memory is scarcest; a step that iterates makes new arrays for nothing, the last
-  // one none
+  // State and samples come last, when memory is scarcest. After an iterative solve new arrays cost little, after the
+  // last step none are needed.
   if (is_end_of_path(load_factor_)) problem_->release_idle();
   if (problem_->iterates()) model().release_idle_arrays();
   record.state = share_of(model(), state_);
@@ -237,7 +237,7 @@ std::vector<RecordedBucklingMode> Simulation::buckling_modes(int count, int poin
     }
     for (size_t i = 0; i < std::min(finer.size(), recorded.size()); ++i)
       recorded[i].error = std::abs(finer[i].eigenvalue - recorded[i].load_factor);
-  } catch (const LinearSolverError&) {  // of the first, or of the richer space: no factors, or no errors
+  } catch (const LinearSolverError&) {  // of the first analysis: no modes; of the one in the richer space: no errors
   }
   return recorded;
 }

@@ -12,20 +12,20 @@ namespace mixbeam {
 
 namespace {
 
-/// Share of the cap that may be left in an adjoint: rounding of its products with what a parameter changes. Two or
-/// three solves as a rule; structures that share forces by stiffness take as many as there are ways of sharing.
+/// Share of the cap's effect that may be left in an adjoint: rounding of its products with changes by a parameter.
+/// Usually two or three solves; as many as there are ways of distribution if forces are distributed by stiffness.
 constexpr double kCapLeftInAdjoint = 1e-14;
 constexpr int kMostCapSolvesOfAdjoint = 200;
-/// Beyond it a gradient has fewer than nine digits: closed frames that are exactly rigid carry any stress of their own.
+/// Share above which a gradient has fewer than nine digits: exactly rigid closed frames carry any self-stress.
 constexpr double kMostCapLeftInAdjoint = 1e-9;
-/// Of the usual cap, which leaves 1e-11 of rounding in the derivative of an elastica, this one 1e-13.
+/// Factor on the usual cap, which leaves 1e-11 of rounding in the derivative of an elastica; this one leaves 1e-13.
 constexpr double kCapOfAdjoint = 4e-3;
-/// Rounding of one solution: a tenth of the machine's times the square of the number of elements. No more of the cap
-/// needs to be taken out of long chains.
+/// Rounding of one solution over the square of the number of elements, a tenth of machine precision. In long chains the
+/// correction for the cap need not be more accurate.
 constexpr double kShareOfRounding = 2e-17;
-/// Elements whose matrices are kept at a time: as many as caches hold.
+/// Number of elements whose matrices are kept at a time, so that they fit into caches.
 constexpr int kPart = 128;
-/// Rounding of a solve beyond which it is refined: share of the sum of the terms of a row.
+/// Residual of a solve above which it is refined, over the sum of |terms| of a row.
 constexpr double kRefinedAdjoint = 1e-15;
 
 std::vector<double> values_of(const DofMatrix& matrix) {
@@ -53,7 +53,8 @@ bool AdjointOperator::is_symmetric() const {
   return !system_.is_unsymmetric() && asymmetry(unknowns_.matrix()) <= stability_limit.symmetric;
 }
 
-/// The matrix over what chains leave is that of the tangent; of its transpose the chains alone are taken.
+/// Condenses and factorises the tangent. The remaining matrix is that of the tangent, solved transposed; chains are
+/// condensed again with the transposed elements.
 void AdjointOperator::linearize(bool in_space) {
   const Cap usual = cap_for(model_, point_.scales);
   tangent_.emplace(model_, point_, usual.cuts_off ? cap_for(model_, point_.scales, kCapOfAdjoint) : usual,
@@ -74,7 +75,7 @@ void AdjointOperator::linearize(bool in_space) {
         for (int j = 0; j < i; ++j) std::swap(elements(e, 12 * i + j), elements(e, 12 * j + i));
     system_.condense(*tangent_);
   }
-  // pages of elements in chains stay untouched and cost nothing
+  // Memory pages of elements in chains stay untouched and cost nothing.
   const KernelView<double**> zeros(Kokkos::view_alloc("mixbeam::adjoint::zeros", Kokkos::WithoutInitializing),
                                    model_.structure().local_elements(), kSymmetricTangent);
   for (const RemainingLink& link : system_.links())
@@ -83,8 +84,8 @@ void AdjointOperator::linearize(bool in_space) {
   system_.gather_outside(*tangent_, zeros, keep(outside_));
 }
 
-/// Calls action(some elements, with their matrices) for all of them in turn: those of all at once would need more
-/// memory than the run.
+/// Calls action(part, evaluate) for parts of all elements in turn, whose matrices evaluate() computes: those of all
+/// elements together would need more memory than the run.
 template <class Action>
 void AdjointOperator::for_each_part(bool condenses, const Action& action) const {
   StructureViews structure = tangent_->cap().structure;
@@ -115,8 +116,8 @@ void AdjointOperator::add_at_vertices(const KernelView<double*>& vertex) const {
         vertex(vertex_row(v, i)) += vertex_rows_(adjacency.element(a, 0), kVertexDofs * adjacency.element(a, 1) + i);
 }
 
-/// Condenses rows to the vertices, projected. Without symmetry the tangent does not know how: interiors of the
-/// transpose are others.
+/// Condenses rows to the vertices and projects them. Unsymmetric tangents cannot do this, since the condensed interiors
+/// of their transpose differ.
 DofVector& AdjointOperator::condense(const MixedVector& rows) {
   DofVector& condensed = tangent_->condensed_rows();
   if (!system_.is_unsymmetric()) {
@@ -153,8 +154,8 @@ void AdjointOperator::recover(const MixedVector& rows, MixedVector& motion) cons
   });
 }
 
-/// Solves J t = -rows with the capped J: the tangent, or its transpose. Rows are those of a residual, of vertices
-/// spatial. `held`: motions that supports impose, with their forces among the rows. `projected`: see solve().
+/// Solves J t = -rows with the capped J, the tangent or its transpose. Rows are like those of a residual, spatial for
+/// vertices. `held`: motions imposed by supports, whose forces are included in the rows. `projected`: see solve().
 Adjoint AdjointOperator::respond(const MixedVector& rows, const DofVector* held, const DofVector* projected) {
   DofVector& condensed = condense(rows);
   condensed.scale(-1.0);
@@ -179,7 +180,6 @@ Adjoint AdjointOperator::respond(const MixedVector& rows, const DofVector* held,
   return found;
 }
 
-/// Motions whose work with the rows of the equations is the part of a quantity that supports hold.
 DofVector AdjointOperator::held_motion(const StateDerivative& quantity) const {
   DofVector motion(model_.map());
   const KernelView<double*> rows = MixedVector::view_of(motion);
@@ -191,7 +191,7 @@ DofVector AdjointOperator::held_motion(const StateDerivative& quantity) const {
   };
   for (const HeldRows& held : quantity.held()) {
     add(held.vertex, held.force, held.moment);
-    for (const VertexJoint& joint : model_.conditions().joints) {  // whose rows the master shares
+    for (const VertexJoint& joint : model_.conditions().joints) {  // the rows of slaves are added to the master's
       if (joint.master != held.vertex) continue;
       if (joint.kind == JointKind::slider && norm(held.moment) > 0.0)
         throw std::invalid_argument("a reaction moment at a slider has no derivative here");
@@ -201,7 +201,7 @@ DofVector AdjointOperator::held_motion(const StateDerivative& quantity) const {
   return motion;
 }
 
-/// Adds matrix^T times a motion of the vertices that chains leave, or of the tangent itself the matrix.
+/// Adds matrix^T, or if not transposed the matrix, times a motion of the remaining vertices.
 void AdjointOperator::add_product(const Entries& matrix, const DofVector& motion,
                                   const KernelView<double*>& rows) const {
   const auto local = system_.matrix()->getLocalMatrixHost();
@@ -215,7 +215,7 @@ void AdjointOperator::add_product(const Entries& matrix, const DofVector& motion
     }
 }
 
-/// Rows that the cap leaves out.
+/// Computes the rows that the cap leaves out.
 void AdjointOperator::excess_rows(const MixedVector& motion, MixedVector& rows) const {
   Kokkos::deep_copy(rows.vertex(), 0.0);
   const KernelView<double*> interior = rows.writable_interior(false);
@@ -247,7 +247,7 @@ void AdjointOperator::take_out_cap(Adjoint& adjoint) {
   for (size_t k = 0; k < left_out.y.size(); ++k) adjoint.add(left_out.y[k], responses[k]);
 }
 
-/// Moments that are held turn with the spin of their vertex by half a cross product, theory (44).
+/// Adds the derivative of held moments, which rotate with their vertex by half a cross product, theory (44).
 void AdjointOperator::add_turning(const DofVector& held, const KernelView<double*>& rows) const {
   MixedVector spatial = model_.create_vector();
   element_rows(model_, state_, point_.load_factor, ElementLoads::with_centrifugal, spatial);
@@ -260,8 +260,8 @@ void AdjointOperator::add_turning(const DofVector& held, const KernelView<double
   }
 }
 
-/// q_x + R_x^T t at vertices that supports hold, with the true compliance. `rows`: q_x, but for what supports hold of
-/// it, which t has.
+/// Computes q_x + R_x^T t at supported vertices, with the true compliance. `rows`: q_x without its part in held rows,
+/// which t contains.
 std::vector<double> AdjointOperator::held_rows(const MixedVector& rows, const Adjoint& adjoint) const {
   std::vector<unsigned char> is_held(model_.structure().local_vertices(), 0);
   for (const VertexSupport& support : model_.conditions().supports) is_held[support.vertex] = 1;
@@ -313,7 +313,7 @@ void weigh_force_rows(const Structure& structure, bool divides, MixedVector& row
   });
 }
 
-/// Whether rows and what is held stay in the plane of the state, and no interior is asked.
+/// Whether rows and held motions lie in the plane of the state, and interior rows are zero.
 bool AdjointOperator::is_planar_for(const MixedVector& rows, const DofVector& held) const {
   const KernelView<const double*> interior = rows.interior();
   const auto is_zero = [](double x) { return x == 0.0; };

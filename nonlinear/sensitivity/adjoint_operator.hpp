@@ -1,5 +1,5 @@
-/// Solutions with the transposed tangent of a state, rigid sections included: what a quantity of the state gains where
-/// an equation is disturbed, theory (80).
+/// Solutions with the transposed tangent of a state, rigid sections included: the change of a quantity of the state if
+/// an equation is perturbed, theory (80).
 #pragma once
 
 #include "discretization/assembly/condensed_system.hpp"
@@ -13,12 +13,12 @@
 
 namespace mixbeam {
 
-/// The adjoint of one quantity: t of theory (80), with which dq/dp = q_p + t . R_p for rows R that are gradients of the
+/// The adjoint of one quantity: t of theory (80), with dq/dp = q_p + t . R_p for rows R that are gradients of the
 /// functional (those of N weighted).
 struct Adjoint {
   MixedVector field;           ///< motions of vertices and increments of interiors
-  std::vector<double> free{};  ///< its independent unknowns, of IndependentUnknowns
-  std::vector<double> held{};  ///< (6 * vertex + component): q_x + R_x^T t, spatial; zero where a vertex is free
+  std::vector<double> free{};  ///< its independent unknowns, see IndependentUnknowns
+  std::vector<double> held{};  ///< (6 * vertex + component): q_x + R_x^T t, spatial; zero for vertices without support
 
   void add(double factor, const Adjoint& other) {
     field.update(factor, other.field, 1.0);
@@ -27,15 +27,15 @@ struct Adjoint {
   }
 };
 
-/// Of each number N of an element: weight of its Gauss point times h / 2, where it is integrated there.
+/// Returns (number of N of an element): weight of its Gauss point times h / 2, if it is integrated there.
 std::vector<double> weights_of(const ElementView& element);
 /// Multiplies rows of N, which are strains, by the weights of their points, theory (16), or divides them.
 void weigh_force_rows(const Structure& structure, bool divides, MixedVector& rows);
 
-/// One process only. Throws LinearSolverError where equations cannot be solved.
+/// Solves adjoint equations. One process only. Throws LinearSolverError if equations cannot be solved.
 class AdjointOperator {
  public:
-  /// The problem must outlive it. `transposed` false: the tangent itself, of which followers make something else.
+  /// The problem must outlive it. `transposed` false: solves with the tangent itself, which differs for follower loads.
   AdjointOperator(BeamProblem& problem, const State& state, double load_factor, bool transposed = true);
 
   const Model& model() const { return model_; }
@@ -43,17 +43,17 @@ class AdjointOperator {
   double load_factor() const { return point_.load_factor; }
   bool is_symmetric() const;
 
-  /// `projected`: what else the quantity has in projected rows, of vertices whose free motions turn with the state.
-  /// `imposed`: motions of supports that come with the rows, in place of what the quantity has of held rows.
+  /// Solves for the adjoint. `projected`: additional part of the quantity in projected rows, for vertices whose free
+  /// motions rotate with the state. `imposed`: motions of supports that replace the quantity's part in held rows.
   Adjoint solve(const StateDerivative& quantity, const DofVector* projected = nullptr,
                 const DofVector* imposed = nullptr);
-  /// free . Z^T rows, the projected rows of supports and joints (6 * vertex + component).
+  /// Computes free . Z^T rows, for projected rows of supports and joints (6 * vertex + component).
   double work_of_free(const Adjoint& adjoint, const DofVector& projected);
-  /// The motion whose work with the rows of the equations is the part of a quantity that supports hold.
+  /// Motion whose work with the rows of the equations is the part of a quantity due to held rows.
   DofVector held_motion(const StateDerivative& quantity) const;
 
  private:
-  using Entries = std::vector<double>;  ///< of the matrix over the vertices that chains leave
+  using Entries = std::vector<double>;  ///< of the remaining matrix
 
   bool is_planar_for(const MixedVector& rows, const DofVector& held) const;
   void linearize(bool in_space);
@@ -76,13 +76,13 @@ class AdjointOperator {
   EvaluationPoint point_;
   std::optional<Tangent> tangent_{};
   KernelView<double* [12]> vertex_rows_;   ///< (local element)
-  std::shared_ptr<TangentSolver> lender_;  ///< whose memory for chains is used
+  std::shared_ptr<TangentSolver> lender_;  ///< solver whose memory for chains is used
   std::optional<CondensedSystem> own_{};
   CondensedSystem& system_;
   IndependentUnknowns unknowns_;
   DofVector remaining_;
   std::unique_ptr<InertiaSolver> solver_;
-  Entries whole_, outside_;  ///< spatial rows: of everything, of what is no element
+  Entries whole_, outside_;  ///< spatial rows: of the whole tangent, and without elements
 };
 
 }  // namespace mixbeam

@@ -11,17 +11,17 @@ namespace mixbeam {
 
 namespace {
 
-/// Unknowns and the objective are of size one where the search begins.
+/// Tolerances of unknowns and objective, which are of order one at the start of the search.
 constexpr double kSettledUnknowns = 1e-9, kSettledObjective = 1e-12;
-/// Left of the gradient, over that where the search begins, at what counts as a minimum.
+/// Projected gradient at a minimum, in the units of the search.
 constexpr double kFlat = 1e-4;
 /// Distance to its limit below which a constraint is active.
 constexpr double kActive = 1e-6;
-/// Of an unknown to a bound, over one or the bound.
+/// Distance to a bound, over one or the bound, at which an unknown is at it.
 constexpr double kAtBound = 1e-12;
-/// Of the end of a search to what could not be evaluated, likewise.
+/// Distance of the end of a search to a point that could not be evaluated, over one or the unknown, if that stopped it.
 constexpr double kBeside = 1e-2;
-/// An unknown moves by so much at most, over its size or one: beyond, the line search goes on with a tenth.
+/// Largest change of an unknown, over one or its size: beyond, the line search continues with a tenth.
 constexpr double kFarthest = 2.0;
 constexpr int kMostEvaluations = 1000, kMostBlocked = 12;
 
@@ -76,7 +76,7 @@ class MinimumSearch {
     return ends_beside_block() ? SearchEnd::blocked : SearchEnd::no_descent;
   }
 
-  /// Where steps were made smaller and smaller for it.
+  /// Whether steps have shrunk towards a point that could not be evaluated.
   bool ends_beside_block() const {
     for (std::size_t i = 0; i < result_.blocked_at.size(); ++i)
       if (std::abs(result_.blocked_at[i] - result_.unknowns[i]) >
@@ -85,7 +85,7 @@ class MinimumSearch {
     return !result_.blocked_at.empty();
   }
 
-  /// C knows no exceptions: the first one waits for the end.
+  /// Keeps the first exception until the end, since C code cannot pass it on.
   template <class Action>
   static void guarded(MinimumSearch& self, const Action& action) {
     if (self.failure_) return;
@@ -110,19 +110,19 @@ class MinimumSearch {
     });
     return value;
   }
-  /// Constraints from one of the values on.
+  /// Constraints, which are the values from `first` on.
   struct Constraints {
     const MinimumSearch* search;
     std::size_t first;
   };
-  /// They are asked for where the objective was, after it.
+  /// Returns constraints. NLopt evaluates them after the objective, at the same point.
   static void rows_of(unsigned m, double* values, unsigned n, const double*, double* gradient, void* data) {
     const auto& [search, first] = *static_cast<const Constraints*>(data);
     std::copy_n(search->result_.values.data() + first, m, values);
     if (gradient != nullptr) std::copy_n(search->result_.derivatives.data() + first * n, m * n, gradient);
   }
 
-  /// What rounding keeps off a bound is at it.
+  /// Moves unknowns onto bounds from which only rounding separates them.
   std::vector<double> snapped(std::vector<double> x) const {
     for (std::size_t i = 0; i < unknowns_; ++i)
       for (const double bound : {problem_.space.lower[i], problem_.space.upper[i]})
@@ -173,8 +173,8 @@ class MinimumSearch {
   bool is_active(std::size_t constraint) const {
     return constraint <= equations_ || result_.values[constraint] >= -kActive;
   }
-  /// The gradient less its projection on those of active constraints, over unknowns that no bound holds: one that keeps
-  /// them from going on down the objective, or beside active constraints any.
+  /// Largest component of the gradient orthogonal to those of active constraints, over unknowns that no bound holds. A
+  /// bound holds an unknown that would decrease the objective beyond it or, with active constraints, any at it.
   double gradient_left() const {
     std::vector<std::size_t> rows = {0};
     for (std::size_t k = 1; k < result_.values.size(); ++k)

@@ -11,16 +11,16 @@ namespace mixbeam {
 
 namespace {
 
-/// The tangent of a critical state cannot be solved with. States beside it whose stresses are smaller or larger by this
-/// share can, with ten digits, and what varies smoothly with it is extrapolated to fourth order.
+/// Share by which the stresses of neighbouring states differ. The tangent of a critical state is singular; those of the
+/// neighbours are solved with ten digits, and smooth results are interpolated to fourth order.
 constexpr double kStressShare = 1e-5;
 constexpr int kNeighbours = 4;
 constexpr double kPlaces[kNeighbours] = {1.0, -1.0, 2.0, -2.0};
 constexpr double kWeights[kNeighbours] = {4.0 / 6.0, 4.0 / 6.0, -1.0 / 6.0, -1.0 / 6.0};
-/// Each of which leaves that share of other modes.
+/// Number of inverse iterations, each of which leaves that share of other modes.
 constexpr int kInverseIterationsOfMode = 4;
-/// Motion (largest rotation, or displacement over the length) of the smallest of the differences along a mode: eighth
-/// order leaves 1e-14 of second derivatives, rounding 1e-12.
+/// Motion (largest rotation, or displacement over the length) in the smallest difference along a mode: eighth order
+/// leaves 1e-14 of second derivatives, rounding 1e-12.
 constexpr double kDifferenceAlongMode = 1.0 / 64.0;
 constexpr int kStates = 8;
 constexpr double kStateAt[kStates] = {1.0, -1.0, 2.0, -2.0, 3.0, -3.0, 4.0, -4.0};
@@ -29,24 +29,24 @@ constexpr double kFirst[kStates] = {4.0 / 5.0,   -4.0 / 5.0,   -1.0 / 5.0,   1.0
 constexpr double kSecond[kStates] = {8.0 / 5.0,   8.0 / 5.0,   -1.0 / 5.0,   -1.0 / 5.0,
                                      8.0 / 315.0, 8.0 / 315.0, -1.0 / 560.0, -1.0 / 560.0};
 constexpr double kSecondHere = -205.0 / 72.0;
-/// Share of the stresses, N L^2/EI or M L/EI, that the eigenvalue at a critical point may have: points are located to a
-/// hundredth of it at least.
+/// Largest eigenvalue at a critical point, over the stresses N L^2/EI or M L/EI: points are located at least to a
+/// hundredth of it.
 constexpr double kNearZero = 1e-6;
-/// Beside the first ones: derivatives of loads that are closer hold for smaller changes alone.
+/// Ratio up to which further modes belong to the cluster: derivatives of closer loads hold only for smaller changes.
 constexpr double kOneCluster = 1e-4;
 constexpr int kMostTogether = 6;
-/// The same of the third variation along a mode of a symmetric bifurcation, for the largest motion one.
+/// Largest third variation along a mode with largest motion one at a symmetric bifurcation, over the same stresses.
 constexpr double kThirdVariation = 1e-6;
 /// Motion along its modes (largest rotation, or displacement over the length) by which the state at a bifurcation may
-/// lie aside of the path: derivatives of the load change with its square.
+/// deviate from the path: derivatives of the load change with its square.
 constexpr double kAside = 1e-4;
-/// Steps of Newton's method beside the modes, until they are no larger than that.
+/// Limit of steps of Newton's method orthogonal to the modes, and their size at convergence.
 constexpr int kMostSettlings = 4;
 constexpr double kSettledBesideModes = 1e-11;
-/// Share of the largest derivative of the load by numbers of elements that a mode of the largest motion one may lose to
-/// one of them without breaking the symmetry.
+/// Work of a number of an element in a mode with a largest motion of one, over the largest derivative of the load, up
+/// to which it does not break the symmetry.
 constexpr double kBreaksSymmetry = 1e-7;
-/// Steps of the load factor in differences.
+/// Relative step of the load factor in differences.
 constexpr double kStepOfLoad = 0.0005;
 
 Adjoint scaled_adjoint(const Adjoint& of, double factor) {
@@ -55,7 +55,7 @@ Adjoint scaled_adjoint(const Adjoint& of, double factor) {
   return result;
 }
 
-/// With stresses larger by a share.
+/// Increases the stresses of a state by a share.
 State with_more_stress(const Model& model, const State& state, double share) {
   MixedVector more = model.create_vector();
   more.fill(0.0);
@@ -66,7 +66,7 @@ State with_more_stress(const Model& model, const State& state, double share) {
   return model.apply(state, more, share);
 }
 
-/// The tangent of a critical state, or its transpose: motions that it takes to no forces, and its inverse in others.
+/// The singular tangent of a critical state, or its transpose: its null vectors, and its inverse orthogonal to them.
 class SingularTangent {
  public:
   SingularTangent(BeamProblem& problem, const State& state, double load_factor, int modes, bool transposed)
@@ -83,9 +83,9 @@ class SingularTangent {
 
   AdjointOperator& beside() { return *beside_.front(); }
   const std::vector<Adjoint>& modes() const { return modes_; }
-  /// The one beside them that is nearest to another one, roughly.
+  /// Approximates the mode whose eigenvalue is next to theirs.
   Adjoint next_mode() const { return modes_of(*beside_.front(), static_cast<int>(modes_.size()) + 1).back(); }
-  /// The adjoint of a quantity, without parts of modes.
+  /// Solves for the adjoint of a quantity, without components in the modes.
   Adjoint solve(const StateDerivative& quantity, const DofVector& projected) {
     return extrapolated([&](int i) {
       Adjoint found = beside_[i]->solve(quantity, &projected);
@@ -94,7 +94,7 @@ class SingularTangent {
     });
   }
 
-  /// Length of member times rotations, displacements over the length of the structure.
+  /// Multiplies motions by tributary lengths, and displacements by 1 / L^2, L the length of the structure.
   MixedVector measured(const MixedVector& motion) const {
     MixedVector rows = motion.clone(false);
     rows.fill(0.0);
@@ -115,7 +115,7 @@ class SingularTangent {
     return sum;
   }
 
-  /// The part of a motion in the modes beside.
+  /// Component of a motion in the modes of a neighbour.
   Adjoint in_modes(int i, const Adjoint& motion) const {
     Adjoint part = scaled_adjoint(motion, 0.0);
     for (const Adjoint& mode : modes_beside_[i]) part.add(product(mode, motion), mode);
@@ -167,7 +167,7 @@ class SingularTangent {
   std::vector<Adjoint> modes_{};
 };
 
-/// States along a motion, at kStateAt steps.
+/// States along a motion, at multiples kStateAt of a step.
 struct Curve {
   Adjoint motion;
   double step = 0.0;
@@ -250,14 +250,14 @@ class CriticalLoad {
     return std::min(kStepOfLoad * std::max(1e-3, std::abs(load_factor_)), to_stage > 0.0 ? 0.25 * to_stage : 1.0);
   }
 
-  /// As large as that of stresses, in the units of SingularTangent::product().
+  /// Eigenvalue of the order of stress_of(), in the units of SingularTangent::product().
   double eigenvalue_of_stress() const {
     const Structure& structure = model_.structure();
     return stress_of(model_, magnitude_of(model_, state_, load_factor_)) * structure.bending_reference /
            (structure.length * structure.length);
   }
 
-  /// Those that vanish, and others that nearly do.
+  /// Finds the modes whose eigenvalues vanish, and those that nearly do.
   void find_modes(const CriticalPoint& point, bool transposed) {
     bool settles = point.kind == CriticalKind::bifurcation;
     double zero = kNearZero;
@@ -285,7 +285,7 @@ class CriticalLoad {
     }
   }
 
-  /// Largest rotation, or displacement over the length.
+  /// Largest rotation, or displacement over the length, of a motion.
   double size_of(const Adjoint& motion) const {
     const LargestParts size = largest_parts(*model_.map()->getComm(), motion.field.vertex());
     return std::max(size.moved / model_.structure().length, size.turned);
@@ -298,7 +298,7 @@ class CriticalLoad {
     return curve;
   }
 
-  /// Rows of a state beside, as work in the free motions here finds them; without those that supports hold.
+  /// Rows of a neighbouring state for work in the free motions of this one; without held rows.
   StateRows rows_beside(const Model& model, double load_factor, const State& there) const {
     StateRows rows = rows_at(model, there, load_factor);
     const auto projected = [&](const State& state) {
@@ -314,7 +314,7 @@ class CriticalLoad {
     return rows;
   }
 
-  /// psi . R_x psi.
+  /// Computes psi . R_x psi.
   double second_variation(const Curve& along, const Model& model, double load_factor) const {
     const NumberDerivatives equations(tangent_->beside(), state_, {});
     double sum = 0.0, ignored = 0.0;
@@ -324,7 +324,7 @@ class CriticalLoad {
     return sum;
   }
 
-  /// Its derivative by the state: the second one of the rows along psi.
+  /// Derivative of the second variation by the state: the second derivative of the rows along psi.
   StateRows slope_of_second_variation(const Curve& along) const {
     StateRows slope(model_);
     slope.add(kSecondHere / (along.step * along.step),
@@ -334,7 +334,7 @@ class CriticalLoad {
     return slope;
   }
 
-  /// t of (82), with the motion of the state.
+  /// Solves for t of (82), which includes the motion of the state.
   Adjoint adjoint_of(const Curve& along) const {
     const StateRows slope = slope_of_second_variation(along);
     const NumberDerivatives equations(tangent_->beside(), state_, {});
@@ -347,12 +347,12 @@ class CriticalLoad {
     return solve(slope);
   }
 
-  /// -R_x^-1 times rows, beside the modes.
+  /// Computes -R_x^-1 times rows, orthogonal to the modes.
   Adjoint solve(const StateRows& of) const {
     return tangent_->solve(derivative_of(model_, state_, of), of.constraints);
   }
 
-  /// Newton's method beside the modes: bifurcations are located by their loads, and their states to half of the digits.
+  /// Newton's method orthogonal to the modes, since the states of bifurcations are located only to half of the digits.
   /// Returns whether the state has moved.
   bool settle() {
     bool moves = false;
@@ -365,7 +365,7 @@ class CriticalLoad {
     return moves;
   }
 
-  /// Of the modes themselves; then of the second variations in each mode and in each sum of two.
+  /// Prepares derivatives of the work in the modes; then of second variations in each mode and in each sum of two.
   NumberDerivatives of_second_variations() {
     for (int a = 0; a < count(); ++a)
       for (int b = a + 1; b < count(); ++b) {
@@ -383,7 +383,7 @@ class CriticalLoad {
     return derivatives;
   }
 
-  /// (mode, mode): the form of which the second variations are known.
+  /// Returns (mode, mode): the quadratic form with these second variations.
   std::vector<double> form_of(const Derivatives& by) const {
     const int m = count();
     std::vector<double> form(static_cast<std::size_t>(m) * m);
@@ -394,8 +394,8 @@ class CriticalLoad {
     return form;
   }
 
-  /// Finds S with S^T D S = 1 for the form D of the load, but for its sign, and how far the state lies aside of the
-  /// path, along the modes: there chi . R_lambda = D c.
+  /// Finds S with S^T D S = 1 for the form D of the load, up to its sign, and the deviation c of the state from the
+  /// path along the modes, from chi . R_lambda = D c.
   void take_slopes(const Derivatives& by_load) {
     const int m = count();
     std::vector<double> of_load = form_of(by_load);
@@ -415,7 +415,7 @@ class CriticalLoad {
         refuse("the path does not pass through it");
   }
 
-  /// -D^-1 G: of one mode a derivative, of several one for each direction, the smallest first.
+  /// Computes -D^-1 G: the derivative for one mode; for several, one for each direction, the smallest first.
   std::vector<double> values_of(const Derivatives& by) const {
     const int m = count();
     const std::vector<double> form = form_of(by);
@@ -431,8 +431,8 @@ class CriticalLoad {
     return values;
   }
 
-  /// chi . R_p, without what the place of the state makes of it; over D for the largest motion one. Of several modes
-  /// the largest.
+  /// Computes chi . R_p, corrected for the deviation of the state from the path, over D for a largest motion of one;
+  /// the largest of several modes.
   double imperfection_of(const Derivatives& by) const {
     const int m = count();
     const std::vector<double> form = form_of(by);
@@ -449,7 +449,7 @@ class CriticalLoad {
     return largest;
   }
 
-  /// Of one mode, with the products of its own N and M, theory (82).
+  /// Adds derivatives by elements for one mode, including products of its own N and M, theory (82).
   void add_elements(const Adjoint& adjoint, RecordedGradient& gradient) const {
     const double slope = sign_ / (scale_[0] * scale_[0]);
     const StateDerivative none(model_, state_);
@@ -469,7 +469,7 @@ class CriticalLoad {
     forget_breaking<Numbers>(breaking, &RecordedGradient::natural, gradient, {&RecordedGradient::natural});
   }
 
-  /// Makes NaN of what breaks the symmetry beside the largest derivatives of forces, of moments.
+  /// Sets derivatives by numbers that break the symmetry to NaN, relative to the largest one of forces, or of moments.
   template <class Numbers>
   static void forget_breaking(const RecordedGradient& breaking, Numbers measured, RecordedGradient& gradient,
                               const std::vector<Numbers>& lost) {

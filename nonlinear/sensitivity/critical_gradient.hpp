@@ -12,10 +12,10 @@ struct CriticalGradientRequest {
   bool by_element = false;
 };
 
-/// "load factor at NAME". Of a bifurcation, "imperfection sensitivity at NAME" beside it: of numbers that have one the
-/// derivative is NaN. Of several modes together the derivative is NaN, and there is one for each direction, "load
-/// factor at NAME, direction 1", the smallest first. `transposed` false: the mode in place of the left null vector, of
-/// which loads that follow make something else. One process only. Throws as gradients_of() does.
+/// Computes the gradient "load factor at NAME" and, for a bifurcation, "imperfection sensitivity at NAME": where that
+/// is not zero the derivative is NaN. For several modes together the derivative is NaN, and there is one for each
+/// direction, "load factor at NAME, direction 1", the smallest first. `transposed` false: uses the mode instead of the
+/// left null vector, from which it differs for follower loads. One process only. Throws like gradients_of().
 std::vector<RecordedGradient> critical_gradients_of(BeamProblem& problem, const CriticalPoint& point,
                                                     const CriticalGradientRequest& request, bool transposed = true);
 

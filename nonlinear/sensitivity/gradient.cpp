@@ -55,7 +55,7 @@ class Gradients {
     return at;
   }
 
-  /// Of columns whose derivatives come by adjoints; or directly, with frequencies.
+  /// Values of the columns with adjoints, or of those differentiated directly, which include frequencies.
   std::vector<double> values_asked(bool direct, const Moved& moved) const {
     const Model& model = *moved.model;
     const std::vector<Reaction> reactions = mixbeam::reactions(model, *moved.state, load_factor_);
@@ -113,7 +113,7 @@ class Gradients {
       directions_.emplace_back(gradient.quantity, mode);
   }
 
-  /// Once the modes are known: values of frequencies, and gradients for their directions.
+  /// Sets values of frequencies, and adds gradients for their directions, when the modes are known.
   void finish_modes(std::vector<RecordedGradient>& found) {
     if (!modes_) return;
     values_ = request_.quantities.values(here());
@@ -123,7 +123,7 @@ class Gradients {
         found.push_back({name + ", direction " + std::to_string(k), modes_->frequency(mode)});
   }
 
-  /// Of values that come directly; of their kind where they are zero.
+  /// Sets the sizes of values that are differentiated directly, at least those typical for their unit.
   void take_sizes() {
     const double length = model_.structure().length;
     const ResidualScales scales = scales_of(model_, state_, load_factor_);
@@ -173,7 +173,7 @@ class Gradients {
     }
   }
 
-  /// In place of frequencies that are not known: what depends on them is found all the same.
+  /// Placeholder for unknown frequencies, so that other values can be evaluated.
   static constexpr double kAny = 1.0;
 
   BeamProblem& problem_;
@@ -189,14 +189,14 @@ class Gradients {
   StrainEnergy energy_;
   std::vector<double> values_;
   QuantitySet pinned_;
-  std::vector<std::size_t> by_adjoint_{}, direct_{};  ///< places among the columns that are asked for
+  std::vector<std::size_t> by_adjoint_{}, direct_{};  ///< indices into the requested columns
   std::optional<AdjointOperator> adjoint_{}, tangent_{};
   std::optional<NumberDerivatives> derivatives_{}, motion_{};
 };
 
 using SixNumbers = std::array<double, 6>;
 
-/// Adds dq/dS and dq/dgamma_0, dq/dkappa_0 of the products with N and M, theory (80).
+/// Adds dq/dS and dq/dgamma_0, dq/dkappa_0 from products with N and M, theory (80).
 void add_products(const ElementView& element, const double* stresses, const double* adjoint,
                   const StateDerivative& quantity, SixNumbers& compliance, SixNumbers& natural) {
   const std::vector<double> weight = weights_of(element);
@@ -222,7 +222,7 @@ void find_by_element(const State& state, const StateDerivative& quantity, const 
   const Structure& structure = quantity.model().structure();
   for (auto* numbers : {&gradient.stiffness, &gradient.compliance, &gradient.natural})
     numbers->assign(static_cast<size_t>(structure.mesh_elements), SixNumbers{});
-  // outside of the loop: threads must not count owners of views
+  // Taken outside of the loop: threads must not change reference counts of views.
   const KernelView<const double*> field = adjoint.field.interior();
   const KernelView<const double*> given = stresses == nullptr ? KernelView<const double*>() : stresses->interior();
   for_each_element_on_threads("mixbeam::gradient::products", structure, state.views, [&](const ElementView& element) {

@@ -11,17 +11,17 @@ namespace mixbeam {
 
 namespace {
 
-/// Share of omega^2 within which frequencies are one: derivatives of closer ones hold for smaller changes alone, and
-/// their modes have fewer digits.
+/// Relative difference of omega^2 up to which frequencies are one: derivatives of closer ones hold only for smaller
+/// changes, and their modes have fewer digits.
 constexpr double kOneFrequency = 1e-5;
-/// Modes beyond those asked for, of which the last may share their frequency: as many as a free body has motions.
+/// Modes beyond those requested, which may share the last frequency: as many as a free body has rigid motions.
 constexpr int kMostOfOneFrequency = 6;
-/// The shift misses omega^2 by this share: each solution leaves that share of modes at twice the frequency, and keeps
-/// all but two digits of its own.
+/// Relative distance of the shift from omega^2: each solution leaves that share of modes at twice the frequency, and
+/// loses two digits.
 constexpr double kBesideFrequency = 0.01;
 constexpr int kSolutionsOfMode = 2;
 
-/// Of the frequency by omega^2.
+/// Derivative of the frequency by omega^2.
 double slope_of_frequency(double square) { return 1.0 / (4.0 * kPi * std::sqrt(square)); }
 
 }  // namespace

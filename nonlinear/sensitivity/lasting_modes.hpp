@@ -1,4 +1,4 @@
-/// Frequencies of structures beside the one whose modes are known, to first order: modes stay as they are, theory (83).
+/// Frequencies of structures close to one whose modes are known, to first order, with fixed modes, theory (83).
 #pragma once
 
 #include "nonlinear/stability/vibration.hpp"
@@ -8,24 +8,24 @@
 
 namespace mixbeam {
 
-/// One process only.
+/// Modes that are kept while the structure changes. One process only.
 class LastingModes {
  public:
   /// The problem must outlive it.
   LastingModes(BeamProblem& problem, const State& state, double load_factor, const ModesParameters& asked);
 
-  /// omega / (2 pi) of a mode, from 1. Throws std::invalid_argument for one that has no derivative, and says why.
+  /// Frequency omega / (2 pi) of a mode, from 1. Throws std::invalid_argument with the reason if it has no derivative.
   double frequency(int mode);
   /// Number of modes that share that frequency.
   int together(int mode) { return shared(mode).count; }
-  /// (mode, mode) of those: what the frequency changes by in a state beside, of a model that may be another one.
+  /// Returns (mode, mode) of those: change of the frequency in a neighbouring state, possibly of another model.
   std::vector<double> changes(int mode, const Model& model, const State& state);
 
  private:
   struct Shared {
     double square = 0.0;  ///< omega^2
     int count = 0;
-    std::vector<VibrationOperator::Response> motions{};  ///< of unit mass, then the sums of two
+    std::vector<VibrationOperator::Response> motions{};  ///< of unit modal mass, then the sums of pairs
   };
   const Shared& shared(int mode);
   Shared of_cluster(int first, int count);

@@ -11,30 +11,30 @@ namespace mixbeam {
 
 namespace {
 
-/// Unknowns of size one are found to that, which quadratic convergence passes in its last step.
+/// Accuracy of unknowns of order one, which quadratic convergence exceeds in its last step.
 constexpr double kSmallestMove = 1e-10;
 /// Cosine below which residuals of measurements count as orthogonal to all columns.
 constexpr double kOrthogonal = 1e-9;
-/// Share of the objective that rounding hides.
+/// Share of the objective that is rounding.
 constexpr double kHidden = 1e-14;
 constexpr int kMostSearchSteps = 200, kMostTrials = 24;
-/// Marquardt's damping, relative to the squares of columns: at the start, at least, and its factors.
+/// Marquardt's damping, relative to the squares of columns: initial and least value, and factors of its changes.
 constexpr double kDampingAtStart = 1e-4, kLeastDamping = 1e-14, kLessDamping = 0.1, kMoreDamping = 10.0;
 /// Share of the predicted descent with which a step is accepted.
 constexpr double kSufficient = 1e-4;
-/// Length of a column over the longest one, for shorter than which damping takes none.
+/// Least length of a column for its damping, over the longest one.
 constexpr double kDampedColumn = 1e-3;
-/// Change of an unknown in a step, over its size or one: equations that say more say it far from where they hold.
+/// Limit of the change of an unknown in a step, over its size or one, within which linear equations may hold.
 constexpr double kMostChange = 2.0;
-/// Singular value over the largest one below which a direction is not told: a hundred times what derivatives err by.
+/// Ratio of singular values below which a direction is undetermined: a hundred times the error of derivatives.
 constexpr double kUntold = 1e-8;
-/// Entry of such a direction, over its largest one, that takes part in it.
+/// Ratio of an entry of such a direction to its largest one above which its unknown is undetermined.
 constexpr double kTakesPart = 1e-4;
 
 using GslMatrix = std::unique_ptr<gsl_matrix, void (*)(gsl_matrix*)>;
 using GslVector = std::unique_ptr<gsl_vector, void (*)(gsl_vector*)>;
 
-/// A = U S V^T; A has at least as many rows as columns.
+/// Decomposition A = U S V^T; A has at least as many rows as columns.
 struct SingularValues {
   GslMatrix u, v;
   GslVector s;
@@ -45,7 +45,7 @@ struct SingularValues {
     gsl_linalg_SV_decomp(u.get(), v.get(), s.get(), work.get());
   }
   static GslVector vector(std::size_t n) { return {gsl_vector_calloc(n), gsl_vector_free}; }
-  /// Zeros.
+  /// Allocates a matrix of zeros.
   static GslMatrix matrix(std::size_t rows, std::size_t columns) {
     return {gsl_matrix_calloc(rows, columns), gsl_matrix_free};
   }
@@ -88,7 +88,7 @@ class LeastSquaresSearch {
     return result_.derivatives[residual * unknowns_ + unknown];
   }
 
-  /// Derivatives and which bounds hold at the present point.
+  /// Evaluates derivatives, and determines which bounds hold, at the present point.
   void look() {
     result_.derivatives = problem_.derivatives();
     columns_.assign(unknowns_, 0.0);
@@ -109,10 +109,10 @@ class LeastSquaresSearch {
     }
   }
 
-  /// None: the search goes on.
+  /// Takes a step; returns why the search ends, none: it continues.
   std::optional<SearchEnd> step(double& move) {
     const double before = square_sum(result_.values);
-    double share = 1.0;  // of the step, where nothing can be evaluated at its end
+    double share = 1.0;  // of the step, reduced if its end cannot be evaluated
     for (int trial = 0; trial < kMostTrials; ++trial) {
       std::vector<double> change = bounded_change();
       move = 0.0;
@@ -151,8 +151,8 @@ class LeastSquaresSearch {
     return residuals;
   }
 
-  /// Minimum of |r + J d|^2 + damping |D d|^2 over unknowns that no bound holds, D of the lengths of columns; cut off
-  /// at bounds and where it is far. An unknown that comes to its bound is held in the next step, if it shall be.
+  /// Minimises |r + J d|^2 + damping |D d|^2 over unknowns that no bound holds, D the lengths of columns; clamps d to
+  /// bounds and to kMostChange. An unknown that reaches its bound is held in the next step, if its slope is outward.
   std::vector<double> bounded_change() const {
     std::vector<std::size_t> free;
     for (std::size_t i = 0; i < unknowns_; ++i)
@@ -183,7 +183,7 @@ class LeastSquaresSearch {
   const SearchProblem& problem_;
   std::size_t unknowns_;
   SearchResult result_;
-  std::vector<double> columns_{};  ///< their lengths
+  std::vector<double> columns_{};  ///< lengths of the columns of J
   std::vector<bool> held_{};
   double cosine_ = 0.0, damping_ = kDampingAtStart;
 };

@@ -10,21 +10,21 @@ namespace mixbeam {
 
 namespace {
 
-/// Where the equations are taken, in steps, and factors of central differences of fourth and of second order.
+/// Points of evaluation, in steps, and factors of central differences of fourth and of second order.
 constexpr int kReadings = 4;
 constexpr double kReadingAt[kReadings] = {1.0, -1.0, 2.0, -2.0};
 constexpr double kFactorOfReading[2][kReadings] = {{2.0 / 3.0, -2.0 / 3.0, -1.0 / 12.0, 1.0 / 12.0},
                                                    {0.5, -0.5, 0.0, 0.0}};
-/// Share of the sum of the sizes of all terms by which both may differ; the error of the better one is about the square
-/// of that. Kinks and jumps leave ten percent; a step that is too large for a function is made smaller some times.
+/// Difference of both over the sum of the magnitudes of all terms for smooth functions; the error of the better one is
+/// about its square. Kinks and jumps leave 10 %; a step that is too large for a function is reduced some times.
 constexpr double kSmooth = 1e-4, kSmallerStep = 0.125;
 constexpr int kMostStepsOfDifference = 3;
-/// Rounding of rows over their scales, theory (40), and of values over their sizes, of which differences have that over
+/// Rounding of rows over their scales, theory (40), and of values over their sizes; that of differences is divided by
 /// the step.
 constexpr double kRounding = 1e-12;
 constexpr double kSameAxes = 1e-12;  ///< rounding of direction cosines
-/// Share of the sizes of all terms that states, which are known to ten digits, and differences leave of a sum that is
-/// zero.
+/// Error of a sum that is zero, over the magnitudes of all terms, due to states, which are accurate to ten digits, and
+/// to differences.
 constexpr double kNoise = 1e-7;
 
 }  // namespace
@@ -38,7 +38,7 @@ StateRows rows_at(const Model& model, const State& state, double load_factor) {
   return rows;
 }
 
-/// By both formulas, with the state as it is.
+/// Differences by both formulas, at a fixed state.
 struct NumberDerivatives::Differences {
   StateRows rows[2];
   std::vector<double> values[2];  ///< of the quantities
@@ -52,7 +52,7 @@ void NumberDerivatives::add(Adjoint adjoint, DofVector held) {
 
 void NumberDerivatives::add(double size) { rounding_.push_back(kRounding * size); }
 
-/// Of rows as large as their scales.
+/// Work of rows as large as their scales.
 double NumberDerivatives::work_of_scales(const Adjoint& adjoint) const {
   MixedVector sizes = model_.create_vector(), motion = model_.create_vector();
   sizes.fill(1.0);
@@ -96,7 +96,7 @@ std::vector<NumberDerivatives::Derivative> NumberDerivatives::by(const std::stri
   }
 }
 
-/// x_p = -R_x^-1 R_p with what supports prescribe.
+/// Computes x_p = -R_x^-1 R_p, including motions prescribed by supports.
 Adjoint NumberDerivatives::motion_under(const StateRows& rows) const {
   DofVector imposed(model_.map());
   const KernelView<double*> motion = MixedVector::view_of(imposed);
@@ -140,7 +140,7 @@ NumberDerivatives::Differences NumberDerivatives::differentiate(double step, con
   return by;
 }
 
-/// The numbers of a state must mean the same.
+/// Throws if the unknowns of a state have another meaning in the other model.
 void NumberDerivatives::require_alike(const Model& moved, const std::string& number) const {
   const auto refuse = [&](const std::string& what) {
     throw InputError("the gradient with respect to \"" + excerpt(number) + "\": " + what +
@@ -163,11 +163,11 @@ void NumberDerivatives::require_alike(const Model& moved, const std::string& num
     if (differ(before.joints[i].frame, after.joints[i].frame)) refuse("it turns the axis of a joint");
 }
 
-/// dq/dp = q_p + t . R_p of every quantity; false where the two formulas do not agree.
+/// Computes dq/dp = q_p + t . R_p of every quantity; false if the two formulas do not agree.
 bool NumberDerivatives::pair(const Differences& by, double step, std::vector<Derivative>& derivatives) const {
   for (std::size_t i = 0; i < rounding_.size(); ++i) {
     double sizes = 0.0, ignored = 0.0;
-    // less what a reaction holds of it: that is its own derivative
+    // Less the part in held rows, which is contained in the derivative of a reaction itself.
     const auto part = [&](int order, double& size) {
       const double value = by.values[order][i];
       size += std::abs(value);
@@ -193,7 +193,7 @@ double NumberDerivatives::work(const Adjoint& adjoint, const StateRows& rows, do
   return adjoint.field.inner_product(rows.spatial) + of_free - of_held;
 }
 
-/// Of the motions that supports prescribe.
+/// Work of the motions prescribed by supports.
 double NumberDerivatives::work_of_held(const Adjoint& adjoint, const DofVector& constraints) const {
   const KernelView<const double*> rows = MixedVector::view_of(constraints);
   double sum = 0.0;

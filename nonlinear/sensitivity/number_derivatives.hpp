@@ -1,5 +1,5 @@
-/// Derivatives by numbers of a scene, of numbers whose adjoints are known, theory (80): differences of the equations of
-/// a state that stays as it is.
+/// Derivatives of quantities with known adjoints with respect to numbers of a scene, theory (80): differences of the
+/// equations at a fixed state.
 #pragma once
 
 #include "discretization/mesh/element_view.hpp"
@@ -13,21 +13,21 @@
 
 namespace mixbeam {
 
-/// A number of a scene: what the scene is with other values of it, on the same mesh.
+/// A number of a scene that can be varied on the same mesh.
 struct SceneNumber {
   std::string name{};
-  double step = 0.0;  ///< for differences of the equations of a state that stays as it is
-  /// With that much more of it. Throws InputError for values that are not allowed.
+  double step = 0.0;  ///< for differences of the equations at a fixed state
+  /// Makes the scene with the number increased by `more`. Throws InputError for values that are not allowed.
   std::function<std::shared_ptr<const Scene>(double more)> scene_with{};
-  /// The same quantities with that much more of it in their formulas; empty: none of them has it.
+  /// Makes the quantities with the number increased by `more` in their formulas; empty: none of them contains it.
   std::function<QuantitySet(double more)> quantities_with{};
-  bool is_of_pattern = false;  ///< which leaves it out where it cannot move to both sides
+  bool is_of_pattern = false;  ///< named by a pattern, which omits it if it cannot vary to both sides
 };
 
-/// The equations of a state in a scene as they stand: rows of elements with loads, and of constraints.
+/// Residual of the equations of a state in a scene: rows of elements with loads, and of constraints.
 struct StateRows {
   MixedVector spatial;    ///< rows of vertices not projected; those of N weighted
-  DofVector constraints;  ///< what supports and joints put into projected rows
+  DofVector constraints;  ///< contribution of supports and joints to projected rows
 
   explicit StateRows(const Model& model) : spatial(model.create_vector()), constraints(model.map()) {
     spatial.fill(0.0);
@@ -39,39 +39,39 @@ struct StateRows {
 };
 
 StateRows rows_at(const Model& model, const State& state, double load_factor);
-/// The right-hand side that their spatial part makes.
+/// Right-hand side of their spatial part.
 StateDerivative derivative_of(const Model& model, const State& state, const StateRows& rows);
 
-/// In the direct way (an operator that is not transposed, and sizes of values) one solution for all quantities: the
-/// motion x_p of the state with the number, along which they are differentiated. Else one adjoint for each.
+/// Differentiates quantities with respect to numbers: by one adjoint for each quantity; or directly, with an operator
+/// that is not transposed and sizes of values, by the motion x_p of the state with the number for all quantities.
 class NumberDerivatives {
  public:
-  /// The same equations with more of a number, or of the load factor (null).
+  /// The equations with an increased number, or load factor (null).
   struct Moved {
     std::shared_ptr<const Model> model;
     double load_factor = 0.0;
     const SceneNumber* number = nullptr;
     double more = 0.0;
-    const State* state = nullptr;  ///< as it is, or moved with the number
+    const State* state = nullptr;  ///< fixed, or moved with the number
   };
-  /// Of q with the state of the equations, in the order in which adjoints are added.
+  /// Evaluates q at the state of the equations, in the order in which adjoints are added.
   using Values = std::function<std::vector<double>(const Moved&)>;
 
-  /// `at`, of the same motions as the state, must outlive it; `values` may be empty, of numbers that are zero.
+  /// `at`: for the motions of the state, must outlive this object; `values`: empty if all are zero.
   NumberDerivatives(AdjointOperator& at, const State& state, Values values)
       : model_(at.model()), state_(in_space(state)), operator_(at), values_(std::move(values)) {}
 
-  /// Takes the adjoint of the next quantity, and the motion of its part that supports hold.
+  /// Adds the adjoint of the next quantity, with AdjointOperator::held_motion().
   void add(Adjoint adjoint, DofVector held);
-  /// Takes the size of the next quantity in the direct way, whose rounding is a share of it.
+  /// Adds the size of the next quantity for direct differentiation; its rounding is a share of the size.
   void add(double size);
   const Adjoint& adjoint(std::size_t which) const { return adjoints_[which]; }
 
-  /// dq/dp of a quantity, and how much of it may be rounding and what is left of the equations.
+  /// Derivative dq/dp of a quantity, and a bound of its error by rounding and by residuals of the equations.
   struct Derivative {
     double value = 0.0, noise = 0.0;
   };
-  /// Of every quantity. Throws InputError for a number of which the equations are no smooth function.
+  /// Differentiates every quantity. Throws InputError if the equations are not a smooth function of the number.
   std::vector<Derivative> by(const SceneNumber& number) const;
   std::vector<Derivative> by_load_factor(double step) const;
 
@@ -79,7 +79,7 @@ class NumberDerivatives {
     state.in_plane = false;
     return state;
   }
-  /// t . rows; adds the sizes of its terms to `sizes`.
+  /// Computes t . rows; adds the magnitudes of its terms to `sizes`.
   double work(const Adjoint& adjoint, const StateRows& rows, double& sizes) const;
 
  private:
@@ -100,7 +100,7 @@ class NumberDerivatives {
   Values values_;
   std::vector<Adjoint> adjoints_{};
   std::vector<DofVector> held_{};
-  std::vector<double> rounding_{};  ///< (quantity): of its derivative, times the step
+  std::vector<double> rounding_{};  ///< (quantity): rounding of its derivative, times the step
 };
 
 }  // namespace mixbeam

@@ -223,7 +223,7 @@ struct CriticalPoint {
   MixedVector mode;  ///< as EigenMode::mode
   int modes = 1;     ///< number of eigenvalues that vanish, or meet, here together; `mode` belongs to one of them
   /// Error of the load factor. If only the first of many points of a step is located, one entry represents the others:
-  /// `modes` eigenvalues change sign within load_factor +- error, and state and mode are those of its far end.
+  /// `modes` eigenvalues change sign within load_factor +- error, state is that of its far end, and mode is zero.
   double error = 0.0;
   bool located = true;
   double omega = std::numeric_limits<double>::quiet_NaN();  ///< flutter: circular frequency [radian/time]
