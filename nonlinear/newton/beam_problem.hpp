@@ -44,8 +44,8 @@ class BeamProblem {
   /// Whether stable states may be solved for, and confirmed as stable, by iteration.
   bool tries_iteration() const { return solvers_.front()->tries_iteration(); }
 
-  /// Whether the last residual was taken at this state. States are never written to and the last one is held, so
-  /// addresses identify them, even those of empty views. Formulas of loads also depend on the stage: never the same.
+  /// Whether the last residual was taken at this state. States are never written to and the last one is held, so that
+  /// addresses identify them, even of empty views. Never with formulas of loads, which depend on the running piece too.
   bool is_last_point(const State& state, double load_factor) const {
     if (!last_point || model.clock().have_formulas()) return false;
     const State& last = last_point->state;

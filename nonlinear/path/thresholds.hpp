@@ -22,8 +22,8 @@ struct PathThresholds {
   /// Ratio of the load factor's last rate to its mean, the power of the motion with which it grows. Bars in tension
   /// make it grow with the third, members that are bent straight with any power, which a cubic cannot represent.
   double fastest_growth = 6.0;
-  /// Slope of the quartic 16 e s^2 (1 - s)^2 over e. The error e of the cubic in the load factor half-way is at least
-  /// that of a multiple of this quartic.
+  /// Largest slope of the quartic 16 e s^2 (1 - s)^2 over e. The cubic omits at least such a quartic if its load factor
+  /// has the error e half-way.
   double error_of_rate = 3.1;
   /// Relative change of the load factor along a flat step: the cap alone shifts critical loads by 1e-7.
   double flat_load = 1e-5;

@@ -28,9 +28,8 @@ struct MeshRound {
   /// Largest relative difference of their load factors from those of the previous mesh, which this one contains: the
   /// error there, and a bound of the error here. Zero without critical points; NaN: unknown.
   double critical_error = 0.0;
-  double buckling_error =
-      0.0;               ///< estimated error of linear buckling factors, if requested; NaN: unknown
-  std::string remark{};  ///< why the mesh was left, if not because of the estimate
+  double buckling_error = 0.0;  ///< estimated error of linear buckling factors, if requested; NaN: unknown
+  std::string remark{};         ///< why the mesh was left, if not because of the estimate
 };
 
 enum class AccuracyEnd {

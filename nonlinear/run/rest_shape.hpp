@@ -51,7 +51,7 @@ struct RestShape {
   int stage = 1;                       ///< in which all loads grow, and the natural strains with them
   int redundancy = 0;                  ///< number of independent self-stress states
   double stress_left = 0.0;            ///< forces without loads, relative to those under loads; NaN: not found
-  double residual = 0.0;  ///< largest scaled row of the drawn state with the natural strains and all loads
+  double residual = 0.0;               ///< largest scaled row of the drawn state with the natural strains and all loads
   double largest_curvature = 0.0, largest_strain = 0.0, largest_turn = 0.0;  ///< of components; turn: of angles
   int negative = 0;    ///< negative eigenvalues of the tangent of the drawn state
   std::string stable;  ///< stability of the drawn state, in the words of result files
