@@ -123,7 +123,7 @@ double factor_of(const DistributedLoad& load, const MeshMember& member, const Se
                  double middle) {
   const double length = member.curve.length;
   if (middle < load.range[0] * length || middle > load.range[1] * length) return 0.0;
-  if (load.is_weight && law != nullptr) return law->section(s / length).mass / law->section(0.0).mass;
+  if (load.is_weight && law != nullptr) return law->share_of_mass(s / length);
   return load.is_projected ? seen_length(member, load.force, s) : 1.0;
 }
 

@@ -561,16 +561,16 @@ class ConditionReader {
   void read_weight(const List& list, const InputPlace& place) {
     DistributedLoad gravity = kGravityParameters.read(list);
     check_schedule(gravity, list, place);
-    std::unordered_map<std::string, double> mass;
-    for (const Section& section : scene_.sections) mass[section.name] = section.mass;
+    std::unordered_map<std::string, double> masses;
+    for (const Section& section : scene_.sections) masses[section.name] = section.mass;
     bool is_any = false;
     for (const Member& member : scene_.members) {
-      const bool ends_with_mass = !member.end_section.empty() && mass[member.end_section] > 0.0;
-      if (mass[member.section] == 0.0 && !ends_with_mass) continue;
+      const double mass = reference_mass(masses[member.section], masses[member.end_section]);
+      if (mass == 0.0) continue;
       is_any = true;
       DistributedLoad weight = gravity;
       weight.member = member.name;
-      weight.force = scaled(mass[member.section], gravity.force);
+      weight.force = scaled(mass, gravity.force);
       weight.is_weight = !member.end_section.empty();
       scene_.distributed_loads.push_back(weight);
     }

@@ -220,7 +220,7 @@ struct DistributedLoad {
   std::array<std::string, 3> force_formula{};   ///< of s = arc length and x = s / length; empty: the constant above
   std::array<std::string, 3> couple_formula{};  ///< likewise
   bool is_projected = false;              ///< dead: `force` is per length projected along its own direction, as snow
-  bool is_weight = false;                 ///< dead: weight where a taper starts; it follows the mass of the section
+  bool is_weight = false;                 ///< dead: weight of reference_mass() of a taper, scaled by its local mass
   std::array<double, 2> range{0.0, 1.0};  ///< relative arc lengths between which it acts; vertices are there
   std::string amplitude{};
   std::string load_case{};

@@ -154,13 +154,17 @@ std::optional<StressPoints> interpolated_points(double weight, const Section& st
   return points;
 }
 
+void interpolate_damping(double weight, const Section& start, const Section& end, Section& section) {
+  section.mass_damping = interpolated(weight, start.mass_damping, end.mass_damping);
+  section.stiffness_damping = interpolated(weight, start.stiffness_damping, end.stiffness_damping);
+}
+
 Section interpolated_stiffness(double weight, const Section& start, const Section& end) {
   Section section;
   section.name = start.name;
   set_diagonal(section, interpolated_diagonal(weight, start, end));
   section.mass = interpolated(weight, start.mass, end.mass);
-  section.mass_damping = interpolated(weight, start.mass_damping, end.mass_damping);
-  section.stiffness_damping = interpolated(weight, start.stiffness_damping, end.stiffness_damping);
+  interpolate_damping(weight, start, end, section);
   for (int i = 0; i < 3; ++i)
     section.rotary_inertia[i] = interpolated(weight, start.rotary_inertia[i], end.rotary_inertia[i]);
   section.inertia_product = interpolated(weight, start.inertia_product, end.inertia_product);
@@ -200,6 +204,7 @@ Section interpolated_shape(double weight, const Section& start, const Section& e
     if (a.shear_correction[i] && b.shear_correction[i])
       shape.shear_correction[i] = interpolated(weight, *a.shear_correction[i], *b.shear_correction[i]);
   Section section = make_section(start.name, shape);
+  interpolate_damping(weight, start, end, section);
   auto values = diagonal(section);
   const auto of_start = diagonal(start);
   for (int i = 0; i < kComponents; ++i)

@@ -16,6 +16,10 @@ void set_diagonal(Section& section, const std::array<double, 6>& diagonal);
 /// not rigid.
 Matrix6 section_compliance(const Section& section);
 
+/// Mass per length to which the weight of a tapered member refers: that of the start section, or of the end section if
+/// the start section has none.
+inline double reference_mass(double start, double end) { return start > 0.0 ? start : end; }
+
 /// Whether elements of the member need the full 6 x 6 law: a coupled section, or one that varies.
 bool has_general_section(const Scene& scene, const Member& member);
 
@@ -35,6 +39,9 @@ class SectionLaw {
   Section section(double x) const;
   /// Section for a given weight; members without end section have one section only.
   Section section_of_weight(double weight) const;
+
+  /// Mass at x over reference_mass().
+  double share_of_mass(double x) const { return section(x).mass / reference_mass(start_.mass, end_.mass); }
 
   /// section_compliance(section(x)); the text of an error names the place.
   Matrix6 compliance(double x) const;

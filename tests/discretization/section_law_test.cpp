@@ -140,6 +140,19 @@ TEST(SectionLaw, ShapesOfOneKindInterpolateTheirDimensions) {
   }
 }
 
+TEST(SectionLaw, BothWaysInterpolateTheDamping) {
+  Section a = round("a", 0.4, 200.0), b = round("b", 0.2, 300.0);
+  a.stiffness_damping = 0.01;
+  a.mass_damping = 2.0;
+  b.mass_damping = 4.0;
+  for (int i = 0; i < 2; ++i) {
+    const Section part = law_of(tapered(a, b)).section(0.25);
+    EXPECT_NEAR(part.mass_damping, 2.5, kRoundings);
+    EXPECT_NEAR(part.stiffness_damping, 0.0075, kRoundings);
+    a.shape.reset();
+  }
+}
+
 TEST(SectionLaw, OtherSectionsInterpolateTheirStiffness) {
   const Section a = coupled_section(), b = section(2e6, 1e5, 4e3, 5e3);
   const Section half = law_of(tapered(a, b)).section(0.5);

@@ -61,7 +61,9 @@ TEST(PartsOfLineLoads,
   EXPECT_NEAR(half.sample("beam", 0.6).force[1], q * 0.4 * length, kOfPart * q);
 }
 
-TEST(PartsOfLineLoads, WeightOfATaperIsThatOfItsVolume) {  // a truncated cone: V = pi L (R^2 + R r + r^2) / 3
+/// Truncated cone of length 3 and density 100 between diameters 0.4 and 0.1, in which `taper` goes from one to the
+/// other.
+Scene heavy_cone(const std::string& taper) {
   SectionShape wide, narrow;
   wide.kind = narrow.kind = SectionShapeKind::circle;
   wide.youngs_modulus = narrow.youngs_modulus = 1e9;
@@ -72,13 +74,31 @@ TEST(PartsOfLineLoads, WeightOfATaperIsThatOfItsVolume) {  // a truncated cone: 
   scene.sections.push_back(make_section("narrow", narrow));
   scene.members[0].section = "wide";
   scene.members[0].end_section = "narrow";
+  scene.members[0].taper = taper;
   EXPECT_NEAR(scene.sections[0].mass, 100.0 * kPi * 0.04, 1e-12);
   DistributedLoad weight = line_load({0, 0, -10.0 * scene.sections[0].mass});
   weight.member = "beam";
   weight.is_weight = true;
   scene.distributed_loads = {weight};
-  const double volume = kPi * 3.0 * (0.04 + 0.2 * 0.05 + 0.0025) / 3.0;
-  EXPECT_NEAR(sum_of_reactions(solved(scene))[2], 10.0 * 100.0 * volume, kSum * 1e3 * volume);
+  return scene;
+}
+
+TEST(PartsOfLineLoads, WeightOfATaperIsThatOfItsVolume) {  // V = pi L (R^2 + R r + r^2) / 3
+  const auto volume = [](double R, double r) { return kPi * 3.0 * (R * R + R * r + r * r) / 3.0; };
+  const auto weight = [](const Scene& scene) { return sum_of_reactions(solved(scene))[2]; };
+  const double whole = volume(0.2, 0.05);
+  EXPECT_NEAR(weight(heavy_cone("")), 1000.0 * whole, kSum * 1e3 * whole);
+  EXPECT_NEAR(weight(heavy_cone("1 - x")), 1000.0 * whole, kSum * 1e3 * whole);  // the start section stands at the end
+  EXPECT_NEAR(weight(heavy_cone("0.5 + 0.5 * x")), 1000.0 * volume(0.125, 0.05), kSum * 1e3 * whole);
+}
+
+TEST(PartsOfLineLoads, WeightOfATaperFromASectionWithoutMass) {
+  Scene scene = heavy_cone("");
+  for (Section& part : scene.sections) part.shape.reset();
+  scene.sections[0].mass = 0.0;
+  scene.sections[1].mass = 2.0;
+  scene.distributed_loads[0].force = {0, 0, -10.0 * 2.0};
+  EXPECT_NEAR(sum_of_reactions(solved(scene))[2], 10.0 * 0.5 * 2.0 * 3.0, kSum * 30.0);
 }
 
 TEST(Combinations, ScaleCasesAndStagesAndAreSolvedByThemselves) {
