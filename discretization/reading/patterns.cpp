@@ -442,7 +442,10 @@ class PatternScene {
     for (auto entry = begin; entry != end; ++entry) {
       if (entry->second >= members_before) continue;
       const Member& other = scene_.members[entry->second];
-      const PlacedMember first = placed(copy, ends), second = placed(other, ends_[entry->second]);
+      Member here = copy;
+      if (differ_in_stress_points(copy.section, other.section)) here.section = other.section;
+      if (differ_in_stress_points(copy.end_section, other.end_section)) here.end_section = other.end_section;
+      const PlacedMember first = placed(here, ends), second = placed(other, ends_[entry->second]);
       const auto direction = same_centerline(first, second, work.tolerance);
       if (!direction) continue;
       const std::string what = difference_between(first, second, *direction);
@@ -454,21 +457,28 @@ class PatternScene {
     throw error(work, problem);
   }
 
+  /// Whether a section is the mirror image of another one, and the same but for its stress points: a member that lies
+  /// on its image keeps its own.
+  bool differ_in_stress_points(const std::string& name, const std::string& other) const {
+    const auto known = mirrored_sections_.find(other);
+    if (known == mirrored_sections_.end() || known->second != name) return false;
+    const Section &a = scene_.sections[section_index_.at(name)], &b = scene_.sections[section_index_.at(other)];
+    return !a.shape && a.matrix == b.matrix && a.mass_offset == b.mass_offset && a.inertia_product == b.inertia_product;
+  }
+
   std::string mirrored_section(const std::string& name) {
     const Section& section = scene_.sections[section_index_.at(name)];
     const bool has_top = section.shape && section.shape->kind == SectionShapeKind::t_section;
-    const bool is_offset = section.mass_offset[1] != 0.0;
-    if (!section.matrix && !has_top && !is_offset) return name;
     const auto known = mirrored_sections_.find(name);
     if (known != mirrored_sections_.end()) return known->second;
     Section mirrored = section;
     if (section.matrix) mirrored.matrix = mirrored_stiffness(*section.matrix);
+    if (!has_top && section.mass_offset[1] == 0.0 && section.inertia_product == 0.0 && !section.stress_points &&
+        (!section.matrix || *mirrored.matrix == *section.matrix))
+      return mirrored_sections_[name] = name;
     mirrored.mass_offset[1] = -section.mass_offset[1];
     mirrored.inertia_product = -section.inertia_product;
-    if (section.shape)
-      mirrored.shape->mirrored = !section.shape->mirrored;
-    else if (section.matrix && *mirrored.matrix == *section.matrix && !section.stress_points && !is_offset)
-      return mirrored_sections_[name] = name;
+    if (section.shape) mirrored.shape->mirrored = !section.shape->mirrored;
     if (section.stress_points) mirror_stress_points(*mirrored.stress_points);
     mirrored.name += " (mirrored)";
     while (section_index_.count(mirrored.name) > 0) mirrored.name += "'";

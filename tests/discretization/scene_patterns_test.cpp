@@ -188,6 +188,30 @@ TEST(ScenePatterns, MembersInTheMirrorPlaneStayOne) {
   expect_at(scene, "B (1)", {-1, 0, 0}, 0.0);
 }
 
+TEST(ScenePatterns, MirroredStressPointsAndInertiaProducts) {
+  const std::string named =
+      "named: {EA: 10, GA2: 5, GA3: 5, GIt: 3, EI2: 4, EI3: 4, Mass: 1, Rotary Inertia: [3, 1, 2], Inertia Product: "
+      "0.5, "
+      "Stress Points: {E: 1, Points: {edge: [0.1, 0.2]}}}, ";
+  const std::string text = "m: {Start: A, End: B, Section: named}, " + member("up", "A", "C");
+  const Scene scene = scene_from(scene_text(kCell, text, patterns({mirror("[1, 0, 0]", "[5, 0, 0]")}), "A", named));
+  const Section* image = nullptr;
+  for (const Section& s : scene.sections)
+    if (s.name == member_in(scene, "m (1)")->section) image = &s;
+  ASSERT_NE(image, nullptr);
+  EXPECT_EQ(image->stress_points->points[0].at, (std::array<double, 2>{0.1, -0.2}));
+  EXPECT_EQ(image->inertia_product, -0.5);
+}
+
+TEST(ScenePatterns, MembersWithStressPointsInTheMirrorPlaneStayOne) {
+  const std::string named =
+      "named: {EA: 10, GA2: 5, GA3: 5, GIt: 3, EI2: 4, EI3: 4, Stress Points: {E: 1, Points: {edge: [0.1, 0.2]}}}, ";
+  const std::string text = member("along", "A", "B") + "up: {Start: A, End: C, Section: named}, ";
+  const Scene scene = scene_from(scene_text(kCell, text, patterns({mirror("[1, 0, 0]")}), "A", named));
+  EXPECT_EQ(member_in(scene, "up (1)"), nullptr);
+  EXPECT_EQ(member_in(scene, "up")->section, "named");
+}
+
 const std::string kCoupled = "skew: {Matrix: [10,0,0.1,0.2,0,0.3, 5,0,0,0,0, 6,0,0,0, 3,0.4,0.5, 4,0.6, 5]}, ";
 
 TEST(ScenePatterns, MirroredCouplingChangesItsSign) {
