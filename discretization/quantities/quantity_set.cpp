@@ -73,7 +73,9 @@ std::vector<std::string> endings_of(const Quantity& quantity) {
   return {".x", ".y", ".z"};
 }
 
+/// NaN comes first.
 bool is_better(Take take, double value, double than) {
+  if (std::isnan(value) || std::isnan(than)) return !std::isnan(than);
   if (take == Take::largest) return value > than;
   if (take == Take::smallest) return value < than;
   return std::abs(value) > std::abs(than);

@@ -45,7 +45,8 @@ std::string usual_slip(const std::string& formula, const std::string& problem) {
 std::string angle_in_degrees(const std::string& formula) {
   constexpr double kWholeTurn = 6.2832;
   for (std::size_t open = formula.find('('); open < formula.size(); open = formula.find('(', open + 1)) {
-    const std::string function = open < 3 ? "" : formula.substr(open - 3, 3);
+    const bool is_longer = open > 3 && std::isalpha(static_cast<unsigned char>(formula[open - 4])) != 0;  // atan
+    const std::string function = open < 3 || is_longer ? "" : formula.substr(open - 3, 3);
     const std::string argument = formula.substr(open + 1, formula.find(')', open) - open - 1);
     double angle = 0.0;
     if ((function == "sin" || function == "cos" || function == "tan") && parse_number(argument, angle).empty() &&

@@ -134,22 +134,39 @@ std::size_t end_of_choice(const std::string& pattern, std::size_t i) {
   return close == std::string::npos || close == i + 1 ? 0 : close + 1;
 }
 
+/// Bytes of the character in UTF-8 that begins at `i`.
+std::size_t bytes_of_character(const std::string& text, std::size_t i) {
+  std::size_t bytes = 1;
+  while (i + bytes < text.size() && (static_cast<unsigned char>(text[i + bytes]) & 0xC0U) == 0x80U) ++bytes;
+  return bytes;
+}
+
+/// Whether characters and ranges such as a-z list a character; bytes of UTF-8 have the order of the characters. A - at
+/// an end of the list represents itself.
+bool lists(const std::string& choice, const std::string& character) {
+  for (std::size_t i = 0; i < choice.size();) {
+    const std::string first = choice.substr(i, bytes_of_character(choice, i));
+    i += first.size();
+    const bool is_range = i + 1 < choice.size() && choice[i] == '-';
+    const std::string last = is_range ? choice.substr(i + 1, bytes_of_character(choice, i + 1)) : first;
+    if (is_range) i += 1 + last.size();
+    if (first <= character && character <= last) return true;
+  }
+  return false;
+}
+
 /// Bytes of the pattern at `p` and of the name at `n` that match each other, `*` excluded; zeros: no match.
 std::pair<std::size_t, std::size_t> fitting(const std::string& pattern, std::size_t p, const std::string& name,
                                             std::size_t n) {
   if (p >= pattern.size()) return {0, 0};
-  std::size_t bytes = 1;  // of one character in UTF-8
-  while (n + bytes < name.size() && (static_cast<unsigned char>(name[n + bytes]) & 0xC0U) == 0x80U) ++bytes;
+  const std::size_t bytes = bytes_of_character(name, n);
   if (pattern[p] == '?') return {1, bytes};
   const std::size_t end = pattern[p] == '[' ? end_of_choice(pattern, p) : 0;
   if (end == 0)
     return pattern[p] == name[n] ? std::make_pair<std::size_t, std::size_t>(1, 1) : std::make_pair(0UL, 0UL);
   const bool is_other = pattern[p + 1] == '!' && end - p > 3;
   const std::size_t begin = p + (is_other ? 2 : 1);
-  const std::string choice = pattern.substr(begin, end - begin - 1);
-  bool is_one = choice.find(name.substr(n, bytes)) != std::string::npos;
-  for (std::size_t i = 1; i + 1 < choice.size(); ++i)
-    is_one = is_one || (choice[i] == '-' && choice[i - 1] <= name[n] && name[n] <= choice[i + 1]);
+  const bool is_one = lists(pattern.substr(begin, end - begin - 1), name.substr(n, bytes));
   return is_one != is_other ? std::make_pair(end - p, bytes) : std::make_pair(0UL, 0UL);
 }
 

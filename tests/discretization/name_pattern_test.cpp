@@ -27,6 +27,10 @@ TEST(NamePattern, StarsStandForAnyCharacters) {
   EXPECT_TRUE(matches("*[ab]?", "xxbay"));
   for (const std::string name : {"leg 2", "leg 8", "leg !"}) EXPECT_TRUE(matches("leg [!135-7]", name)) << name;
   for (const std::string name : {"leg 3", "leg 6", "leg 22"}) EXPECT_FALSE(matches("leg [!135-7]", name)) << name;
+  EXPECT_FALSE(matches("leg [1-5]", "leg -"));  // the - of a range is no character of the list, others are
+  for (const std::string name : {"leg -", "leg 1", "leg 5"}) EXPECT_TRUE(matches("leg [-15]", name)) << name;
+  EXPECT_TRUE(matches("[\u00e0-\u00e4]", "\u00e2"));  // letters of two bytes
+  EXPECT_FALSE(matches("[\u00e0-\u00e4]", "\u00e9"));
   EXPECT_TRUE(matches("a[!]", "a!"));
   EXPECT_TRUE(matches("a[", "a["));  // never closed, or empty: nothing special
   EXPECT_TRUE(matches("a[]", "a[]"));

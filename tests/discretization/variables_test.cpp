@@ -29,6 +29,7 @@ TEST(Variables, StandForNumbersEverywhere) {
   EXPECT_NEAR(scene.point_loads[0].force[2], std::sqrt(20.0), kRounding);
   EXPECT_EQ(scene.point_loads[0].stage, 1);
   EXPECT_GT(std::abs((*position_in(scene, "B"))[1] - 2 * std::sin(1.1 * angle)), 0.01);  // the twin
+  expect_at(scene_from(with_variables("L: 2", "[\"=atan(10)\", 0, 1]")), "B", {std::atan(10.0), 0, 1}, kRounding);
 }
 
 TEST(Variables, PointsMayNeedOneAnother) {
