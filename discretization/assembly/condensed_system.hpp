@@ -17,7 +17,7 @@ struct FirstSolve {
 class CondensedSystem {
  public:
   /// Collective. The model must outlive the system. `kept`: owned local vertices not to be eliminated, in addition to
-  /// those with loads or constraints.
+  /// those of external energies, supports and joints.
   explicit CondensedSystem(const Model& model, const std::vector<int>& kept = {});
   ~CondensedSystem();
 

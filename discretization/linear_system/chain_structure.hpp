@@ -1,4 +1,4 @@
-/// Members are chains: every vertex that joins exactly two elements and has no load or constraint of its own is
+/// Members are chains: every vertex that joins exactly two elements and adds nothing of its own to the tangent is
 /// eliminated inside the kernels (kernels/chains/level.hpp, theory (45)), level by level, until one link of each chain
 /// remains. Sparse solvers only see the graph of junctions, supports and vertices with moments or follower loads.
 #pragma once
