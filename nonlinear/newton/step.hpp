@@ -96,7 +96,7 @@ bool remove_cap_compliance(Linearization& linearization, double cap_ratio, Mixed
 /// largest displacement over the length. Collective.
 bool feels_cap(const Linearization& linearization, const MixedVector& motion, double enough);
 
-/// Calls remove_cap_compliance() if the cap would slow down Newton's method. Throws nothing.
+/// Calls remove_cap_compliance() if the cap would slow down Newton's method; false also if the linear solver fails.
 bool remove_cap_compliance_where_it_slows(Linearization& linearization, const MixedVector& residual,
                                           MixedVector& increment, bool is_last = false);
 

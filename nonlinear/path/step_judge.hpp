@@ -64,7 +64,7 @@ struct StepSigns {
   int looks = 0;                 ///< probes: 1 half-way, 2 the same corrected, 3 and 4 at a quarter and three quarters
   double correction = 0.0;       ///< Newton's correction at the probe, over the chord
   bool count_outside = false;    ///< the count at the probe does not lie between those at the ends
-  bool goes_back = false;        ///< the load factor decreases half-way, against its initial direction
+  bool goes_back = false;        ///< half-way the load factor runs against its initial direction
   bool counts_agree = false;     ///< half-way and at both ends
   bool is_flat = false;          ///< the load factor hardly changes: the signs of its rates may be rounding
   bool is_last = false;          ///< no further halving, and counts indicate no other path
