@@ -153,7 +153,6 @@ TangentReport tangent_report(BeamProblem& problem, const PathEnd& end) {
     const Spectrum present = stability.spectrum(end.state, end.load_factor, kModes);
     report.negative = present.stability.negative;
     report.null = present.stability.null;
-    report.symmetric = present.stability.symmetric;
     const double lowest = undeformed.modes.empty() ? 0.0 : undeformed.modes.front().eigenvalue;
     report.mechanism = undeformed.stability.null > 0 || std::abs(lowest) < kNoStiffness;
     for (const EigenMode& mode : present.modes) report.modes.push_back(described(problem.model, mode, lowest));

@@ -56,7 +56,6 @@ struct TangentReport {
   std::string unknown_because{};
   int negative = 0, null = 0;  ///< numbers of eigenvalues below zero, and of zero ones
   bool mechanism = false;      ///< the undeformed structure moves without strain
-  bool symmetric = true;
   bool nearly_singular = false;
   std::optional<double> condition{};  ///< estimate of the condition number of the linear system; none: unknown
   std::vector<CriticalMode> modes{};  ///< nearest to zero first

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <limits>
+#include <string>
+#include <unordered_set>
 
 namespace mixbeam {
 
@@ -19,11 +21,20 @@ bool is_limp(const Section& section, double load, double length) {
   return bending_of(section) < kLimp * load * length * length;
 }
 
+std::vector<const Section*> sections_of_members(const Scene& scene) {
+  std::unordered_set<std::string> names;
+  for (const Member& member : scene.members) names.insert({member.section, member.end_section});
+  std::vector<const Section*> sections;
+  for (const Section& section : scene.sections)
+    if (names.count(section.name) > 0) sections.push_back(&section);
+  return sections;
+}
+
 bool has_limp_members(const Model& model, const State& state, double load_factor) {
   const double load = magnitude_of(model, state, load_factor).load_force, length = model.structure().length;
-  const std::vector<Section>& sections = model.scene().sections;
+  const std::vector<const Section*> sections = sections_of_members(model.scene());
   return std::any_of(sections.begin(), sections.end(),
-                     [&](const Section& section) { return is_limp(section, load, length); });
+                     [&](const Section* section) { return is_limp(*section, load, length); });
 }
 
 }  // namespace mixbeam

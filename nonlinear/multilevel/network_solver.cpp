@@ -669,12 +669,11 @@ constexpr double kEntriesPerSquare = 10.0;
 /// Entries of factors per junction above which iteration is faster: cubes from 13 junctions a side on, but no sheets.
 constexpr double kLeastEntriesOfJunction = 2800.0;
 
-/// Size of a separator: the vertices as many steps from one end of the network as its median vertex.
+/// Size of the largest separator of a component: the vertices as many steps from one end as the median vertex.
 int separator(const std::vector<int>& start, const std::vector<int>& next) {
   const int n = static_cast<int>(start.size()) - 1;
-  std::vector<int> queue, distance;
+  std::vector<int> queue, distance(n, -1);
   const auto search = [&](int first) {
-    distance.assign(n, -1);
     queue = {first};
     distance[first] = 0;
     for (size_t k = 0; k < queue.size(); ++k)
@@ -684,11 +683,18 @@ int separator(const std::vector<int>& start, const std::vector<int>& next) {
           queue.push_back(w);
         }
   };
-  if (n == 0) return 0;
-  search(0);
-  search(queue.back());
-  const int middle = distance[queue[queue.size() / 2]];
-  return static_cast<int>(std::count_if(queue.begin(), queue.end(), [&](int v) { return distance[v] == middle; }));
+  std::ptrdiff_t largest = 0;
+  for (int first = 0; first < n; ++first) {
+    if (distance[first] >= 0) continue;
+    search(first);
+    const int end = queue.back();
+    for (const int v : queue) distance[v] = -1;
+    search(end);
+    const int middle = distance[queue[queue.size() / 2]];
+    largest =
+        std::max(largest, std::count_if(queue.begin(), queue.end(), [&](int v) { return distance[v] == middle; }));
+  }
+  return static_cast<int>(largest);
 }
 
 }  // namespace

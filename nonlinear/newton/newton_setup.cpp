@@ -137,7 +137,7 @@ Teuchos::RCP<NOX::StatusTest::Generic> default_status_tests(const NewtonParamete
   return tests;
 }
 
-Teuchos::ParameterList default_nox(const NewtonParameters&) {
+Teuchos::ParameterList default_nox() {
   Teuchos::ParameterList nox("NOX");
   nox.set("Nonlinear Solver", "Line Search Based");
   nox.sublist("Direction").set("Method", "Newton");
@@ -163,7 +163,7 @@ Teuchos::RCP<NOX::StatusTest::Generic> with_guards(const Teuchos::RCP<NOX::Statu
 
 Teuchos::ParameterList nox_list(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,
                                 SolveRecord& record, NewtonPurpose purpose) {
-  Teuchos::ParameterList nox = default_nox(parameters.newton);
+  Teuchos::ParameterList nox = default_nox();
   if (!parameters.nox.is_null()) {
     if (parameters.nox->isSublist("Printing")) nox.remove("Printing");
     nox.setParameters(*parameters.nox);

@@ -136,7 +136,7 @@ class AutomaticPath {
     step.stability = here_.stability;
     if (goal_.is_controlled() && here_.stability && recorder_.reports_stability()) {
       const MixedVector held = goal_.row(here_.load_factor, 0.0).weights;
-      step.held_stability = recorder_.counts()->ask({here_.state, here_.load_factor, nullptr, &held}, How::held);
+      step.held_stability = recorder_.counts()->try_ask({here_.state, here_.load_factor, nullptr, &held}, How::held);
     }
     step.critical_points = std::move(passed);
     step.jump = jump;
@@ -387,6 +387,11 @@ class AutomaticPath {
       return false;
     const std::optional<MixedVector> direction =
         branch_direction(*problem_, parameters_.analysis, measure_, from.eigenspace);
+    if (from.eigenspace.empty())
+      throw GaveUp{
+          "the bifurcation at load factor " + rounded(load_factor(from.load_factor), 6) +
+          " has no mode to branch off along: an element buckles between its vertices (more \"Elements\"), or " +
+          "several critical points lie together"};
     if (!direction)
       throw GaveUp{"the mode of the bifurcation at load factor " + rounded(load_factor(from.load_factor), 6) +
                    " does not move the point that chooses the branch"};

@@ -238,11 +238,8 @@ double Descent::precision(const State& state) const {
 }
 
 Verdict Descent::verdict_on(const State& state) {
-  try {
-    return stability_.ask({state, load_factor_}, How::inertia)->verdict();
-  } catch (const LinearSolverError&) {
-    return Verdict::unknown;
-  }
+  const auto found = stability_.try_ask({state, load_factor_}, How::inertia);
+  return found ? found->verdict() : Verdict::unknown;
 }
 
 DescentResult Descent::from(const State& start, double load_factor) {
@@ -251,6 +248,7 @@ DescentResult Descent::from(const State& start, double load_factor) {
   factorizations_ = 0;
   State here = moved_by_supports(start);
   const double stress = std::max(1.0, stress_of(model, magnitude_of(model, here, load_factor)));
+  if (!std::isfinite(stress)) return {std::nullopt, "the stresses are not finite", 0};
   double lowest = HUGE_VAL;  // the first potential is taken under the new loads
   double shift = path_limit.first_shift * stress, softest = path_limit.first_shift * stress,
          amplitude = path_limit.first_push;
@@ -285,7 +283,7 @@ DescentResult Descent::from(const State& start, double load_factor) {
     if (motion && amplitude > path_limit.least_push) amplitude *= 0.5;
     shift *= path_limit.springs_stiffen;
   }
-  const bool buckles_inside = tangent_->tangent().interior_count().negative > 0;
+  const bool buckles_inside = tangent_ && tangent_->tangent().interior_count().negative > 0;
   return {
       std::nullopt,
       "no stable state in " + std::to_string(factorizations_) +

@@ -171,7 +171,7 @@ LoadPathResult settle_at_end(const Teuchos::RCP<BeamProblem>& problem, const Sol
   }
   ConvergedStep step{found.state, found.load_factor, found.residual};
   if (recorder.reports_stability())
-    step.stability = recorder.counts()->ask({found.state, found.load_factor}, How::inertia);
+    step.stability = recorder.counts()->try_ask({found.state, found.load_factor}, How::inertia);
   recorder.converged(step);
   result.finished = true;
   return result;

@@ -99,7 +99,7 @@ void PathRecorder::converged(const ConvergedStep& step) {
   report.jump = std::exchange(jump_, std::nullopt);
   jumps_ += report.jump ? 1 : 0;
   if (looks_at_end_ && is_end_of_stage(report.load_factor, stage_))
-    report.stability = Stability(*problem_).ask({step.state, report.load_factor}, How::iteration);
+    report.stability = Stability(*problem_).try_ask({step.state, report.load_factor}, How::iteration);
   report.point = point(step, report.stability);
   if (piece || part_ != kNoPart) {
     report.point.piece = piece ? piece->from : part_;

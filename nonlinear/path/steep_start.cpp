@@ -104,12 +104,8 @@ double least_tension(const Model& model, const State& state, const Counts& count
 double motion(const Model& model, const State& a, const State& b) { return difference(model, a, b).largest_change; }
 
 bool is_stable(Stability& stability, const Correction& at) {
-  try {
-    const Verdict verdict = stability.ask({at.state, at.load_factor}, How::inertia)->verdict();
-    return verdict == Verdict::stable || verdict == Verdict::neutral;
-  } catch (const LinearSolverError&) {
-    return false;
-  }
+  const auto found = stability.try_ask({at.state, at.load_factor}, How::inertia);
+  return found && (found->verdict() == Verdict::stable || found->verdict() == Verdict::neutral);
 }
 
 /// Follows the path of the auxiliary problem, which is not reported.
@@ -133,8 +129,9 @@ class SteepStart {
   std::optional<Correction> first_point() {
     if (easing_.load > 0.0) {
       const int before = own_->work.check_iterations;
-      const auto is_limp = [&](const Section& section) { return easing_.is_limp(section); };
-      are_cables_ = is_dead(scene_) && std::all_of(scene_.sections.begin(), scene_.sections.end(), is_limp);
+      const std::vector<const Section*> sections = sections_of_members(scene_);
+      are_cables_ = is_dead(scene_) && std::all_of(sections.begin(), sections.end(),
+                                                   [&](const Section* section) { return easing_.is_limp(*section); });
       are_cables_ ? hang() : follow();
       own_->work.newton_iterations += own_->work.check_iterations - before;  // they belong to the step
       own_->work.check_iterations = before;
@@ -193,6 +190,7 @@ class SteepStart {
     const auto problem =
         Teuchos::rcp(new BeamProblem(easing_.scene(scene_, share), own_->model.map()->getComm(), eased_parameters_));
     problem->leave_if_asked = own_->leave_if_asked;
+    problem->model.clock().run(range_.piece);
     return problem;
   }
 

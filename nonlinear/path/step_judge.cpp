@@ -419,13 +419,9 @@ StepFindings StepJudge::examine(const PathPiece& piece, const StepTest& test) {
 std::optional<StabilityResult> StepJudge::count(const Asked& at, How how) const {
   if (problem_->leave_if_asked) problem_->leave_if_asked();
   if (stability_ == nullptr) return std::nullopt;
-  try {
-    const std::optional<StabilityResult> result = stability_->ask(at, how);
-    // Elements that rotate by nearly pi against their vertices have no stiffness to count with.
-    return result && result->end_angle <= path_limit.largest_end_angle ? result : std::nullopt;
-  } catch (const LinearSolverError&) {
-    return std::nullopt;
-  }
+  const std::optional<StabilityResult> result = stability_->try_ask(at, how);
+  // Elements that rotate by nearly pi against their vertices have no stiffness to count with.
+  return result && result->end_angle <= path_limit.largest_end_angle ? result : std::nullopt;
 }
 
 /// Tangent by theory (54) for the given derivative of the residual by the load factor, which grows along it.

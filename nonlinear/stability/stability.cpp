@@ -605,6 +605,14 @@ StabilityResult Stability::count_held(const State& state, double load_factor, co
   return result;
 }
 
+std::optional<StabilityResult> Stability::try_ask(const Asked& at, How how) {
+  try {
+    return ask(at, how);
+  } catch (const LinearSolverError&) {
+    return std::nullopt;
+  }
+}
+
 std::optional<StabilityResult> Stability::ask(const Asked& at, How how) {
   if (how == How::factors) return count_by(*at.newton);
   if (how == How::iteration) return count_by_iteration(at.state, at.load_factor);

@@ -112,6 +112,8 @@ class Stability {
 
   /// Counts negative eigenvalues; none if the method cannot decide, which How::inertia and How::held always can.
   std::optional<StabilityResult> ask(const Asked& at, How how);
+  /// Does so; returns none also if the linear solver fails.
+  std::optional<StabilityResult> try_ask(const Asked& at, How how);
 
   /// Finds the `count` eigenvalues nearest to zero (or all there are), with modes and errors, and the number of
   /// negative ones. The work is bounded: see EigenMode::converged.

@@ -288,6 +288,7 @@ class Vibration {
   bool confirm(std::vector<VibrationMode>& found, int count, int wanted) {
     const auto value = [&](int i) { return found[i].pair.eigenvalue; };
     const int have = static_cast<int>(found.size());
+    if (have == 0) return false;
     int below = have;
     double place = 0.0;
     for (int i = std::min(count, have); i < have; ++i)
@@ -296,10 +297,8 @@ class Vibration {
         place = 0.5 * (value(i) + value(i - 1));
         break;
       }
-    if (below == have && (have == 0 || have == wanted)) place = have == 0 ? 0.0 : value(have - 1) * (1.0 + kGap);
-    if (have < wanted && below == have) place = 2.0 * std::abs(value(have - 1));
-    const bool agrees =
-        have > 0 && operator_.factorize(-place, stability_limit.cap_of_count, VibrationUse::counted) == below;
+    if (below == have) place = have < wanted ? 2.0 * std::abs(value(have - 1)) : value(have - 1) * (1.0 + kGap);
+    const bool agrees = operator_.factorize(-place, stability_limit.cap_of_count, VibrationUse::counted) == below;
     for (VibrationMode& mode : found) mode.pair.converged = agrees;
     return agrees;
   }

@@ -593,6 +593,29 @@ TEST(NetworkSolver, LargeNetworksAreKnownBySeparators) {
   EXPECT_FALSE(make_tangent_solver(thin.model, kAutomatic, 1e-8)->tries_iteration());
 }
 
+/// Paths of two and of five vertices, and a grid of 3 x 4 between them: its rows or diagonals separate it.
+TEST(NetworkSolver, SeparatorsAreThoseOfTheLargestComponent) {
+  SparseMatrix graph{{0}, {}, {}};
+  const auto add_path = [&](int vertices) {
+    const int first = static_cast<int>(graph.row_start.size()) - 1;
+    for (int v = 0; v < vertices; ++v) {
+      for (const int w : {v - 1, v, v + 1})
+        if (w >= 0 && w < vertices) graph.column.push_back(first + w);
+      graph.row_start.push_back(static_cast<int>(graph.column.size()));
+    }
+  };
+  add_path(2);
+  const double thin = factor_entries(graph.row_start, graph.column);
+  const int first = 2;
+  for (int i = 0; i < 12; ++i) {
+    for (int j = 0; j < 12; ++j)
+      if (std::abs(i / 3 - j / 3) + std::abs(i % 3 - j % 3) <= 1) graph.column.push_back(first + j);
+    graph.row_start.push_back(static_cast<int>(graph.column.size()));
+  }
+  add_path(5);
+  EXPECT_EQ(factor_entries(graph.row_start, graph.column), 9.0 * thin);  // entries grow with the square
+}
+
 TEST(MpiNetworkSolver, FactorsAreForecastOfAllRanks) {
   const Scene scene = scene_of(cubic(6, 20.0));
   const Tangents together(scene, all_ranks()), alone(scene);

@@ -112,6 +112,12 @@ TEST(Vibration, ForcesSharedByStiffness) {
   expect_squares(squares_at(scene, 0.0, 2), {192.0, 4.0 * kAxial}, kNearlyRigid);
 }
 
+TEST(Vibration, AMassThatCannotMoveHasNoMode) {
+  Scene scene = column(2, 3);
+  scene.point_masses = {{"clamp", 1.0}};
+  EXPECT_TRUE(squares_at(scene, 0.0, 2, false).empty());
+}
+
 /// Turned about an arbitrary axis, shifted, and in other units.
 TEST(Vibration, SameInAnyPlaceAndUnits) {
   Scene scene = with_mass(column(3, 5));

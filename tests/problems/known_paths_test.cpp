@@ -708,7 +708,11 @@ void add_held_rods(std::vector<KnownPath>& table) {
   Answer stiffest = at_end({{"middle", kX, -0.15, 1e-7}, {"middle", kY, 0.3143126129561071, 1e-7}});
   stiffest.forces = {{"right", kX, -46.61212087983138, 1e-7}};
   stiffest.counts_follow = false;
-  add(table, "ShortenedInextensible", shortened_column(kRigid, 0.3), stiffest, on_branch());
+  Scene shortened = shortened_column(kRigid, 0.3);
+  add(table, "ShortenedInextensible", shortened, stiffest, on_branch());
+  shortened.sections.push_back(section(1e6, 1e6, 1e-6, 1e-6));
+  shortened.sections.back().name = "unused";  // a soft section that no member has makes no cable
+  add(table, "ShortenedBesideAnUnusedSection", shortened, stiffest, on_branch());
   add(table, "ShortenedFortyElements", shortened_column(1e5, 0.2, 2, 40),
       on_branch_at(0.001974700768843096, {{"middle", kY, 0.26606599340507237, 1e-3}},
                    {{"right", kX, -43.93556761494532, 1e-3}}, 1e-3),
