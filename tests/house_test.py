@@ -72,11 +72,6 @@ def offset_faults(sources):
             if not path.startswith("kernels/") and path != "discretization/mesh/structure.cpp" and offset in text]
 
 
-# Rooms whose comments have been read for words; the others follow when they are read.
-ROOMS_READ = ("kernels/", *(f"discretization/{room}/" for room in "geometry mesh checks constraints linear_system assembly state"
-                            " results".split()),
-              *(f"nonlinear/{room}/" for room in "parameters linear multilevel diagnosis".split()),
-              *(f"apps/{room}/" for room in "common/tables common/session common/studies fork helix thread_scaling".split()))
 NO_SUBJECT = re.compile(r"(?:What|Of|As|Those|The same|By what)\b|.*?[.] What (?:is|are|has|have|was|were)\b")
 
 
@@ -84,8 +79,6 @@ def word_faults(sources):
     """Comments that begin with no verb and no noun, but with `what` or `of`."""
     faults = []
     for path, text in sources.items():
-        if not path.startswith(ROOMS_READ):
-            continue
         before = None
         for number, line in enumerate(text.splitlines(), 1):
             comment = re.match(r'(\s*|[^"]*)//[/<]* (.*)', line)
@@ -151,7 +144,7 @@ class House(unittest.TestCase):
         good = "/// Solves the system.\n/// Of two solutions the smaller one counts.\nint i;  // number\n  /// Number of rows.\n"
         self.assertEqual(word_faults({"kernels/a.hpp": good}), [])
         for bad in ("/// What is left.", "int i;  ///< Of all rows.", "  // As in solve().", "/// Rows. What is zero is left out."):
-            self.assertEqual(len(word_faults({"kernels/a.hpp": bad, "apps/a.cpp": bad})), 1, bad)
+            self.assertEqual(len(word_faults({"kernels/a.hpp": bad})), 1, bad)
 
 
 if __name__ == "__main__":

@@ -50,7 +50,7 @@ void write_xml(std::ostream& out, const Teuchos::ParameterList& list, const std:
 
 /// Whether every reader of YAML takes the unquoted text for this very text.
 bool is_plain(const std::string& text) {
-  static const std::set<std::string> kOtherThings = {"true", "false", "yes", "no", "on", "off", "null"};
+  static const std::set<std::string> kOtherThings = {"true", "false", "yes", "no", "y", "n", "on", "off", "null"};
   const auto is_harmless = [](unsigned char c) {
     return std::isalnum(c) != 0 || std::string(" _/().*+^-").find(static_cast<char>(c)) != std::string::npos;
   };

@@ -215,8 +215,9 @@ std::string text_of_all(const std::vector<Damage>& found, const std::vector<std:
 /// Copies a file as resuming does, and discards the copy: in files without seal, copying finds damage that reading each
 /// object does not.
 void rehearse_copy(hid_t source) {
-  std::string name = (fs::temp_directory_path() / "mixbeam_verify_XXXXXX").string();
-  const int placeholder = ::mkstemp(name.data());
+  std::error_code error;
+  std::string name = (fs::temp_directory_path(error) / "mixbeam_verify_XXXXXX").string();
+  const int placeholder = error ? -1 : ::mkstemp(name.data());
   if (placeholder < 0) return;  // no place for a rehearsal
   ::close(placeholder);
   DiskFile file(name, DiskAccess::create);

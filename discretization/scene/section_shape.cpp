@@ -149,7 +149,7 @@ SectionGeometry box_geometry(const SectionShape& s, double nu) {
   g.second_moment = {box_second_moment(s.size3, s.size2, t), box_second_moment(s.size2, s.size3, t)};
   g.torsion_constant = 2.0 * t * square(b * h) / (b + h) + 2.0 * (b + h) * cube(t) / 3.0;
   g.shear_factor = {box_shear_factor(b, h, nu), box_shear_factor(h, b, nu)};
-  if (s.fillet == 0.0) return g;
+  if (s.fillet == 0.0 && s.inner_fillet == 0.0) return g;
   const double sharp_area = g.area;
   add_corners(g, s.fillet, 0.5 * s.size2, 0.5 * s.size3, -1.0, -1.0, -1.0);
   add_corners(g, s.inner_fillet, 0.5 * s.size2 - t, 0.5 * s.size3 - t, -1.0, -1.0, 1.0);
