@@ -309,7 +309,7 @@ void weigh_force_rows(const Structure& structure, bool divides, MixedVector& row
   for_each_element(structure, [&](const ElementView& element) {
     const std::vector<double> weight = weights_of(element);
     double* row = element.increments_in(interior);
-    for (size_t i = 0; i < weight.size(); ++i) row[i] *= divides ? 1.0 / weight[i] : weight[i];
+    for (size_t i = 0; i < weight.size(); ++i) row[i] *= divides && weight[i] > 0.0 ? 1.0 / weight[i] : weight[i];
   });
 }
 

@@ -29,7 +29,8 @@ struct Adjoint {
 
 /// Returns (number of N of an element): weight of its Gauss point times h / 2, if it is integrated there.
 std::vector<double> weights_of(const ElementView& element);
-/// Multiplies rows of N, which are strains, by the weights of their points, theory (16), or divides them.
+/// Multiplies rows of N, which are strains, by the weights of their points, theory (16), or divides them; rows of
+/// components without a point there become zero.
 void weigh_force_rows(const Structure& structure, bool divides, MixedVector& rows);
 
 /// Solves adjoint equations. One process only. Throws LinearSolverError if equations cannot be solved.

@@ -247,6 +247,18 @@ TEST(Gradients, UnderFollowers) {
                        scene));
 }
 
+/// Points of N that carry only its axial part, or only its shear parts.
+TEST(Gradients, OfSelectiveIntegration) {
+  for (const ForceIntegration rule : {ForceIntegration::axial_reduced, ForceIntegration::shear_reduced}) {
+    Scene scene = cantilever_of_followers();
+    scene.members[0].force_integration = rule;
+    expect_as_differences(scene,
+                          {quantity("u", "displacement", {{"Point", "tip"}}),
+                           quantity("n", "material force", {{"Member", "beam"}, {"Position", "0.6"}})},
+                          {of_force(scene, 0, 1, 0.6), of_stiffness(scene, 0, kStep), of_stiffness(scene, 5, kStep)});
+  }
+}
+
 /// Of the deflection of the tip by EI3, with the equations of another scene, or its tangent itself.
 double slope_by_bending(const Scene& equations, const Simulation& simulation, bool transposed) {
   BeamProblem problem(equations, this_rank(), {});
