@@ -80,24 +80,27 @@ Masses::Masses(const Model& model, bool in_plane) : model_(&model), in_plane_(in
 
 /// Uses the damping at the middle of each element.
 void Masses::take_damping() {
-  const Mesh& mesh = model_->mesh();
   for (const Section& section : model_->scene().sections)
     damped_ = damped_ || section.mass_damping > 0.0 || section.stiffness_damping > 0.0;
   if (!damped_) return;
-  bool by_strain = false;
+  const Mesh& mesh = model_->mesh();
+  const Teuchos::Comm<int>& comm = *model_->map()->getComm();
+  damping_.resize(model_->structure().mesh_elements);
   int member = -1;
   SectionLaw law;
-  for (const MeshElement& element : mesh.elements) {
+  for_each_element(model_->structure(), [&](const ElementView& view) {
+    if (!view.is_owned()) return;
+    const MeshElement& element = mesh.elements[view.mesh_element()];
     if (element.member != member) law = SectionLaw(model_->scene(), model_->scene().members[element.member]);
     member = element.member;
-    const Section section = law.section(mesh.arc_length(element, 0.0) / mesh.members[member].curve.length);
-    damping_.push_back({section.mass_damping, section.stiffness_damping});
-    by_strain = by_strain || section.stiffness_damping > 0.0;
-  }
-  if (!by_strain) return;
+    const Section section = law.section(mesh.arc_length(element, 0.0) / mesh.member_length[member]);
+    damping_[view.mesh_element()] = {section.mass_damping, section.stiffness_damping};
+  });
+  sum_over_ranks(comm, damping_.data()->data(), 2 * damping_.size());
+  if (std::none_of(damping_.begin(), damping_.end(), [](const auto& of) { return of[1] > 0.0; })) return;
   int stride = 0;
   for (const VibratingBlock& block : blocks_) stride = std::max(stride, block.layout().stresses());
-  strain_stride_ = static_cast<int>(maximum_over_ranks(*model_->map()->getComm(), stride));
+  strain_stride_ = static_cast<int>(maximum_over_ranks(comm, stride));
   strain_count_ = strain_stride_ * model_->structure().mesh_elements;
   strains_ = KernelView<double**>("mixbeam::vibration::strains", model_->structure().local_elements(), strain_stride_);
 }

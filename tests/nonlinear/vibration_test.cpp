@@ -367,5 +367,17 @@ TEST(MpiVibration, TheSameOnAnyNumberOfRanks) {
   expect_squares(squares_at(scene, 1.0, 6, false, all_ranks()), squares_at(scene, 1.0, 6, false), kSame);
 }
 
+TEST(MpiVibration, DampedTheSameOnAnyNumberOfRanks) {
+  Scene scene = with_mass(column(4, 8, euler_columns()[2].supports));
+  scene.sections[0].mass_damping = 0.3;
+  scene.sections[0].stiffness_damping = 1e-3;
+  BeamProblem together(scene, all_ranks(), {}), alone(scene, this_rank(), {});
+  const std::vector<VibrationMode> here = vibration_modes(together, together.model.reference_state(), 0.0, 2),
+                                   there = vibration_modes(alone, alone.model.reference_state(), 0.0, 2);
+  ASSERT_EQ(here.size(), there.size());
+  for (size_t i = 0; i < there.size(); ++i)
+    EXPECT_LT(std::abs(here[i].rate - there[i].rate), kSame * std::abs(there[i].rate)) << i;
+}
+
 }  // namespace
 }  // namespace mixbeam::test
