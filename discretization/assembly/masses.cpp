@@ -139,8 +139,10 @@ void Masses::take_coriolis(const EvaluationPoint& at) {
     for (int i = 0; i < 3; ++i) inertia.turned(i, i) = body.inertia[i];
     Mat w = CarriedMass(inertia, {}, body.turned_axes(at.state) * spin).coriolis().turned;
     for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j)
-        w(i, j) = w(i, j) == 0.0 ? 0.0 : w(i, j) / std::sqrt(body.inertia[i] * body.inertia[j]);
+      for (int j = 0; j < 3; ++j) {
+        const double product = body.inertia[i] * body.inertia[j];  // zero: the couple is rounding
+        w(i, j) = product > 0.0 ? w(i, j) / std::sqrt(product) : 0.0;
+      }
     of_bodies_.push_back({2.0 * hat(body.axes * spin), w});
   }
 }

@@ -315,6 +315,18 @@ TEST(Vibration, RotatingBody) {
   expect_squares(squares_at(scene, 1.0, 2, false), {flap - kVelocity * kVelocity, flap}, kColumn);
 }
 
+/// A thin rod as a body, whose moments of inertia across rounding keeps apart: as without it.
+TEST(Vibration, RotatingRodAsABody) {
+  std::vector<VibrationMode> modes;
+  for (const double rounded : {1.0, 1.0 + 5e-10}) {
+    Scene scene = rotating_cantilever(1.0);
+    scene.point_masses = {{"tip", 0.7, {0.0, 0.01, 0.01 * rounded}}};
+    StabilityFixture at(scene);
+    modes.push_back(vibration_modes(at.problem(), at.equilibrium(1.0), 1.0, 1)[0]);
+  }
+  EXPECT_NEAR(modes[1].rate.imag(), modes[0].rate.imag(), kNearlyRigid);
+}
+
 /// Coriolis forces move the lag mode of a blade that stretches; first lag at Omega = 4 by shooting, without them
 /// 3.879841178, 3.895935284, 3.897704651.
 TEST(Vibration, CoriolisForcesOnBladesThatStretch) {
