@@ -193,10 +193,11 @@ struct ChainErrorLoop {
       const int entry = adjacency.start(lanes.row[lane]) + i;
       const bool exists = entry < adjacency.start(lanes.row[lane] + 1);
       const int e = exists ? adjacency.element(entry, 0) : 0;
+      const bool is_active = exists && condensed(e) != 0;  // others may end at ghosts, of which x has no entries
       found.tangent[lane] = &tangents(e, 0);
-      found.start[lane] = &x(static_cast<size_t>(N) * ends(e, 0));
-      found.end[lane] = &x(static_cast<size_t>(N) * ends(e, 1));
-      found.active[lane] = exists && condensed(e) != 0 ? -1 : 0;
+      found.start[lane] = &x(static_cast<size_t>(N) * (is_active ? ends(e, 0) : lanes.row[lane]));
+      found.end[lane] = &x(static_cast<size_t>(N) * (is_active ? ends(e, 1) : lanes.row[lane]));
+      found.active[lane] = is_active ? -1 : 0;
       found.ends_here[lane] = exists && adjacency.element(entry, 1) == 1 ? -1 : 0;
     }
     return found;
