@@ -130,7 +130,8 @@ class ChainCondensation {
     Pivots result;
     for (int run = 0; run < chains_.runs; ++run) {
       result.negative += static_cast<long>(pivots_(run, 0));
-      if (!(pivots_(run, 1) >= result.smallest)) result.smallest = pivots_(run, 1);
+      const double smallest = pivots_(run, 1);
+      if (smallest < result.smallest || smallest != smallest) result.smallest = smallest;  // NaN stays
     }
     return result;
   }

@@ -168,6 +168,20 @@ TEST(ChainSolver, FirstSolveHasTheBitsOfALaterOne) {
   }
 }
 
+/// One chain of three: its place among them does not matter.
+TEST(ChainSolver, NotANumberInAnyChainIsUnreliable) {
+  const MovedScene moved(fork(2, 3), this_rank());
+  CondensedSystem system(moved.model);
+  EXPECT_TRUE(system.condense(moved.tangent));
+  const auto stiffness = moved.tangent.elements().condensed_tangent;
+  for (size_t e = 0; e < stiffness.extent(0); ++e) {
+    const double entry = stiffness(e, 0);
+    stiffness(e, 0) = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_FALSE(system.condense(moved.tangent)) << "element " << e;
+    stiffness(e, 0) = entry;
+  }
+}
+
 /// Who writes to it nevertheless is found out by the check.
 TEST(ChainSolver, AFirstSolveOfOtherRowsIsCorrected) {
   const MovedScene moved(fork(2, 12), this_rank());
