@@ -699,12 +699,15 @@ class ViewWriter {
     for (std::size_t i = 0; i < loads.rows(); ++i) {
       const double number = loads.row("member", i, 1)[0];
       const double* force = loads.row("force", i, 3 * kPlacesAlongMember);
+      const double whole[] = {0.0, 1.0};  // files of earlier versions
+      const double* range = loads.held->numbers.count("range") > 0 ? loads.row("range", i, 2) : whole;
       const SampledMember& member = run_.members()[static_cast<std::size_t>(number)];
       const double length = arc_[member.first_sample + member.share.rows - 1];
       Json places = Json::array(), forces = Json::array();
       bool acts = false;
       for (int p = 0; p < kPlacesAlongMember; ++p) {
-        places.push_back(nearest(sample_at(number, length * p / (kPlacesAlongMember - 1))));
+        const double x = range[0] + (range[1] - range[0]) * p / (kPlacesAlongMember - 1);
+        places.push_back(nearest(sample_at(number, length * x)));
         forces.push_back({force[3 * p], force[3 * p + 1], force[3 * p + 2]});
         acts = acts || norm_of(force + 3 * p) > 0.0;
       }

@@ -26,7 +26,7 @@ def write_inputs(page, run, of_case=False):
     acting = run.acting()
     length, force = run.units
     units = {"force": force, "moment": f"{force} {length}", "force per length": f"{force}/{length}", "couple per length": force,
-             "displacement": length, "rotation": "rad", "strain": "", "curvature": f"1/{length}"} if length else {}
+             "displacement": length, "rotation": "rad", "strain": "", "curvature": f"1/{length}", "turns of the ends": "rad"} if length else {}
     if not of_case:
         _sections(page, run, acting, length)
     _supports(page, run, acting.get("supports"), length)
@@ -47,8 +47,8 @@ def write_inputs(page, run, of_case=False):
     if frames:
         page.table(_head(("point of the axis of the rotating frame", "angular velocity", "turns from"), {"point of the axis of the rotating frame": length}),
                    [(_vector(at), _vector(velocity), _begin(frames, i)) for i, (at, velocity) in enumerate(zip(frames["position"], frames["velocity"]))])
-    _along(page, run, acting.get("line_loads"), ("force per length", "couple per length"), ("force", "couple"), "line load on", units)
-    _along(page, run, acting.get("eigenstrains"), ("strain", "curvature"), ("strain", "curvature"), "eigenstrain of", units)
+    _along(page, run, acting.get("line_loads"), {"force per length": "force", "couple per length": "couple"}, "line load on", units)
+    _along(page, run, acting.get("eigenstrains"), {"strain": "strain", "curvature": "curvature", "turns of the ends": "turns"}, "eigenstrain of", units)
 
 
 def _head(names, units):
@@ -91,17 +91,21 @@ def _supports(page, run, supports, length):
                [(_names(points), *row) for row, points in rows.items()])
 
 
-def _along(page, run, table, names, columns, title, units):
-    """Writes vectors at the start, in the middle and at the end of members."""
+def _along(page, run, table, columns, title, units):
+    """Writes vectors at the start, in the middle and at the end of members or of the range in which they act."""
     if not table:
         return
     rows = defaultdict(list)
+    columns = {name: column for name, column in columns.items() if column != "turns" or np.any(table.get(column, 0.0))}
     for i, member in enumerate(table["member"]):
         of = run.member_of_index(int(member))
-        parts = [" ... ".join(dict.fromkeys(_vector(row) for row in table[column][i].reshape(9, 3)[[0, 4, 8]])) for column in columns]
-        rows[(*parts, *([_turns(table, i)] if "follower" in table else []), _begin(table, i))].append(of.name if of else f"{member}")
+        begin, end = table["range"][i] if "range" in table else (0.0, 1.0)
+        part = f" ({begin:.4g} to {end:.4g} of its length)" if end - begin < 1.0 else ""
+        vectors = [table[column][i].reshape(-1, 3) for column in columns.values()]
+        parts = [" ... ".join(dict.fromkeys(_vector(of_member[place]) for place in (0, len(of_member) // 2, -1))) for of_member in vectors]
+        rows[(*parts, *([_turns(table, i)] if "follower" in table else []), _begin(table, i))].append((of.name if of else f"{member}") + part)
     turns = ["turns with the section"] if "follower" in table else []
-    page.table(_head((title, *names, *turns, "acts from"), units), [(_names(members), *row) for row, members in rows.items()])
+    page.table(_head((title, *columns, *turns, "acts from"), units), [(_names(members), *row) for row, members in rows.items()])
 
 
 def _turns(table, i):

@@ -27,8 +27,8 @@ PLACED, ALONG = {"place": (2,), "position": (3,), "point": TEXT, "begins": ()}, 
 ACTING = {"supports": {**PLACED, "axes": (9,), "fixed": (6,), "stiffness": (6,), "prescribed": (6,)},
           "joints": {**PLACED, "name": TEXT, "kind": TEXT, "axis": (3,), "stiffness": ()},
           "point_loads": {**PLACED, "force": (3,), "moment": (3,), "follower": ()},
-          "line_loads": {**ALONG, "force": (27,), "couple": (27,), "follower": ()},
-          "eigenstrains": {**ALONG, "strain": (27,), "curvature": (27,)},
+          "line_loads": {**ALONG, "force": (27,), "couple": (27,), "range": (2,), "follower": ()},
+          "eigenstrains": {**ALONG, "strain": (27,), "curvature": (27,), "turns": (6,)},
           "rotating_frames": {"position": (3,), "velocity": (3,), "begins": ()},
           "sections": {"name": TEXT, "shape": TEXT, "dimensions": (36,), "strength": (9,)}, "members": {"section": ()}}
 LAYOUTS = (h5py.h5d.COMPACT, h5py.h5d.CONTIGUOUS, h5py.h5d.CHUNKED)

@@ -82,10 +82,11 @@ class Marks:
             marks.append((sample, self._turned(vector / np.linalg.norm(vector), follows, [sample])[0]))
 
     def _add_line_loads(self, table):
-        for index, force, follows, begins in zip(*(table[name] for name in ("member", "force", "follower", "begins"))):
+        ranges = table.get("range", np.tile((0.0, 1.0), (len(table["member"]), 1)))
+        for index, force, follows, begins, between in zip(*(table[name] for name in ("member", "force", "follower", "begins")), ranges):
             member = self._run.member_of_index(int(index))
             if member is not None and np.any(force) and self._has_begun(begins):
-                places = np.linspace(0.0, member.arc_length[-1], len(force) // 3)
+                places = np.linspace(*between * member.arc_length[-1], len(force) // 3)
                 samples = [member.samples.start + int(np.argmin(np.abs(member.arc_length - s))) for s in places]
                 self.line_loads.append((samples, self._turned(force.reshape(-1, 3), follows, samples)))
 

@@ -123,8 +123,7 @@ double factor_of(const DistributedLoad& load, const MeshMember& member, const Se
                  double middle) {
   const double length = member.curve.length;
   if (middle < load.range[0] * length || middle > load.range[1] * length) return 0.0;
-  if (load.is_weight && law != nullptr) return law->share_of_mass(s / length);
-  return load.is_projected ? seen_length(member, load.force, s) : 1.0;
+  return local_factor(load, member, law, s);
 }
 
 bool turns_ends(const Eigenstrain& strain) {
@@ -145,6 +144,11 @@ bool is_plain(const DistributedLoad& load) {
 }
 
 }  // namespace
+
+double local_factor(const DistributedLoad& load, const MeshMember& member, const SectionLaw* law, double s) {
+  if (load.is_weight && law != nullptr) return law->share_of_mass(s / member.curve.length);
+  return load.is_projected ? seen_length(member, load.force, s) : 1.0;
+}
 
 LineFields::LineFields(const Scene& scene, const Mesh& mesh, Structure& structure)
     : has_loads_(!scene.distributed_loads.empty()), has_eigenstrains_(!scene.eigenstrains.empty()) {

@@ -17,6 +17,9 @@ struct LineFieldMagnitude {
   double turn = 0.0;       ///< eigencurvature times the length of its member: a rotation
 };
 
+/// Factor of the profile of a load at arc length s inside its range; `law`: of the member, null if it has one section.
+double local_factor(const DistributedLoad& load, const MeshMember& member, const SectionLaw* law, double s);
+
 /// Sum of fields times amplitudes. Formulas are evaluated once, at construction; the load factor scales the values.
 class LineFields {
  public:

@@ -1,5 +1,6 @@
 #include "discretization/state/acting.hpp"
 
+#include "discretization/assembly/line_fields.hpp"
 #include "discretization/scene/section_law.hpp"
 #include "discretization/scene/section_shape.hpp"
 #include "discretization/text/expression.hpp"
@@ -86,21 +87,29 @@ class TableFiller {
   void add_beginning(const Load& load) {
     add("begins", load.amplitude.empty() ? load.stage - 1.0 : kFromTheBeginning);
   }
-  /// Adds values along a member of this length: a constant, formulas, or a table times a factor.
+  /// Adds values along a range of a member of this length: a constant, formulas, or a table, times factor_at(arc
+  /// length).
+  template <class Factor>
   void add_along(const std::string& column, const Vector3& constant, const std::array<std::string, 3>& formula,
-                 double length, const FieldTable* table = nullptr, double factor = 1.0) {
+                 double length, const std::array<double, 2>& range, const Factor& factor_at,
+                 const FieldTable* table = nullptr) {
     std::vector<Vector3> values(kPlacesAlongMember, constant);
+    const auto place_at = [&](int place) {
+      return range[0] + (range[1] - range[0]) * place / (kPlacesAlongMember - 1);
+    };
     for (std::size_t i = 0; i < 3; ++i) {
       if (formula[i].empty()) continue;
       const Expression component(formula[i], {"s", "x"});
       for (int place = 0; place < kPlacesAlongMember; ++place) {
-        const double x = static_cast<double>(place) / (kPlacesAlongMember - 1);
+        const double x = place_at(place);
         values[place][i] = component({x * length, x});
       }
     }
-    for (int place = 0; table != nullptr && place < kPlacesAlongMember; ++place)
-      values[place] = vector_algebra::scaled(factor, table->at(place * length / (kPlacesAlongMember - 1)));
-    for (const Vector3& v : values) append(column, v);
+    for (int place = 0; place < kPlacesAlongMember; ++place) {
+      const double s = place_at(place) * length;
+      const Vector3 value = table != nullptr ? table->at(s) : values[place];
+      append(column, vector_algebra::is_zero(value) ? value : vector_algebra::scaled(factor_at(s), value));
+    }
   }
 
  private:
@@ -166,8 +175,16 @@ class ActingTables {
   ActingTable line_loads() const {
     return table_of("line_loads", scene_.distributed_loads, [&](TableFiller row, const DistributedLoad& load) {
       const double length = add_member(row, load.member);
-      row.add_along("force", load.force, load.force_formula, length);
-      row.add_along("couple", load.couple, load.couple_formula, length);
+      const int member = places_.member(load.member);
+      SectionLaw law;
+      const bool varies = load.is_weight && has_general_section(scene_, scene_.members[member]);
+      if (varies) law = SectionLaw(scene_, scene_.members[member]);
+      const auto factor_at = [&](double s) {
+        return local_factor(load, mesh_.members[member], varies ? &law : nullptr, s);
+      };
+      row.add_along("force", load.force, load.force_formula, length, load.range, factor_at);
+      row.add_along("couple", load.couple, load.couple_formula, length, load.range, factor_at);
+      for (const double x : load.range) row.add("range", x);
       row.add("follower", load.frame == LoadFrame::follower ? 1.0 : 0.0);
       row.add_beginning(load);
     });
@@ -175,10 +192,14 @@ class ActingTables {
   ActingTable eigenstrains() const {
     return table_of("eigenstrains", scene_.eigenstrains, [&](TableFiller row, const Eigenstrain& strain) {
       const double length = add_member(row, strain.member);
-      row.add_along("strain", strain.strain, strain.strain_formula, length, strain.strain_table.get(),
-                    strain.table_factor);
-      row.add_along("curvature", strain.curvature, strain.curvature_formula, length, strain.curvature_table.get(),
-                    strain.table_factor);
+      const auto add = [&](const char* column, const Vector3& constant, const auto& formula, const FieldTable* table) {
+        const double factor = table != nullptr ? strain.table_factor : 1.0;
+        row.add_along(
+            column, constant, formula, length, {0.0, 1.0}, [=](double) { return factor; }, table);
+      };
+      add("strain", strain.strain, strain.strain_formula, strain.strain_table.get());
+      add("curvature", strain.curvature, strain.curvature_formula, strain.curvature_table.get());
+      for (const Vector3& turn : strain.end_turns) row.add("turns", turn);
       row.add_beginning(strain);
     });
   }

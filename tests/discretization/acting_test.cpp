@@ -5,6 +5,7 @@
 
 #include "input_text.hpp"
 
+#include <cmath>
 #include <stdexcept>
 
 namespace mixbeam {
@@ -80,15 +81,39 @@ TEST(ActingOn, LineLoadsAreSampledAlongTheirMember) {
   EXPECT_NEAR(at(loads, "force", 0, 2, 8), 1.0, kRounding);
 }
 
+TEST(ActingOn, PartialProjectedAndTaperedLineLoadsAsTheyAct) {
+  Scene scene = hinged();
+  scene.sections[0].mass = 1.0;
+  scene.sections.push_back(scene.sections[0]);
+  scene.sections[1].name = "t";
+  scene.sections[1].mass = 3.0;
+  scene.members[0].end_section = "t";
+  scene.distributed_loads = {
+      {"second", {0, 0, -2}, {}, 1, LoadFrame::dead, {"x", "", ""}}, {"second", {0, -1, -1}}, {"first", {0, 0, -2}}};
+  scene.distributed_loads[0].range = {0.25, 0.75};
+  scene.distributed_loads[1].is_projected = true;
+  scene.distributed_loads[2].is_weight = true;
+  const Acting acting = acting_on(scene, build_mesh(scene));
+  const ActingTable& loads = table_of(acting, "line_loads");
+  EXPECT_EQ(loads.numbers.at("range"), (std::vector<double>{0.25, 0.75, 0, 1, 0, 1}));
+  EXPECT_NEAR(at(loads, "force", 0, 0, 0), 0.25, kRounding);
+  EXPECT_NEAR(at(loads, "force", 0, 0, 8), 0.75, kRounding);
+  EXPECT_NEAR(at(loads, "force", 1, 2, 4), -std::sqrt(0.5), kRounding) << "at 45 degrees";
+  EXPECT_NEAR(at(loads, "force", 2, 2, 4), -4.0, kRounding);
+  EXPECT_NEAR(at(loads, "force", 2, 2, 8), -6.0, kRounding);
+}
+
 TEST(ActingOn, EigenstrainsAreSampledToo) {
   Scene scene = hinged();
   scene.eigenstrains = {{"first", {}, {0, 0.5, 0}, 1, {"1e-3*x", "", ""}}};
+  scene.eigenstrains[0].end_turns[1] = {0, 0, 0.2};
   const Acting acting = acting_on(scene, build_mesh(scene));
   const ActingTable& strains = table_of(acting, "eigenstrains");
   ASSERT_EQ(strains.rows, 1U);
   EXPECT_EQ(strains.numbers.at("member").at(0), 0);
   EXPECT_NEAR(at(strains, "strain", 0, 0, 4), 5e-4, kRounding);
   EXPECT_NEAR(at(strains, "curvature", 0, 1), 0.5, kRounding);
+  EXPECT_EQ(strains.numbers.at("turns"), (std::vector<double>{0, 0, 0, 0, 0, 0.2}));
 }
 
 TEST(ActingOn, SectionsAreSampledOnceForAllMembersThatShareThem) {
