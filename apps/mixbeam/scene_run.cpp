@@ -261,12 +261,8 @@ class RunReport {
       buckling_.push_back({{mode.load_factor, {}, mode.residual, mode.confirmed, mode.error},
                            record.load_factor,
                            moves_most(record.members, mode.mode)});
-    for (const RecordedCriticalPoint& point : record.critical_points) {
-      if (collapse_.empty() && point.negative_before == 0 && point.negative_after > 0)
-        collapse_ = point.kind + " at load factor " + in_known_digits(point.load_factor, point.load_factor_error) +
-                    moves_most(record.members, point.mode);
-      critical_.push_back(without_rows(point));
-    }
+    for (const RecordedCriticalPoint& point : record.critical_points)
+      add(point, moves_most(record.members, point.mode));
     if (record.jump) jumps_.push_back(*record.jump);
     follow(Searched{record.step, record.load_factor, last_.vibration});
   }
@@ -277,7 +273,7 @@ class RunReport {
       for (std::size_t i = 0; i < run.steps().size() && series.name == kQuantitySeries; ++i)
         follow(run.steps()[i].step, run.steps()[i].load_factor, series.values.data() + i * series.columns);
     for (std::size_t i = 0; i < run.steps().size(); ++i) {
-      for (const RecordedCriticalPoint& point : run.critical_points(i)) critical_.push_back(without_rows(point));
+      for (const RecordedCriticalPoint& point : run.critical_points(i)) add(point, "");  // their modes are not read
       if (const std::optional<RecordedJump> jump = run.jump(i)) jumps_.push_back(*jump);
       follow(Searched{run.steps()[i].step, run.steps()[i].load_factor, run.vibration()[i]});
     }
@@ -489,6 +485,13 @@ class RunReport {
   }
 
  private:
+  /// Adds a critical point. `place`: where its mode moves most, empty if unknown.
+  void add(const RecordedCriticalPoint& point, const std::string& place) {
+    if (collapse_.empty() && point.negative_before == 0 && point.negative_after > 0)
+      collapse_ = point.kind + " at load factor " + in_known_digits(point.load_factor, point.load_factor_error) + place;
+    critical_.push_back(without_rows(point));
+  }
+
   void print_buckling(std::ostream& out) const {
     double base = -1.0;
     bool is_negative = false;

@@ -401,7 +401,7 @@ TEST_F(Mixbeam, ResumesAPathThroughLimitPoints) {
     wait_for_steps(cut / "scene-monitor.csv", steps + 1);
     end(process, SIGKILL);
     expect_in(expect_code(kOk, mixbeam({"resume", (cut / "scene.h5").string()})).out,
-              {"critical point 1: bifurcation", "8 of 8 checks passed"});
+              {"critical point 1: bifurcation", "collapse: bifurcation at load factor 0.61", "8 of 8 checks passed"});
     EXPECT_EQ(differences(whole, contents_of(cut / "scene.h5")), "");
   }
 }
@@ -520,8 +520,9 @@ TEST_F(Mixbeam, StableMayBeExpected) {
 /// A value that was compared when the file was written is compared again from it, without solving anything.
 TEST_F(Mixbeam, ResumingAtTheEndTellsTheSame) {
   const Ended first = run_scene(column("2.5", expecting_stable("false")), {"--quiet"});
-  const Ended again = expect_code(kOk, mixbeam({"resume", "results/scene.h5", "--quiet"}));
+  const Ended again = expect_code(kOk, mixbeam({"resume", "results/scene.h5", "--quiet", "--summary", "again.json"}));
   EXPECT_EQ(last_line(again.out), last_line(first.out));
+  expect_in(text("again.json"), {"\"load_factor\": 1.0"});
 }
 
 /// Members whose elements or chains take longer, and why; plain ones under dead loads are not among them.

@@ -1,6 +1,10 @@
 /// Natural modes as `mixbeam run` answers them: files, terminal, quantities, and what it refuses.
+#include "apps/common/run/followed_points.hpp"
+#include "apps/mixbeam/commands.hpp"
 #include "discretization/text/number_text.hpp"
 #include "mixbeam_files.hpp"
+#include "tests/support/ranks.hpp"
+#include "tests/support/same_bits.hpp"
 
 namespace mixbeam::modes_test {
 namespace {
@@ -134,6 +138,36 @@ TEST_F(Modes, KeepTheirNumbersWhereFrequenciesCross) {
     expect_code(kOk, mixbeam({"resume", file("results/scene.h5"), "--from", from}));
     EXPECT_EQ(text_of(table), whole) << from;
   }
+}
+
+/// Series that a damaged file has lost come from its steps, those of frequencies and jumps too.
+TEST_F(Modes, SeriesAreRecomputedFromStoredSteps) {
+  const std::string load = "  Point Loads: {push: {Point: tip, Force: [-4, 0, 0]}}\n";
+  const std::string plane = "    plane: {Point: tip, Fixed Displacement: [z], Fixed Rotation: [x, y]}\n";
+  const std::string clamp = "  Supports:\n    clamp: {Point: wall}\n" + plane;
+  const std::string quantities = "Quantities: {f: {Quantity: natural frequency, Mode: 1}, count: {Quantity: jumps}}\n";
+  const std::string text =
+      changed(changed(scene(kMass, clamp + load, "Number: 1, In Plane: true, At: every step", quantities),
+                      "EA: 1e9, GA2: 1e9, GA3: 1e9", "EA: 1e4, GA2: 1e4, GA3: 1e4"),
+              "Analysis: {", "Analysis: {Snap: jump, ");
+  expect_code(kOk, run_scene(text));
+  std::ostringstream said;
+  Application app;
+  app.communicator = test::this_rank();
+  app.terminal = &said;
+  read_scene_file(app, file("scene.yaml"), mixbeam_definition());
+  Simulation simulation(app.scene, app.solver, app.communicator);
+  const StoredRun stored(folder_ / "results/scene.h5");
+  EXPECT_GT(stored.steps().back().jumps, 0);
+  const StoredRun again = with_all_series(stored, app.scene, &app.quantities, simulation);
+  std::size_t compared = 0;
+  for (const MonitoredSeries& old : stored.monitor())
+    for (std::size_t i = stored.monitor().size(); i < again.monitor().size(); ++i) {
+      if (again.monitor()[i].name != old.name) continue;
+      ++compared;
+      EXPECT_TRUE(test::same_bits(again.monitor()[i].values, old.values)) << old.name;
+    }
+  EXPECT_EQ(stored.monitor().size() + compared, again.monitor().size());
 }
 
 TEST_F(Modes, RefusesWhatHasNoMeaning) {

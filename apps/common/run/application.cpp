@@ -155,6 +155,20 @@ Simulation Application::try_to_solve(const Scene& solved, const SolverParameters
   }
 }
 
+StepReport stored_report(const StoredRun& run, std::size_t position) {
+  StepReport report;
+  report.point = run.steps()[position];
+  report.step = report.point.step;
+  report.load_factor = report.point.load_factor;
+  const int jumps_before = position == 0 ? 0 : run.steps()[position - 1].jumps;
+  if (report.point.jumps > jumps_before) report.jump = run.jump(position);
+  for (const MonitoredSeries& series : run.monitor()) {
+    if (series.name == "newton_iterations") report.newton_iterations = static_cast<int>(series.values[position]);
+    if (series.name == "residual") report.residual = series.values[position];
+  }
+  return report;
+}
+
 std::vector<CriticalPoint> stored_critical_points(Simulation& simulation, const StoredRun& run, std::size_t position) {
   std::vector<CriticalPoint> points;
   for (const RecordedCriticalPoint& stored : run.critical_points(position)) {
@@ -188,10 +202,7 @@ void Application::replay(Simulation& simulation, const StoredRun& run, const Run
     };
     const bool is_expected = std::any_of(expected.begin(), expected.end(), belongs_here);
     if (!is_expected && !is_last) continue;
-    StepReport report;
-    report.step = point.step;
-    report.load_factor = point.load_factor;
-    report.point = point;
+    StepReport report = stored_report(run, i);
     if (is_expected && is_critical) report.critical_points = stored_critical_points(simulation, run, i);
     simulation.restore(writes_files() ? run.state(i) : StateSnapshot{}, point.load_factor, run.stability()[i],
                        point.jumps);

@@ -49,6 +49,9 @@ struct KeptStep {
   RecordedStability stability{};
 };
 
+/// Returns the report of step `position` of a stored run, without stability, critical points and history.
+StepReport stored_report(const StoredRun& run, std::size_t position);
+
 /// Critical points of step `position` of a stored run, with their states, without modes.
 std::vector<CriticalPoint> stored_critical_points(Simulation& simulation, const StoredRun& run, std::size_t position);
 

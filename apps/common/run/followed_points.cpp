@@ -1,5 +1,6 @@
 #include "apps/common/run/followed_points.hpp"
 
+#include "apps/common/run/application.hpp"
 #include "apps/common/run/quantity_values.hpp"
 #include "discretization/text/result_names.hpp"
 
@@ -60,9 +61,9 @@ StoredRun with_all_series(const StoredRun& run, const Scene& scene, const Quanti
   for (std::size_t i = 0; i < run.steps().size(); ++i) {
     const PathPoint& point = run.steps()[i];
     simulation.restore(has_states ? run.state(i) : StateSnapshot{}, point.load_factor, run.stability()[i], point.jumps);
-    StepRecord record = simulation.record({}, kPointsByOrder, points);
+    StepRecord record = simulation.record(stored_report(run, i), kPointsByOrder, points);
     follow_reactions(points, record);
-    record.load_factor = point.load_factor;
+    record.vibration = run.vibration()[i];
     if (quantities != nullptr)
       record.monitored.push_back({kQuantitySeries, values_of(*quantities, simulation, record)});
     all.resize(record.monitored.size());

@@ -340,8 +340,13 @@ Simulation Application::record(const std::shared_ptr<const Scene>& solved, const
       if (recording.restart) recording.restart();
       continue;
     }
-    if (!recorder.has_steps() && recording.record_observer)  // resumed at the end of its path
-      recording.record_observer(recorder.record(simulation, {}, nullptr));
+    if (!recorder.has_steps() && recording.record_observer) {  // resumed at the end of its path
+      StepReport last;
+      if (recording.resume != nullptr && !recording.resume->steps().empty())
+        last = stored_report(*recording.resume, recording.resume->steps().size() - 1);
+      last.jump.reset();  // belongs to the stored steps
+      recording.record_observer(recorder.record(simulation, last, nullptr));
+    }
     recorder.close();
     if (simulation.result().finished || simulation.result().interrupted) return simulation;
     give_up(simulation, recording.file.stem().string(), remains_of(recording), recording.file);
