@@ -3,6 +3,7 @@
 #include "apps/common/run/quantity_values.hpp"
 #include "apps/common/run/scene_file.hpp"
 #include "apps/common/session/guarded_run.hpp"
+#include "apps/common/session/interrupt.hpp"
 #include "apps/common/session/progress.hpp"
 #include "apps/common/studies/variants.hpp"
 #include "apps/common/tables/csv_table.hpp"
@@ -909,7 +910,7 @@ RunEnd run_case(Application& app, const std::string& load_case, const std::files
   if (!app.mesh_note.empty()) recording.properties[kMeshProperty] = app.mesh_note;
   if (!app.quantities.empty()) recording.quantities = &app.quantities;
   if (app.gradient)
-    recording.gradients = [&app, load_case, resume](const Simulation& at, const std::vector<CriticalPoint>& passed) {
+    recording.gradients = [&app, load_case, &resume](const Simulation& at, const std::vector<CriticalPoint>& passed) {
       std::vector<CriticalPoint> points;
       Simulation before = at.at(at.state(), at.load_factor());
       for (std::size_t i = 0; resume != nullptr && i < resume->steps().size(); ++i)
@@ -926,9 +927,10 @@ RunEnd run_case(Application& app, const std::string& load_case, const std::files
     if (app.watch) app.watch(simulation, step);
   };
   const std::size_t checks = app.summary.checks().size();
-  recording.restart = [&app, &report, &scene, checks] {
+  recording.restart = [&app, &report, &scene, &resume, checks] {
     report = RunReport(&app.quantities, scene);
-    app.summary.keep_checks(checks);
+    app.forget_path(checks);
+    resume = nullptr;
   };
   std::optional<AccurateRun> accurate;
   if (scene.accuracy)

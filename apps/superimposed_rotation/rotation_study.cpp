@@ -124,7 +124,7 @@ void run_rotation(Application& app) {
   TurnedRod rod(app.scene);
   const Simulation simulation =
       app.solve_and_record(app.scene, app.solver, "single", kPointsPerElement, rod.observer());
-  app.check_expected(simulation, [&simulation](const ExpectedValue&) { return simulation.strain_energy().moment; });
+  app.check_expected(simulation, [](const Simulation& at, const ExpectedValue&) { return at.strain_energy().moment; });
   StudyTable csv(app, "deviation.csv",
                  words("rotation,relative_u3,relative_energy,vertex_position,vertex_triad,iterations"), 6);
   for (const Deviation& d : rod.deviations()) csv.add_row(d.cells(d.rotation));

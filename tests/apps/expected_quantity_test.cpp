@@ -1,4 +1,5 @@
 /// Every quantity that a scene may expect, of a rod whose answer is exact.
+#include "apps/common/run/application.hpp"
 #include "apps/common/run/quantity_values.hpp"
 
 #include "tests/support/ranks.hpp"
@@ -67,6 +68,35 @@ TEST(ExpectedQuantity, OfARodBentToACircle) {
   EXPECT_NEAR(values.in_section("material moment", 0.6, "3"), kBend, kTolerance);
   EXPECT_NEAR(values.in_section("material moment", 0.6, "norm"), kBend, kTolerance);
   EXPECT_NEAR(values.value({}, "strain energy").value(), 0.5 * kBend * kBend * kLength / kBending, kTolerance);
+}
+
+/// An application's own quantity, and a path that begins again.
+TEST(ExpectedQuantity, AtACriticalPoint) {
+  const Simulation simulation(
+      test::structure({{"foot", {0, 0, 0}}, {"tip", {0, kLength, 0}}}, {test::line("rod", "foot", "tip", 4, 4)},
+                      {test::clamp("foot")}, {}, test::section(kAxial, 500.0, kBending, kBending)),
+      {}, test::this_rank());
+  Application app;
+  app.communicator = test::this_rank();
+  ExpectedValue wanted;
+  wanted.name = wanted.quantity = "twice the load factor";
+  wanted.critical_point = 1;
+  wanted.value = 0.5;
+  wanted.source = "closed form";
+  app.expected = {wanted};
+  StepReport report;
+  report.point.critical_points = 1;
+  report.critical_points.push_back(
+      {CriticalKind::limit_point, 0.25, 0, 1, simulation.state(), simulation.model().create_vector()});
+  app.check_expected(simulation, report,
+                     [](const Simulation& at, const ExpectedValue&) { return 2.0 * at.load_factor(); });
+  EXPECT_TRUE(app.not_compared().empty());
+  EXPECT_EQ(app.summary.checks().size(), 1U);
+  EXPECT_TRUE(app.summary.all_passed());
+  app.forget_path(0);
+  EXPECT_EQ(app.not_compared().size(), 1U);
+  EXPECT_EQ(app.critical_points(""), 0);
+  EXPECT_TRUE(app.summary.checks().empty());
 }
 
 TEST(ExpectedQuantity, ChangesAlongTheRod) {  // linear for a load this small: moment F (L - s)

@@ -288,7 +288,7 @@ void Application::compare(const Simulation& simulation, const std::function<bool
   for (std::size_t i = 0; i < due.size(); ++i) {
     const ExpectedValue& value = due[i];
     std::optional<double> actual = present[i];
-    if (!actual && own_quantity) actual = own_quantity(value);
+    if (!actual && own_quantity) actual = own_quantity(simulation, value);
     if (!actual) continue;
     compared_.insert(value.name);
     summary.check_expected(value.name, *actual, value);
@@ -310,9 +310,16 @@ void Application::check_expected(const Simulation& simulation, const StepReport&
   for (const CriticalPoint& point : report.critical_points) {
     critical_points_[load_case] = ++number;
     const auto is_due = [number](const ExpectedValue& value) { return value.critical_point == number; };
-    compare(simulation.at(point.state, point.load_factor), is_due, {});
+    compare(simulation.at(point.state, point.load_factor), is_due, own_quantity);
   }
   check_expected(simulation, report.load_factor, own_quantity);
+}
+
+void Application::forget_path(std::size_t checks) {
+  summary.keep_checks(checks);
+  critical_points_.erase(load_case);
+  for (const ExpectedValue& value : expected)
+    if (value.load_case == load_case) compared_.erase(value.name);
 }
 
 int Application::critical_points(const std::string& of_case) const {

@@ -142,7 +142,7 @@ class Application {
 
   /// Checks the values of the list "Expected" at this load factor; values without a load factor are checked at the end
   /// of the path. `own_quantity` evaluates the application's own quantities; without it they are skipped.
-  using OwnQuantity = std::function<double(const ExpectedValue&)>;
+  using OwnQuantity = std::function<double(const Simulation& simulation, const ExpectedValue&)>;
   void check_expected(const Simulation& simulation, double load_factor, const OwnQuantity& own_quantity = {});
   /// Also checks the values at critical points since the previous step.
   void check_expected(const Simulation& simulation, const StepReport& report, const OwnQuantity& own_quantity = {});
@@ -152,6 +152,9 @@ class Application {
   }
   /// Expected values that check_expected() has not compared yet.
   std::vector<ExpectedValue> not_compared() const;
+  /// Forgets what check_expected() has seen of the present load case, whose path begins again. `checks`: number of
+  /// checks before it; the others are discarded.
+  void forget_path(std::size_t checks);
   /// Number of critical points of a load case that check_expected() has seen so far.
   int critical_points(const std::string& of_case) const;
 
