@@ -111,9 +111,7 @@ std::unique_ptr<SolvedRun> SolvedRun::from_file(const std::filesystem::path& fil
   run->simulation_.emplace(scene, app.solver, app.communicator);
   for (std::size_t i = 0; i < stored.steps().size(); ++i) {
     KeptStep& step = run->steps_.emplace_back();
-    step.report.point = stored.steps()[i];
-    step.report.step = step.report.point.step;
-    step.report.load_factor = step.report.point.load_factor;
+    step.report = stored_report(stored, i);
     step.stability = stored.stability()[i];
   }
   run->stored_ = std::move(stored);
@@ -162,7 +160,11 @@ void SolvedRun::write(const std::filesystem::path& file) const {
   if (!app_.quantities.empty()) recording.quantities = &app_.quantities;
   recording.writing.lock = lock_result(file, *app_.communicator);
   std::vector<KeptStep> steps = steps_;
-  for (std::size_t i = 0; stored_ && i < steps.size(); ++i) steps[i].state = at(static_cast<int>(i)).state();
+  for (std::size_t i = 0; stored_ && i < steps.size(); ++i) {
+    Simulation simulation = at(static_cast<int>(i));
+    steps[i].state = simulation.state();
+    steps[i].report.critical_points = stored_critical_points(simulation, *stored_, i);
+  }
   app_.write(at(-1), steps, recording);
 }
 
@@ -179,10 +181,11 @@ Simulation SolvedRun::at(int step) const {
   // as in the run: a second thread costs a small structure far more than the evaluation
   set_number_of_threads(std::min(number_of_threads(), app_.threads_for(simulation_->scene(), app_.solver)));
   const KeptStep& kept = steps_[place];
-  if (!stored_) return simulation_->at(kept.state, kept.report.load_factor, kept.stability);
+  const int jumps = kept.report.point.jumps;
+  if (!stored_) return simulation_->at(kept.state, kept.report.load_factor, kept.stability, jumps);
   Simulation simulation = *simulation_;
   require_same_file();
-  simulation.restore(stored_->state(place), kept.report.load_factor, kept.stability);
+  simulation.restore(stored_->state(place), kept.report.load_factor, kept.stability, jumps);
   require_same_file();
   return simulation;
 }

@@ -99,11 +99,13 @@ void Simulation::restore(const StateSnapshot& snapshot, double load_factor, cons
   stability_ = known;
 }
 
-Simulation Simulation::at(const State& state, double load_factor, const RecordedStability& known) const {
+Simulation Simulation::at(const State& state, double load_factor, const RecordedStability& known,
+                          std::optional<int> jumps) const {
   Simulation other = *this;
   other.state_ = state;
   other.load_factor_ = load_factor;
   other.stability_ = known;
+  other.jumps_ = jumps.value_or(jumps_);
   return other;
 }
 

@@ -37,8 +37,10 @@ class Simulation {
   /// mesh. Collective.
   void restore(const StateSnapshot& snapshot, double load_factor, const RecordedStability& known = {}, int jumps = 0);
 
-  /// Copies the simulation with another state and the same result(). `known`: its stability.
-  Simulation at(const State& state, double load_factor, const RecordedStability& known = {}) const;
+  /// Copies the simulation with another state and the same result(). `known`: its stability; `jumps`: number of jumps
+  /// so far, by default that of this simulation.
+  Simulation at(const State& state, double load_factor, const RecordedStability& known = {},
+                std::optional<int> jumps = {}) const;
 
   const LoadPathResult& result() const { return result_; }
   const State& state() const { return state_; }

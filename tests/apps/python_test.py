@@ -336,6 +336,18 @@ class Bits(InFolder):
         self.assertEqual(len(run.critical_points), len(mixbeam.open("afterwards.h5").critical_points))
         self.assertTrue(np.array_equal(run.critical_points[0].mode, mixbeam.open("frame.h5").critical_points[0].mode))
 
+        mixbeam.open("frame.h5").write("again.h5")
+        with h5py.File("frame.h5") as one, h5py.File("again.h5") as again:
+            for name in ("monitor/residual", "monitor/newton_iterations"):
+                self.assertTrue(np.array_equal(one[name], again[name], equal_nan=True), name)
+        self.assertEqual([point.load_factor for point in mixbeam.open("again.h5").critical_points],
+                         [point.load_factor for point in run.critical_points])
+
+    def test_each_step_counts_its_jumps(self):
+        run = mixbeam.run(SOURCES / "apps/gallery/snapping_arch.xml", output="arch.h5")
+        for one in (run, mixbeam.open("arch.h5")):
+            self.assertEqual((one.jumps(step=0), one.jumps()), (0, 1))
+
     def test_a_run_that_was_stopped_goes_on_with_the_same_bits(self):
         scene = loaded_frame()
         whole = mixbeam.run(scene)
@@ -519,6 +531,8 @@ class Runs(InFolder):
                                     measurements=dict(drop=dict(quantity="drop", value=drop, standard_deviation=1.0)))
         scene.write("scene.yaml")
         self.assertAlmostEqual(mixbeam.run(mixbeam.read("scene.yaml")).found["force"].value, -10.0, places=8)
+        with self.assertRaisesRegex(mixbeam.InputError, "mixbeam run"):
+            mixbeam.batch(scene, {"point_loads/weight/force[2]": [-7, -8]})
 
     def test_flutter_is_judged_by_modes(self):
         scene = cantilever()

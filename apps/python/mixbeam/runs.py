@@ -423,7 +423,8 @@ class Run:
 
     # --- files and pictures --------------------------------------------------------------------------------------------
     def write(self, file):
-        """Writes the result file that `mixbeam run` would have written."""
+        """Writes the result file that `mixbeam run` would have written; of an opened run, without the modes of critical points
+        and the residuals of all attempts."""
         self._core.write(os.fspath(file))
 
     @property
