@@ -140,7 +140,7 @@ CaseScenes::Place CaseScenes::find(const BatchColumn& column, std::size_t index)
   const std::string name = path.names.size() > 1 ? path.names[1] : "";
   if (std::find(names.begin(), names.end(), name) == names.end())
     throw refused(column, "no expected value of this name; allowed: " + quoted_list(names) + did_you_mean(name, names));
-  if (path.names.size() != 3 || path.names[2] != "Value" || path.component >= 0)
+  if (path.names.size() != 3 || path.names[2] != "Value" || path.component != -1)
     throw refused(column, "allowed in the list \"Expected\": \"Expected/" + name + "/Value\"");
   if (batch_.output != BatchOutput::expected)
     throw refused(column, "given, but expected quantities are not evaluated; allowed with \"Output\" = \"expected\"");
@@ -165,7 +165,7 @@ CaseScenes::Place CaseScenes::find_in(Teuchos::ParameterList& list, const std::v
   Teuchos::ParameterEntry& entry = *here->getEntryPtr(path.back());
   const int components = components_of(entry);
   if (components < 0) throw refused(column, "not a number; allowed: parameters that are numbers or arrays of them");
-  if (components == 0 && component >= 0) throw refused(column, "a single number; allowed: its name without [...]");
+  if (components == 0 && component != -1) throw refused(column, "a single number; allowed: its name without [...]");
   if (components > 0 && (component < 0 || component >= components))
     throw refused(column, "an array of " + std::to_string(components) + " numbers; allowed: one of them, [0] to [" +
                               std::to_string(components - 1) + "]");

@@ -69,6 +69,7 @@ TEST_F(GradientList, RefusesWhatTheSceneDoesNotHave) {
   const std::vector<std::pair<std::string, std::string>> wrong = {
       {"Of: [top], With Respect To: [Sections/*/EI3]", R"(value "top" is no number that a quantity has)"},
       {"Of: [tip.x], With Respect To: [Sections/strip/EJ]", R"(value "Sections/strip/EJ" is no path)"},
+      {"Of: [tip.x], With Respect To: ['Points/tip[-1]']", R"(value "Points/tip[-1]" is no path)"},
       {"Of: [tip.x]", "it asks for nothing"}};
   for (const auto& [gradient, message] : wrong) {
     expect_refused(asking(gradient), {message, "allowed"});

@@ -257,6 +257,7 @@ TEST_F(SearchFiles, RefuseWhatIsNotOffered) {
   const std::vector<std::array<std::string, 3>> wrong = {
       {"Variables/EI}", "Variables/EJ}", "did you mean \"Variables/EI\"?"},
       {"Variables/EI}", "Sections/rod/EA}", "is no path of a finite real number"},
+      {"Variables/EI}", "'Points/b[-1]'}", "is no path of a finite real number"},
       {"Variables/EI}", "Variables/EI, At Least: 2}", "beyond this bound"},
       {"Variables/EI}", "Variables/EI, At Least: 2, At Most: 1}", "above \"At Least\""},
       {"Number: Variables/EI", "Number: 'Points/a[2]'", "is zero in the scene"},

@@ -9,8 +9,10 @@
 
 namespace mixbeam {
 
-/// "Points/tip[1]": names of the lists and of the parameter; component of an array, -1 if the path has none.
+/// "Points/tip[1]": names of the lists and of the parameter; component of an array, -1 if the path has none, kNegative
+/// for one that no array has, such as [-1].
 struct NumberPath {
+  static constexpr int kNegative = -2;
   std::vector<std::string> names{};
   int component = -1;
 
@@ -26,8 +28,10 @@ inline NumberPath number_path(std::string text) {
   NumberPath path;
   const std::size_t bracket = text.rfind('[');
   if (bracket != std::string::npos && text.back() == ']' &&
-      parse_number(text.substr(bracket + 1, text.size() - bracket - 2), path.component).empty())
+      parse_number(text.substr(bracket + 1, text.size() - bracket - 2), path.component).empty()) {
+    if (path.component < 0) path.component = NumberPath::kNegative;
     text.resize(bracket);
+  }
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t end = std::min(text.find('/', begin), text.size());
     path.names.push_back(trimmed(text.substr(begin, end - begin)));

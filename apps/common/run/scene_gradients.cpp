@@ -57,7 +57,7 @@ void add_numbers(const Teuchos::ParameterEntry& entry, const NumberPath& wanted,
   const bool is_array = !entry.isType<double>();
   for (std::size_t i = 0; i < values.size(); ++i) {
     const int component = is_array ? static_cast<int>(i) : -1;
-    if ((wanted.component >= 0 && wanted.component != component) || !std::isfinite(values[i])) continue;
+    if ((wanted.component != -1 && wanted.component != component) || !std::isfinite(values[i])) continue;
     paths.push_back({found.names, component});
   }
 }
