@@ -54,7 +54,7 @@ int dispatch(const std::vector<const char*>& words) {
   }
   const Arguments arguments{{words.begin() + 1, words.end()}};
   const auto asks_for_help = [](const char* argument) { return std::string(argument) == "--help"; };
-  const bool runs_a_script = word == "plot" || word == "report" || word == "view";
+  const bool runs_a_script = word == "plot" || word == "report";
   const bool own_help = !runs_a_script || words.size() < 4;
   if (own_help && std::any_of(words.begin(), words.end(), asks_for_help)) {
     std::cout << help_text(word);

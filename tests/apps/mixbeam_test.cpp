@@ -137,6 +137,7 @@ TEST_F(Mixbeam, CommandLine) {
   expect_in(mixbeam({"--help"}).out, {"run SCENE.xml", "resume RESULTS.h5", "exit code: 0"});
   for (const char* command : {"run", "check", "parameters", "resume", "plot"})
     expect_in(mixbeam({command, "--help"}).out, {std::string("usage: mixbeam ") + command, "exit code: 0"});
+  expect_in(mixbeam({"view", "results.h5", "--help"}).out, {"usage: mixbeam view"});
   const auto refused = [&](const std::vector<std::string>& arguments, const std::vector<std::string>& parts) {
     const Ended ended = expect_code(kBadInput, mixbeam(arguments));
     expect_in(ended.err, {"mixbeam: bad input: "});

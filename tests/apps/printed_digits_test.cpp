@@ -68,11 +68,15 @@ TEST(PrintedDigits, AsManyDigitsAsAreKnown) {
   const double value = 0.83333333305555;
   EXPECT_EQ(in_known_digits(value, 0.0), "0.8333333331");
   EXPECT_EQ(in_known_digits(value, 1e-13), "0.8333333331");
-  EXPECT_EQ(in_known_digits(value, 9e-9), "0.8333333 +- 9e-09");
-  EXPECT_EQ(in_known_digits(value, 3e-6), "0.83333 +- 3e-06");
+  EXPECT_EQ(in_known_digits(value, 9e-9), "0.833333333 +- 9e-09");
+  EXPECT_EQ(in_known_digits(value, 3e-6), "0.833333 +- 3e-06");
   EXPECT_EQ(in_known_digits(-value, 0.1), "-0.8 +- 1e-01");
   EXPECT_EQ(in_known_digits(value, 5.0), "0.8 +- 5e+00");
-  EXPECT_EQ(in_known_digits(0.28, 4e-10), "0.28000000 +- 4e-10");
+  EXPECT_EQ(in_known_digits(0.28, 4e-10), "0.2800000000 +- 4e-10");
+  EXPECT_EQ(in_known_digits(12.34, 0.3), "12.3 +- 3e-01");
+  EXPECT_EQ(in_known_digits(123.4, 3.0), "123 +- 3e+00");
+  EXPECT_EQ(in_known_digits(12.34, 30.0), "1e+01 +- 3e+01");
+  EXPECT_EQ(in_known_digits(0.0, 0.3), "0 +- 3e-01");
 }
 
 TEST(PrintedDigits, ValuesAndStyle) {

@@ -58,10 +58,13 @@ std::string in_style_of(double value, const std::string& printed) {
 
 std::string in_known_digits(double value, double error) {
   constexpr int kMostKnown = 10;
-  const double known = error > 0.0 ? std::floor(std::log10(std::abs(value) / error)) : kMostKnown;
-  const int digits = static_cast<int>(std::fmin(std::fmax(known, 1.0), kMostKnown));
-  if (digits == kMostKnown) return formatted("%.*g", digits, value);
-  return formatted("%#.*g +- %.0e", digits, value, error);
+  if (!(error > std::pow(10.0, -kMostKnown) * std::abs(value))) return formatted("%.*g", kMostKnown, value);
+  const auto place = [](double number) { return std::floor(std::log10(number)); };  // of its first digit
+  const double digits = place(std::abs(value)) - place(error) + 1.0;
+  std::string text = formatted("%#.*g", static_cast<int>(std::fmax(digits, 1.0)), value);
+  const std::size_t point = text.find('.');
+  if (point != std::string::npos && text.find_first_of("0123456789", point) != point + 1) text.erase(point, 1);
+  return text + formatted(" +- %.0e", error);
 }
 
 bool agrees_in_printed_digits(double value, const std::string& printed, int units_in_last_place) {

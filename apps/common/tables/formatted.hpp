@@ -29,8 +29,8 @@ double printed_value(const std::string& printed);
 /// "nan", "inf" or "-inf" if `value` is not finite.
 std::string in_style_of(double value, const std::string& printed);
 
-/// `value` with as many significant digits as its estimated error leaves, at most ten; with fewer than ten the error
-/// follows: "0.8333333331", or "0.83333 +- 3e-06". An error of zero or less means unknown.
+/// `value` down to the first digit of its estimated error, which follows: "0.833333 +- 3e-06"; with ten significant
+/// digits alone if the error is smaller than these or unknown (zero or less): "0.8333333331".
 std::string in_known_digits(double value, double error);
 
 /// True if `value` rounds to `printed`, or to a number that differs from it by at most `units_in_last_place` of its
