@@ -1,4 +1,3 @@
-#include "apps/common/run/room_check.hpp"
 #include "apps/common/run/scene_file.hpp"
 #include "apps/common/session/command_line.hpp"
 #include "apps/common/session/interrupt.hpp"
@@ -36,18 +35,6 @@ void set_up_batch(Application& app, const CommandLine& line) {
   const std::filesystem::path scene(*line.scene_file);
   app.output = line.output ? std::filesystem::path(*line.output) : std::filesystem::path("results") / scene.stem();
   prepare_output_folder(app.output);
-}
-
-/// Checks the memory of a batch, with the scenes of a group or those that CaseScenes keeps. `scene`: of the first case.
-void require_memory_of_cases(const Application& app, const Scene& scene, std::size_t cases) {
-  constexpr double kBytesOfCase = 600.0;  // values, likeness and result, measured
-  const double count = static_cast<double>(cases);
-  const double together =
-      std::clamp(static_cast<double>(kElementsPerGroup) / static_cast<double>(elements_of(scene)), 1.0, count);
-  const double kept = std::ceil(static_cast<double>(CaseScenes::kMostKept) / static_cast<double>(scene.members.size()));
-  const double scenes = app.scene.imperfection_modes.empty() ? std::min(together + kept, count) : count;
-  require_memory(app, count * kBytesOfCase + scenes * bytes_of(scene) + together * needs_of(scene, app.solver).memory,
-                 std::to_string(cases) + " cases");
 }
 
 /// A batch over the cases of one scene.
@@ -108,7 +95,7 @@ class VariedBatch : public BatchRun {
  private:
   void read_scenes() {
     const Stopwatch stopwatch(app_, "batch set-up");
-    if (batch_.size() > 0) require_memory_of_cases(app_, case_scenes_.scene_of(0), batch_.size());
+    if (batch_.size() > 0) require_memory_of_cases(app_, case_scenes_.scene_of(0), batch_.size(), ranks_);
     choose_mesh(app_, batch_.size(), [this](std::size_t row) { return case_scenes_.scene_of(row); });
     groups_ = grouped_cases(case_scenes_, batch_.size());
     quantities_.take_limits(case_scenes_.limits());

@@ -24,6 +24,10 @@ using CaseGroups = std::vector<std::vector<std::size_t>>;
 /// CaseScenes.
 CaseGroups grouped_cases(CaseScenes& scenes, std::size_t cases);
 
+/// Checks the memory of a batch whose cases `ranks` share, each rank with the scenes of a group or those that
+/// CaseScenes keeps. `scene`: of the first case. Throws as require_memory(). Collective over `ranks`.
+void require_memory_of_cases(const Application& app, const Scene& scene, std::size_t cases, const Communicator& ranks);
+
 /// Adds its lifetime to an entry of the summary.
 class Stopwatch {
  public:

@@ -1,6 +1,7 @@
 // Grouping of the cases of a batch that are solved side by side.
 #include "apps/mixbeam/batch_solver.hpp"
 
+#include "apps/common/run/room_check.hpp"
 #include "kernels/math/vector_algebra.hpp"
 
 #include <algorithm>
@@ -126,6 +127,19 @@ CaseGroups grouped_cases(CaseScenes& scenes, std::size_t cases) {
     scenes.keep(i, std::move(scene));
   }
   return group_cases(likeness);
+}
+
+void require_memory_of_cases(const Application& app, const Scene& scene, std::size_t cases, const Communicator& ranks) {
+  constexpr double kBytesOfCase = 600.0;  // values, likeness and result, measured
+  const double count = static_cast<double>(cases), processes = ranks->getSize();
+  const double together =
+      std::clamp(static_cast<double>(kElementsPerGroup) / static_cast<double>(elements_of(scene)), 1.0, count);
+  const double kept = std::ceil(static_cast<double>(CaseScenes::kMostKept) / static_cast<double>(scene.members.size()));
+  const double scenes = app.scene.imperfection_modes.empty() ? std::min(together + kept, count) : count;
+  require_memory(app,
+                 processes * (count * kBytesOfCase + scenes * bytes_of(scene)) +
+                     std::min(processes * together, count) * needs_of(scene, app.solver).memory,
+                 std::to_string(cases) + " cases", ranks);
 }
 
 }  // namespace mixbeam

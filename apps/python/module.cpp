@@ -3,6 +3,7 @@
 #include "apps/common/run/scene_file.hpp"
 #include "apps/mixbeam/batch_solver.hpp"
 #include "apps/mixbeam/commands.hpp"
+#include "apps/mixbeam/found_scene.hpp"
 #include "apps/mixbeam/mesh_report.hpp"
 #include "apps/mixbeam/scene_run.hpp"
 #include "apps/mixbeam/view_page.hpp"
@@ -188,6 +189,7 @@ py::dict batch(const SceneText& scene, const std::optional<std::string>& load_ca
   {
     const Turn turn;
     SolvedRun base(parsed(scene), Turn::threads(threads), false);
+    refuse_search(base.app());
     const std::string name = meant_case(base.app().scene, load_case);
     base.app().solver.analysis.error_estimate = ErrorEstimation::off;  // limits are not checked here
     const CaseQuantities quantities(base.app(), cases.output, name);
@@ -195,6 +197,8 @@ py::dict batch(const SceneText& scene, const std::optional<std::string>& load_ca
     CaseResults solved_cases;
     solved_cases.resize(cases.size());
     BatchSolver solver(base.app(), quantities, solved_cases, [&] { return listener.stops(); });
+    if (cases.size() > 0)
+      require_memory_of_cases(base.app(), scenes.scene_of(0), cases.size(), base.app().communicator);
     choose_mesh(base.app(), cases.size(), [&](std::size_t row) { return scenes.scene_of(row); });
     const CaseGroups groups = grouped_cases(scenes, cases.size());
     std::size_t done = 0;

@@ -75,13 +75,14 @@ Needs needs_of_run(const Application& app, const Scene& scene, const SolverParam
   return needs;
 }
 
-void require_memory(const Application& app, double bytes, const std::string& what) {
+void require_memory(const Application& app, double bytes, const std::string& what, Communicator ranks) {
   if (app.force) return;
-  const double wanted = bytes * share_of_this_machine(app.communicator);
+  if (ranks.is_null()) ranks = app.communicator;
+  const double wanted = bytes * share_of_this_machine(ranks);
   const Room room = memory_left();
   const double lacking = wanted - room.bytes;
   double most_lacking = lacking;
-  Teuchos::reduceAll(*app.communicator, Teuchos::REDUCE_MAX, lacking, Teuchos::outArg(most_lacking));
+  Teuchos::reduceAll(*ranks, Teuchos::REDUCE_MAX, lacking, Teuchos::outArg(most_lacking));
   if (most_lacking <= 0.0) return;
   refuse(app,
          "needs about " + bytes_text(wanted) + " of memory for " + what + ", " +

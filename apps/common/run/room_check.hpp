@@ -18,7 +18,8 @@ void require_room(const Application& app, const Scene& scene, const SolverParame
 /// Likewise for memory only, with known needs.
 void require_memory(const Application& app, const Scene& scene, const Needs& needs);
 
-/// Likewise for `bytes` of anything else; `what`: "the scenes of 5000000 cases".
-void require_memory(const Application& app, double bytes, const std::string& what);
+/// Likewise for `bytes` of anything else, of all `ranks` together (null: those of the application); `what`: "the scenes
+/// of 5000000 cases".
+void require_memory(const Application& app, double bytes, const std::string& what, Communicator ranks = {});
 
 }  // namespace mixbeam
