@@ -178,7 +178,9 @@ void take_rest_shape(Application& app, const std::string& name, int jobs) {
   const std::filesystem::path file = app.output / (name + "-forward.xml");
   replace_file(file, xml_text(*scene.list), false);
   tell(app, shape, file);
+  const int threads = app.solver.threads;  // of the command line, or their limit
   read_scene_file(app, read_parameters(file.string(), root, Mistakes::kept), mixbeam_definition(), root);
+  app.solver.threads = threads;
   watch_end(app, load_case);
   // displacements are rounding errors, whose accuracy has no meaning
   if (app.solver.analysis.error_estimate == ErrorEstimation::automatic)

@@ -97,6 +97,10 @@ class StructuresRun : public BatchRun {
         one = read(file);
         warn_of_scene(*one);
         choose_mesh(*one);
+        if (i > 0 && cases_[i - 1].file == file) {  // told by the rank of its first case
+          one->summary.warnings.clear();
+          one->summary.chosen_meshes.clear();
+        }
       }
       CaseResult result = solved_case(*one, cases_[i]);
       all = result.solved;

@@ -243,6 +243,27 @@ TEST_F(Batch, AFolderGivesARowForEachStructureAndLoadCase) {
   expect_refused(mixbeam({"batch", "empty"}), {"holds no scene (*.xml, *.yaml, *.yml)"});
 }
 
+TEST_F(Batch, RanksThatShareAStructureTellItsMeshOnce) {
+  fs::create_directories(folder_ / "designs");
+  write_text(folder_ / "designs/rod.yaml", R"yaml(Scene:
+  Load Cases: [down, side]
+  Sections: {rod: {EA: 1000, GA2: 300, GA3: 300, GIt: 1, EI2: 1, EI3: 1}}
+  Points: {wall: [0, 0, 0], tip: [1, 0, 0]}
+  Members: {rod: {Start: wall, End: tip, Section: rod}}
+  Supports: {clamp: {Point: wall}}
+  Point Loads:
+    down: {Point: tip, Force: [0, 0, -1], Case: down}
+    side: {Point: tip, Force: [0, 1, 0], Case: side}
+)yaml");
+  expect_code(kOk, run_process("/usr/bin/env",
+                               {"mpirun", "--allow-run-as-root", "--oversubscribe", "--bind-to", "none", "-np", "2",
+                                program("mixbeam"), "batch", "designs", "--output", "ranks", "--summary", "ranks.json"},
+                               folder_));
+  const std::string summary = text("ranks.json"), mesh = "\"wanted\"";
+  ASSERT_NE(summary.find(mesh), std::string::npos) << summary;
+  EXPECT_EQ(summary.find(mesh), summary.rfind(mesh)) << summary;
+}
+
 TEST_F(Batch, ACaseThatCannotBeSolvedSpoilsNoOther) {
   const Ended ended =
       solve(rolled_up(), "Point Loads/weight/Moment[2]\n5\n5.5\n6.2831853071795\n6\n5.25\n4.5\n");  // 2 pi (1 - 1e-14)
@@ -310,6 +331,7 @@ TEST_F(Batch, WhatIsWrongIsNamed) {
   refused("Point Load/weight/Force[1]\n1\n", {"elastica_sweep.csv:1:1: ", "did you mean \"Point Loads\"?"});
   refused("Point Loads/weight/Force\n1\n", {"an array of 3 numbers"});
   refused("Point Loads/weight/Force[3]\n1\n", {"[0] to [2]"});
+  refused("Sections/strip/EI2[-1]\n1\n", {"a single number"});
   refused("Point Loads/weight/Point\n1\n", {"not a number"});
   refused("Members/strip/Elements\n2.5\n", {"elastica_sweep.csv:2: case 1", "a whole number"});
   refused("Sections/strip/EI2\n1\n-1\n", {"elastica_sweep.csv:3: case 2", "value -1"});

@@ -1,5 +1,8 @@
 /// `mixbeam run` of scenes with the list "Inverse": its files, and the scene that runs forward.
+#include "apps/mixbeam/commands.hpp"
+#include "apps/mixbeam/found_scene.hpp"
 #include "mixbeam_files.hpp"
+#include "tests/support/ranks.hpp"
 
 namespace mixbeam::rest_shape_test {
 namespace {
@@ -42,6 +45,18 @@ TEST_F(RestShapeFiles, RunForwardToTheDrawnShape) {
   EXPECT_EQ(run_other(changed(forward, "\"Curvature Table\"", "\"Strain Table\"")), 2);
   const std::string first = "name=\"Curvature Table\" type=\"string\" value=\"scene-curvature-rod.csv\"";
   EXPECT_EQ(run_other(changed(forward, "<Parameter " + first + "/>", "")), 1);
+}
+
+TEST_F(RestShapeFiles, KeepTheThreadsOfTheCommandLine) {
+  std::ostringstream said;
+  Application app;
+  app.communicator = test::this_rank();
+  app.terminal = &said;
+  app.output = folder_.path();
+  read_scene_file(app, write_scene(kRod), mixbeam_definition());
+  app.solver.threads = 1;
+  take_rest_shape(app, "scene", 1);
+  EXPECT_EQ(app.solver.threads, 1);
 }
 
 TEST_F(RestShapeFiles, RefusalsSayWhatIsAllowed) {
