@@ -180,7 +180,9 @@ def _draw_critical_path(axes, view, title, values, symbol, unit):
     for at in jumps:
         stable[at - 1] = "jump"
     exponent, path = fields.scaled(path)
-    moving = [i for i in range(path.shape[1]) if np.ptp(path[:, i]) > 1e-6 * np.ptp(path, axis=0).max()]
+    path = np.where(np.isfinite(path), path, np.nan)  # quantities may be undefined without load
+    swing = np.nanmax(path, axis=0) - np.nanmin(path, axis=0)
+    moving = np.flatnonzero(swing > 1e-6 * swing.max())
     for i in moving:
         color = style.COMPONENT_COLORS[i % 3]
         for first, last in _runs(stable):
@@ -194,7 +196,7 @@ def _draw_critical_path(axes, view, title, values, symbol, unit):
         marker, color = MARKERS[point.kind]
         axes.plot(path[at, moving], np.full(len(moving), factor[at]), marker, color=color, markersize=6.5, zorder=5,
                   markeredgecolor=style.BLACK, linestyle="", label=None if point.kind in axes.get_legend_handles_labels()[1] else point.kind)
-        if number < MOST_NAMED:
+        if number < MOST_NAMED and np.isfinite(path[at, moving[-1]]):
             axes.annotate(f"{factor[at]:.6g}", (path[at, moving[-1]], factor[at]), xytext=(6, 5), textcoords="offset points", fontsize=9.5)
     axes.axhline(0.0, color=style.GREY, linewidth=0.7, zorder=1)
     axes.set(xlabel=title + fields.times(exponent, unit), ylabel="load factor")

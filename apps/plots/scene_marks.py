@@ -105,7 +105,7 @@ class Marks:
         return [(key[0], alike) for key, alike in found.items()]
 
     def _has_begun(self, begins):
-        return self._is_whole or not np.isfinite(begins) or begins < self._step.load_factor
+        return self._is_whole or not np.isfinite(begins) or begins < abs(self._step.load_factor)
 
     def _placed(self, table, *names):
         """Yields (sample, entries of these columns) of the rows that are shown."""

@@ -194,6 +194,8 @@ class Plots(unittest.TestCase):
 
     def test_nothing_acts_before_its_stage(self):
         self.assertEqual(self.marks("portal", step=0).forces, [])
+        run = self.run_of("portal")
+        self.assertEqual(len(Marks(run, SimpleNamespace(load_factor=-0.5), run.reference()).forces), 1)  # loads reversed
 
     def test_motions_and_eigenstrains_are_drawn(self):
         marks = self.marks("bent")
@@ -641,6 +643,15 @@ class Plots(unittest.TestCase):
         for words in ("dashed: unstable", "limit point", factor):
             self.assertIn(words, drawn["snap_back-load-path"])
         self.assertIn(f"1: limit point, load factor {factor}", drawn["snap_back-critical-modes"])
+        asked = """<ParameterList name="Quantities"><ParameterList name="drop">
+              <Parameter name="Quantity" type="string" value="displacement"/><Parameter name="Point" type="string" value="loaded"/>
+              <Parameter name="Component" type="string" value="y"/></ParameterList><ParameterList name="inverse">
+              <Parameter name="Quantity" type="string" value="formula"/><Parameter name="Formula" type="string" value="1/drop"/>
+            </ParameterList></ParameterList></ParameterList>"""  # infinite without load
+        text = (ROOT / "apps/gallery/snap_back.xml").read_text()
+        (self.folder / "asked_back.xml").write_text(asked.join(text.rsplit("</ParameterList>", 1)))
+        self.mixbeam("run", "asked_back.xml", "--output", ".", "--quiet")
+        self.assertIn("inverse", self.pictures("asked_back.h5", "--picture", "load_path")["asked_back-load-path"])
 
     def test_what_cannot_be_drawn_is_refused(self):
         (self.folder / "broken.h5").write_bytes(b"\x89HDF\r\n\x1a\nand no more")
