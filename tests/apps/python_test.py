@@ -522,6 +522,21 @@ class Runs(InFolder):
             np.testing.assert_allclose((error, value), errors[name], rtol=1e-4)
         self.assertEqual(run.results.steps[0].errors("quantities"), {})  # the end of the path alone, and files without
 
+    def test_names_of_quantities_may_begin_with_others(self):
+        scene, drop = cantilever(elements=2), dict(quantity="displacement", point="tip", component="z")
+        for name in ("a", "a.b", "a[x]"):
+            scene.quantities[name] = drop
+        scene.quantities["all"] = dict(quantity="displacement", point="*")
+        scene.quantities["all[tip]"] = drop
+        values = mixbeam.run(scene).quantities()
+        self.assertEqual([values[name] for name in ("a.b", "a[x]", "all[tip]")], [values["a"]] * 3)
+        self.assertEqual(values["all"]["tip"].shape, (3,))
+        self.assertEqual(values["all"]["tip"][2], values["a"])
+
+    def test_no_places_have_no_values(self):
+        rod = mixbeam.run(cantilever(elements=2)).member("rod")
+        self.assertEqual((rod.stress([]).shape, rod.moment([]).shape), ((0,), (0, 3)))
+
     def test_a_scene_of_a_file_in_yaml_is_looked_for(self):
         scene = cantilever()
         scene.quantities["drop"] = dict(quantity="displacement", point="tip", component="z")
@@ -563,6 +578,13 @@ class Guest(InFolder):
         self.assertIn("most &lt;b&gt;", text)
         self.assertNotIn("most <b>", text)
         self.assertIn("<td>Members</td><td>1</td>", scene._repr_html_())
+
+    def test_without_matplotlib(self):
+        run = mixbeam.run(cantilever(), output="run.h5")
+        with unittest.mock.patch.dict(sys.modules, {"matplotlib": None, "matplotlib.pyplot": None}):
+            self.assertEqual(run.critical_points, [])
+            with self.assertRaisesRegex(mixbeam.InputError, "python3-matplotlib"):
+                run.plot()
 
     def test_the_host_stays_as_it_was(self):
         said = in_python("""

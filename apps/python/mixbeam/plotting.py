@@ -37,8 +37,13 @@ class _Plots:
 
 @contextlib.contextmanager
 def modules():
-    """Makes the modules importable and sets their style; restores modules and style of the host on exit."""
-    import matplotlib.pyplot  # before the modules, which then keep the host's back end
+    """Makes the modules importable and sets their style; restores modules and style of the host on exit. Raises InputError
+    without matplotlib or h5py."""
+    try:
+        import h5py  # noqa: F401
+        import matplotlib.pyplot  # before the modules, which then keep the host's back end
+    except ImportError as error:
+        raise InputError(f"{error}; the Debian packages python3-matplotlib and python3-h5py hold what is needed") from None
 
     names = {file.stem for file in FOLDER.glob("*.py")}
     with _lock:

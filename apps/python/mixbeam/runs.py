@@ -24,6 +24,7 @@ FoundNumber = namedtuple("FoundNumber", "number start value deviation covariance
 Extreme = namedtuple("Extreme", "value member arc_length side")  # member: its name
 SceneCheck = namedtuple("SceneCheck", "text warnings")
 MOST_THREADS = 1024  # as of the program
+OF_EXTREMES = ("member", "arc_length", "side")  # columns beside the value
 AT_ENDS = 1e-12  # rounding allowed in an arc length at the ends, over the length of the member
 
 
@@ -308,13 +309,13 @@ class Run:
     def quantity(self, kind, point=None, *, step=-1, **parameters):
         """Evaluates a quantity by its name in the list Quantities ("reaction force"); see Run."""
         given = {"quantity": kind, "point": point, **parameters}
-        return _valued("q", *self._evaluate({"q": given}, step), step, list(self.members))
+        return _valued(["q"], *self._evaluate({"q": given}, step), step, list(self.members))["q"]
 
     def quantities(self, step=-1):
         """Returns {name: value} of the quantities of the scene."""
         asked = self.scene.quantities
         names, rows = self._evaluate(asked, step)
-        return {name: _valued(name, names, rows, step, list(self.members)) for name in asked}
+        return _valued(asked, names, rows, step, list(self.members))
 
     def places(self, step=-1):
         """Returns {name: place} of the extremes among the quantities of the scene: "deck 3@50%" or "pier 2" for several
@@ -364,7 +365,7 @@ class Run:
         """Critical points in the order of the path: kind, load_factor, load_factor_error, modes (number of eigenvalues that
         vanish together), negative_before, negative_after; (samples, 3) arrays position, displacement, mode."""
         found = [SimpleNamespace(**one) for step in range(len(self)) for one in self._core.critical_points(step)]
-        if found or not self.file:
+        if found or not self.file or not np.any(self.critical_points_passed):
             return found
         numbers = ("kind", "load_factor", "load_factor_error", "negative_before", "negative_after", "modes")
         return [SimpleNamespace(**{name: getattr(point, name) for name in numbers},
@@ -493,6 +494,8 @@ class MemberResults:
 
     def _along(self, kind, s, step):
         places = np.asarray(s, dtype=float)
+        if places.size == 0:
+            return places
         inside = self._shares(places) * self.length
         asked = {f"q{i}": {"quantity": kind, "point": f"{self.name}@{float(one)!r}"} for i, one in enumerate(inside)}
         _, rows = self._run._evaluate(asked, step)
@@ -513,17 +516,22 @@ def _counted(what, count):
     return count
 
 
-def _valued(name, names, rows, step, members):
-    """Returns the value of a quantity from its columns: see Run."""
+def _valued(asked, names, rows, step, members):
+    """Returns {quantity: value} from columns: see Run. Columns of a quantity: name, name.x, name[place], name[place].x, and of
+    an extreme name.member, ...; names may contain points and brackets themselves."""
     rows = rows[0] if step is not None else rows.T
-    places = {}
+    known, held = set(asked), set(names)
+    places = {name: {} for name in asked}
     for column, values in zip(names, rows):
-        if column == name or column.startswith((name + ".", name + "[")):
-            place, _, component = column[len(name):].rpartition(".") if "." in column[len(name):].rpartition("]")[2] \
-                else (column[len(name):], "", "")
-            places.setdefault(place.strip("[]"), {})[component] = values
-    found = {place: _of_place(values, members) for place, values in places.items()}
-    return found[""] if list(found) == [""] else found
+        (name, _, component), place = column.rpartition("."), ""
+        if column in known:
+            name, component = column, ""
+        elif name not in known or name in held and component not in OF_EXTREMES:
+            name = max((name for name in asked if column.startswith(name + "[")), key=len)
+            place, _, component = column[len(name):].rpartition("]")
+        places[name].setdefault(place[1:], {})[component.lstrip(".")] = values
+    found = {name: {place: _of_place(values, members) for place, values in own.items()} for name, own in places.items()}
+    return {name: own[""] if list(own) == [""] else own for name, own in found.items()}
 
 
 def _of_place(values, members):
