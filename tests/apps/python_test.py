@@ -5,11 +5,13 @@ usage: python_test.py MIXBEAM PACKAGES     the program, and the folder in which 
 """
 
 import ast
+import copy
 import doctest
 import gc
 import importlib.util
 import multiprocessing
 import os
+import pickle
 import re
 import shutil
 import signal
@@ -240,6 +242,7 @@ class Scenes(InFolder):
         scene = cantilever()
         run = mixbeam.run(scene)
         for wrong, near in ((lambda: setattr(scene.members["rod"], "elments", 3), "elements"),
+                            (lambda: scene.members["rod"].__setitem__("elments", None), "elements"),
                             (lambda: scene.pionts, "points"), (lambda: scene.analysis.stabilty, "stability"),
                             (lambda: mixbeam.Circle(diametr=3), "diameter"), (lambda: mixbeam.Membr, "Member"),
                             (lambda: scene.members["rad"], "rod"), (lambda: run.displacment("tip"), "displacement"),
@@ -262,6 +265,28 @@ class Scenes(InFolder):
         for wrong in np.nan, None:
             with self.assertRaisesRegex(mixbeam.InputError, 'column "variables/F", row 1 from 0: nan; allowed: a number'):
                 mixbeam.batch(scene, {"variables/F": [10.0, wrong]})
+
+    def test_members_from_arrays(self):
+        """One hub and three points; vectors for all and for each."""
+        scene, axes = cantilever(), np.eye(3)
+        spokes = scene.add_points("p", axes)
+        scene.add_members("all", "wall", spokes, second_axis=axes[2], elements=[1, 2, 3], section="steel")
+        scene.add_members("each", "wall", list(spokes), second_axis=axes)
+        for i in range(3):
+            one, other = scene.members[f"all{i}"], scene.members[f"each{i}"]
+            self.assertEqual((one.start, one.end, one.elements, one.section), ("wall", f"p{i}", i + 1, "steel"))
+            self.assertEqual((one.second_axis.tolist(), other.second_axis.tolist()), (axes[2].tolist(), axes[i].tolist()))
+        for wrong in dict(end=spokes[:2]), dict(end=spokes, elements=[1, 2]):
+            with self.assertRaisesRegex(mixbeam.InputError, "^members m: arrays that do not fit"):
+                scene.add_members("m", spokes, **wrong)
+
+    def test_entries_are_copied(self):
+        rod = cantilever().members["rod"]
+        rod.curve = dict(shape="arc", rise=1)
+        for same in copy.copy(rod), copy.deepcopy(rod), pickle.loads(pickle.dumps(rod)):
+            self.assertEqual(same, rod)
+            same.curve.rise = 2
+            self.assertEqual(rod.curve.rise, 1)
 
     def test_messages_are_those_of_the_program(self):
         scene = cantilever()
@@ -392,8 +417,10 @@ class Bits(InFolder):
             run = mixbeam.run(SOURCES / f"apps/gallery/{name}.xml")
             self.assertEqual(table[f"{end}.displacement.x"][row], run.displacement(end)[0])
             self.assertTrue(np.isnan(table[f"{end}.displacement.x"][1 - row]))
-        for wrong in (lambda: mixbeam.batch("scene.xml"), lambda: mixbeam.batch([mixbeam.Scene("empty")])):
+        for wrong in (lambda: mixbeam.batch("scene.xml"), lambda: mixbeam.batch([mixbeam.Scene("empty")]), lambda: mixbeam.run(5)):
             self.assertRaises(mixbeam.InputError, wrong)
+        with self.assertRaisesRegex(mixbeam.InputError, "^scene 2 of the batch: scene: 5; allowed"):
+            mixbeam.batch([cantilever(elements=1), 5])
 
     def test_workers_of_dask_share_a_batch(self):
         try:
@@ -846,6 +873,7 @@ class Pictures(InFolder):
         run = mixbeam.run(cantilever())
         figure = run.plot("shape", view="xz", field="axial_force").figure
         self.assertTrue(figure.axes)
+        self.assertTrue(run.plot("along", along="rod").figure.axes)
         with self.assertRaises(mixbeam.InputError):
             run.plot("shape", field="axal")
         with self.assertRaises(mixbeam.InputError):

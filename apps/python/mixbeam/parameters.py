@@ -5,6 +5,7 @@ import json
 import operator
 from collections.abc import Mapping, MutableMapping
 from functools import cache
+from types import SimpleNamespace
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
@@ -53,6 +54,13 @@ class Declaration:
         if self.xml_name(name):
             return [()]
         return [(xml, *rest) for xml, inner in self.lists.items() for rest in inner.places(name)]
+
+    def is_array(self, name):
+        """Returns whether the parameter `name`, of this list or of the first one below that has it, is an array."""
+        within = self
+        for xml in next(iter(self.places(name)), ()):
+            within = within.lists[xml]
+        return within.parameters.get(within.xml_name(name), {}).get("type", "").startswith("Array")
 
     def class_name(self, inside):
         """Returns the class name of the entries of the list `inside`: PointLoad for `Point Loads`."""
@@ -148,6 +156,8 @@ class Parameters(MutableMapping):
         declaration = self._declaration
         xml = declaration.xml_name(name) or name
         inner, parameter = declaration.inner(xml), declaration.parameter(xml)
+        if not (inner or parameter or declaration.unchecked):
+            raise unknown(self._place(), name, list(declaration.xml_names))
         if value is None:
             self._entries.pop(xml, None)
             self._kinds.pop(xml, None)
@@ -165,10 +175,8 @@ class Parameters(MutableMapping):
         elif parameter or declaration.unchecked:
             kind, converted = convert(value, parameter, f"{self._place()} / {xml}")
             self._kinds[xml], self._entries[xml] = kind, converted
-        elif inner:
-            raise InputError(f"{self._place()} / {xml}: {value!r}; allowed: an object or a dict, with {inner.contents()}")
         else:
-            raise unknown(self._place(), name, list(declaration.xml_names))
+            raise InputError(f"{self._place()} / {xml}: {value!r}; allowed: an object or a dict, with {inner.contents()}")
         self._join()
 
     def __delitem__(self, name):
@@ -195,6 +203,9 @@ class Parameters(MutableMapping):
 
     def __repr__(self):
         return f"<{self._place()}: " + ", ".join(f"{name}={value!r}" for name, value in self._entries.items()) + ">"
+
+    def __reduce__(self):  # copies and pickles the list without those above it, like one of its class
+        return _copied, (self._declaration, self._place(), self._entries, self._kinds)
 
     # --- inside --------------------------------------------------------------------------------------------------------
     def _takes(self, name):
@@ -251,6 +262,12 @@ class Parameters(MutableMapping):
                 text = quoted(text_of(value, self._kinds[key]))
                 yield f'{indent}  <Parameter name={quoted(key)} type="{self._kinds[key]}" value={text}/>\n'
         yield f"{indent}</ParameterList>\n"
+
+
+def _copied(declaration, place, entries, kinds):
+    made = Parameters(declaration, None, place)
+    made._copy(SimpleNamespace(_entries=entries, _kinds=kinds))
+    return made
 
 
 def same(one, other):

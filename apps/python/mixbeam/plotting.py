@@ -90,6 +90,7 @@ def picture(results, kind, given):
         for name, value in given.items():
             if name not in vars(options) or name in ("result", "output", "format", "picture", "case", "members"):
                 raise unknown("options of a picture", name, list(vars(options)))
+            value = [value] if name == "along" and isinstance(value, str) else value
             setattr(options, name, str(value) if name == "step" else value)
         options.picture = [kind]
         pictures = {name: Picture(name, figure)

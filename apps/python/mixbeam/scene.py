@@ -94,15 +94,17 @@ class Scene(Parameters):
         return names
 
     def add_members(self, name, start, end, **parameters):
-        """Adds members from arrays of point names; each parameter is one value or an array. Returns their names, name0, ..."""
-        arrays = {key: np.asarray(value, dtype=object) if _is_array(value, np.shape(start)) else value
-                  for key, value in {"start": start, "end": end, **parameters}.items()}
-        shape = np.broadcast_shapes(*(np.shape(value) for value in (start, end)))
+        """Adds members from arrays of point names; each parameter is one value or an array, of vectors (..., 3). Returns their
+        names, name0, ..."""
+        given = {"start": start, "end": end, **parameters}
+        try:
+            shape = np.broadcast_shapes(*(np.shape(value) for value in (start, end)))
+            values = {key: _of_each(value, shape, self.members._declaration.free_list.is_array(key)) for key, value in given.items()}
+        except ValueError as error:
+            raise InputError(f"members {name}: arrays that do not fit ({error}); allowed: one value, or an array of one for each member") from None
         names = _new_names(name, shape, set(self.members))
         for place in np.ndindex(shape):
-            one = {key: np.broadcast_to(value, shape)[place] if isinstance(value, np.ndarray) else value
-                   for key, value in arrays.items()}
-            self.members[names[place]] = {key: _plain(value) for key, value in one.items()}
+            self.members[names[place]] = {key: value[place] for key, value in values.items()}
         return names
 
     # Names of the list Scene are attributes of the whole scene.
@@ -135,12 +137,17 @@ class Scene(Parameters):
         return super().__getattr__("Scene")
 
 
-def _is_array(value, shape):
-    return isinstance(value, np.ndarray) and (value.dtype == object or value.shape[:len(shape)] == shape)
-
-
-def _plain(value):
-    return value.item() if isinstance(value, np.generic) else value
+def _of_each(value, shape, is_array):
+    """Returns {place in an array of this shape: value there} of a parameter, given as one value or an array of them; `is_array`:
+    each value is an array itself."""
+    places = list(np.ndindex(shape))
+    values = np.asarray(value, dtype=object) if isinstance(value, (list, tuple, np.ndarray)) else None
+    if values is None or is_array and not (shape and values.shape[:-1] == shape):
+        return dict.fromkeys(places, value)
+    if is_array:
+        return {place: values[place].tolist() for place in places}
+    values = np.broadcast_to(values, shape)
+    return {place: values[place] for place in places}
 
 
 def _new_names(name, shape, there):
@@ -158,7 +165,10 @@ def scene_text(scene):
         return scene.to_xml(), str(scene.file or scene.name), True
     if isinstance(scene, str) and scene.lstrip().startswith("<"):
         return scene, "scene", False
-    file = os.fspath(scene)
+    try:
+        file = os.fspath(scene)
+    except TypeError:
+        raise InputError(f"scene: {scene!r}; allowed: a Scene, an XML text or the path of a file") from None
     if file.endswith((".xml", ".yaml", ".yml")) and os.path.isfile(file):
         with contextlib.suppress(OSError, UnicodeError):  # which the program's own reader reports
             return Path(file).read_text(encoding="utf-8"), file, False
