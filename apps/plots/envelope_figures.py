@@ -9,6 +9,7 @@ from diagram_figures import force_panels, name_extremes
 from results import Run, lines, open_file
 
 MOST_SHOWN = 40  # quantities of a picture
+BEYOND = 2.0     # end of a bar outside of the panel, for an infinite value
 MARKS = ("o", "s", "^", "D", "v", "P", "X", "*")
 COLORS = (style.BLUE, style.RED, style.GREEN, style.ORANGE, style.PURPLE, style.SKY, style.BLACK, style.GREY)
 
@@ -75,10 +76,10 @@ def ranges_figure(envelope):
     """Draws a bar from the smallest to the largest value of each quantity, each in its own scale, and a mark for every run."""
     shown = range(min(MOST_SHOWN, len(envelope.names)))
     canvas, axes = style.figure(10.5, 1.5 + 0.36 * len(shown))
-    scale = np.maximum(np.abs(envelope.largest), np.abs(envelope.smallest))
+    scale = np.abs(np.where(np.isfinite(envelope.values), envelope.values, 0.0)).max(axis=0)
     scale[scale == 0.0] = 1.0
-    axes.barh(shown, ((envelope.largest - envelope.smallest) / scale)[shown], 0.5, (envelope.smallest / scale)[shown],
-              color="#D5E3EE", gid="ranges")
+    low, high = (np.clip(ends / scale, -BEYOND, BEYOND) for ends in (envelope.smallest, envelope.largest))
+    axes.barh(shown, (high - low)[shown], 0.5, low[shown], color="#D5E3EE", gid="ranges")
     for i in range(len(envelope.runs)):
         look = {"color": COLORS[i], "marker": MARKS[i]} if len(envelope.runs) <= len(MARKS) else {"color": style.GREY, "marker": "."}
         axes.plot((envelope.values[i] / scale)[shown], shown, linestyle="none", markersize=5.5, gid="run",
@@ -114,7 +115,7 @@ def along_figure(envelope, patterns, look):
                                    for name, field in fields.SECTION_FORCES.items()}))
     exponent = fields.power_of_ten(borders[-1])
     common = found[0][0]
-    same = all(len(places) == len(common) for places, _ in found)  # with an Accuracy each run has its own mesh
+    same = all(np.array_equal(places, common) for places, _ in found)  # with an Accuracy each run has its own mesh
     if not same:
         common = np.unique(np.concatenate([places for places, _ in found]))
     canvas, panels = style.figure(12.4, 7.6, 3, 2, sharex=True)

@@ -157,7 +157,7 @@ def figures(run, options):
 
 def _why_nothing(kind, run, options):
     if kind == "steps" and len(run.steps) > 1:
-        return f" of {options.field or 'it'} in every step; for stresses: \"Stresses\" = \"every step\" in \"Analysis\" of the scene"
+        return f" of {options.field or 'the field'} in every step; for stresses: \"Stresses\" = \"every step\" in \"Analysis\" of the scene"
     return {"critical_modes": ", no critical point was met", "frequencies": "; \"Modes\" with \"At\" = \"every step\" gives them", "load_path": " of a single step",
             "steps": " of a single step"}.get(kind, "")
 

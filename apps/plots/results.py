@@ -443,9 +443,13 @@ class Run:
         return tuple(words) if len(words) == 2 else ("", "")
 
     def stages(self):
-        """Returns the largest `Stage` in the text of the scene."""
-        found = re.findall(r'\bStage(?:" type="int" value="|:\s*)(\d+)', self.scene_text())
-        return max(map(int, found), default=1)
+        """Returns the largest `Stage` in the text of the scene and of all that acts, as imported tables may give it."""
+        text = self.scene_text()
+        found = re.findall(r'\bStage["\']?:\s*(\d+)', text)
+        for parameter in re.findall(r'<Parameter\s[^>]*\bname="Stage"[^>]*>', text):
+            found += re.findall(r'\svalue="\s*(\d+)', parameter)
+        begins = [begin for table in self.acting().values() for begin in table.get("begins", ()) if np.isfinite(begin)]
+        return max([1, *map(int, found), *(int(begin) + 1 for begin in begins)])
 
     @property
     def title(self):

@@ -10,9 +10,11 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import warnings
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
+from unittest import mock
 
 from support import CANTILEVER, PROGRAM, ROOT, program, scene, solve
 
@@ -473,6 +475,10 @@ class Plots(unittest.TestCase):
         lift = named(figure, "run")
         np.testing.assert_allclose([line.get_xdata()[1] for line in lift], (1.0, -0.5, 0.25), rtol=1e-9)
         self.assertIn("-0.05 (up)  to  0.1 kN (down)", [text.get_text() for text in named(figure, "words")])
+        envelope.values[1, 0] = envelope.largest[0] = np.inf
+        with warnings.catch_warnings(action="error", category=RuntimeWarning):
+            bar, _ = named(envelope_figures.ranges_figure(envelope), "ranges")
+        self.assertGreater(bar.get_x() + bar.get_width(), 1.5)  # leaves the panel, which ends at 1.06
         figure = envelope_figures.along_figure(envelope, ["*"], Look())
         moment = next(axes for axes in figure.axes if axes.get_ylabel().startswith("$M_2"))
         ends = [{line.get_gid(): line.get_ydata()[0] for line in moment.lines}[gid] for gid in ("smallest", "largest")]
@@ -492,6 +498,21 @@ class Plots(unittest.TestCase):
         (folder / "two.yaml").write_text(TWO_CASES.replace("0.05", "0.06"))  # a case that changes leaves the envelope behind
         mixbeam("run", "two.yaml", "--output", ".", "--quiet", "--case", "up")
         self.assertIsNone(envelope_figures.envelope_beside(Run(folder / "two-up.h5")))
+
+    def test_an_envelope_of_different_meshes_of_equal_size(self):
+        """The same moments on meshes of 35 samples each."""
+        small = CANTILEVER.replace("[0, -1, 0]", "[0, -0.01, 0]")
+        files = [solve(self.folder, f"mesh {n}", small.replace("Elements: 4, Order: 3", f"Elements: {n}, Order: {k}")) for n, k in ((5, 3), (7, 2))]
+        figure = envelope_figures.along_figure(SimpleNamespace(files=lambda: files, path=files[0]), ["*"], Look())
+        panel = next(axes for axes in figure.axes if axes.get_ylabel().startswith("$M_3"))
+        low, high = (next(line.get_ydata() for line in panel.lines if line.get_gid() == gid) for gid in ("smallest", "largest"))
+        self.assertLess(np.ptp(high - low), 0.01 * np.abs(low).max())
+
+    def test_stages_of_texts_and_of_tables(self):
+        for text, begins, stages in (("", [], 1), ('<Parameter name="Stage" type="int" value="2"/>', [], 2), ("{Stage: 3}", [], 3),
+                                     ('<Parameter value="2" name="Stage" type="int"/>', [], 2), ("", [0.0, 1.0, np.inf], 2)):
+            run = SimpleNamespace(scene_text=lambda: text, acting=lambda: {"point_loads": {"begins": begins}})
+            self.assertEqual(Run.stages(run), stages, text)
 
     def test_nothing_foreign_and_nothing_over_an_input(self):
         """Modules of the current folder are not executed, inputs are not replaced, one number of Quantities and dollars are drawn."""
@@ -634,6 +655,9 @@ class Plots(unittest.TestCase):
             drawn = self.pictures("stressed.h5", "--field", field, "--picture", "shape", "fields")
         self.assertIn("shear stress", drawn["stressed-shape"])
         self.assertIn("von Mises stress, largest of the section", drawn["stressed-fields"])
+        with mock.patch.object(plot_result, "_note") as note:
+            self.assertEqual(self.pictures("stressed.h5", "--picture", "steps"), {})
+        self.assertIn("nothing to show of the field in every step", note.call_args[0][0])
         with self.assertRaisesRegex(InputError, "step 0 has no stresses.*Stresses"):
             self.pictures("stressed.h5", "--field", "von_mises", "--step", "0", "--picture", "shape")
 
