@@ -1,6 +1,5 @@
-/// Scenes with the lists "Identification" and "Design": numbers found, their covariance, files, ends and refusals.
+/// Scenes with the lists "Identification" and "Design": numbers found, their covariance, ends.
 #include "apps/mixbeam/commands.hpp"
-#include "mixbeam_files.hpp"
 #include "tests/support/random_numbers.hpp"
 #include "tests/support/ranks.hpp"
 #include "tests/support/text.hpp"
@@ -203,88 +202,18 @@ TEST_F(Design, EndsWhereABranchEnds) {
   EXPECT_NEAR(found.numbers[0].value, kEuler, 1e-6);
 }
 
-class SearchFiles : public MixbeamTest {
- protected:
-};
-
-TEST_F(SearchFiles, HoldTheNumbersAndTheSceneWithThem) {
-  expect_in(expect_code(kOk, run_scene(kArc)).out,
-            {"Identification: 2 number(s) from 3 measurement(s)", "bending", "Variables/GIt"});
-  for (const char* file : {"-identification.csv", "-identification-steps.csv", "-identification.h5", ".h5"})
-    EXPECT_TRUE(fs::exists(folder_ / ("results/scene" + std::string(file)))) << file;
-  expect_in(text("summary.json"), {"\"found_numbers\"", "\"standard_deviation\"", "Identification / z"});
-  fs::copy_file(folder_ / "results/scene-identification.xml", folder_ / "scene.yaml.xml");
-  expect_in(expect_code(kOk, mixbeam({"run", "scene.yaml.xml", "--output", "again"})).out,
-            {"-23.56023955", "53.47485879"});
-}
-
 /// Numbers of arrays, with formulas beside them and without.
-TEST_F(SearchFiles, HoldNumbersOfArrays) {
+TEST(Identification, FindsNumbersOfArrays) {
   const std::string numbers = "{load: {Number: 'Point Loads/weight/Force[1]'}, place: {Number: 'Points/b[0]'}}";
   const std::string text =
       changed(changed(changed(kPlane, "[0, \"=-P\", 0]", "[\"=0*P\", -2, 0]"), "{EI: {Number: Variables/EI}}", numbers),
               "Measurements: {",
               "Measurements: {along: {Quantity: tip.x, Value: -0.0564332362833769, "
               "Standard Deviation: 0.01}, ");
-  expect_code(kOk, run_scene(text));
   const FoundScene found = Read(text).found();
   EXPECT_NEAR(found.numbers[0].value, -1.5, 1e-8);  // P L^2 / EI = 1, L = 1
   EXPECT_NEAR(found.numbers[1].value, 1.0, 1e-8);
   expect_in(found.xml, {"{=0*P, -1.", "type=\"Array(double)\""});
-}
-
-/// The load of a strut that is to be at rest at a deflection which it has beyond its first bifurcation alone.
-TEST_F(SearchFiles, HoldTheBestNumbersWhereABranchEnds) {
-  const std::string strut = changed(changed(kPlane, "[0, \"=-P\", 0]", "[\"=-P\", 0, 0]"),
-                                    "{EI: {Number: Variables/EI}}", "{load: {Number: Variables/P}}");
-  fs::create_directories(folder_ / "results");
-  write_text(folder_ / "results/scene.h5", "of an earlier run");
-  expect_in(expect_code(kNoConvergence, run_scene(changed(changed(strut, "EA: inf", "EA: 100"),
-                                                          "{Quantity: tip.y, Value: -0.301720773799814",
-                                                          "{Quantity: tip.x, Value: -0.301720773799814")))
-                .err,
-            {"cannot be carried to load = ", "negative eigenvalues changes from 0 to 1", "best numbers"});
-  expect_in(text("summary.json"), {"\"failure\"", "\"found_numbers\""});
-  EXPECT_FALSE(fs::exists(folder_ / "results/scene.h5"));
-  const std::string table = text("results/scene-identification.csv");
-  const double load = std::stod(table.substr(table.find("Variables/P,2,") + 14));
-  // P (1 - P / EA) = pi^2 EI / (4 L^2) about the weaker axis
-  constexpr double kEuler = 2.46740110027234, kStretch = 100.0, kNear = 1e-5;
-  EXPECT_NEAR(load, 0.5 * kStretch * (1.0 - std::sqrt(1.0 - 4.0 * kEuler / kStretch)), kNear) << table;
-}
-
-TEST_F(SearchFiles, RefuseWhatIsNotOffered) {
-  const std::vector<std::array<std::string, 3>> wrong = {
-      {"Variables/EI}", "Variables/EJ}", "did you mean \"Variables/EI\"?"},
-      {"Variables/EI}", "Sections/rod/EA}", "is no path of a finite real number"},
-      {"Variables/EI}", "'Points/b[-1]'}", "is no path of a finite real number"},
-      {"Variables/EI}", "Variables/EI, At Least: 2}", "beyond this bound"},
-      {"Variables/EI}", "Variables/EI, At Least: 2, At Most: 1}", "above \"At Least\""},
-      {"Number: Variables/EI", "Number: 'Points/a[2]'", "is zero in the scene"},
-      {"tip.y", "tip.w", "did you mean \"tip.x\""},
-      {"{Quantity: tip.y", "{Case: wind, Quantity: tip.y", "the scene has no cases"},
-      {"Identification:", "Inverse: {}\nIdentification:", "one of them"},
-      {"Order: 4, Elements: 8", "Second Axis: [0, 1, 0]", "names no mesh"}};
-  for (const auto& [from, to, message] : wrong) {
-    expect_refused(run_scene(changed(kPlane, from, to, from == "Identification:" ? "" : "Scene:")),
-                   {message, "scene.yaml:"});
-  }
-  const Ended both = run_scene(changed(changed(kPlane, "Variables/EI}", "Variables/EJ}"), "tip.y", "tip.w"));
-  expect_in(both.err, {"2 mistakes", "did you mean \"Variables/EI\"?", "did you mean \"tip.x\""});
-  // what has no derivative is refused as a gradient refuses it
-  expect_refused(run_scene(changed(changed(kPlane, "{tip:", "{count: {Quantity: negative eigenvalues}, tip:"),
-                                   "{Quantity: tip.y, Value: -0.301720773799814", "{Quantity: count, Value: 0")),
-                 {"has no derivative"});
-  for (const auto& [from, to, message] : std::vector<std::array<std::string, 3>>{
-           {"At Least: -1.0e-5", "At Least: 1, At Most: 0", "below \"At Least\""},
-           {"{Quantity: tip, At Least: -1.0e-5}", "{Quantity: tip}", "no bound"},
-           {"{Quantity: price}", "{Quantity: cost}", "is no number that a quantity has"}}) {
-    expect_refused(run_scene(changed(kStepped, from, to, "Design:")), {message, "scene.yaml:"});
-  }
-  expect_refused(
-      mixbeam({"batch", write_scene(std::string(kPlane) +
-                                    "Batch: {Vary: {x: {Parameter: Variables/P, First: 1, Last: 2, Count: 2}}}\n")}),
-      {"mixbeam run"});
 }
 
 }  // namespace
