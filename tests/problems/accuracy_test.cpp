@@ -69,7 +69,7 @@ double error_against(const Simulation& fine, const Simulation& beam, const std::
   return std::max(error / largest, mean / size);
 }
 
-/// Shooting on the differential equations of the rod, see reference_values_test.cpp; its steps leave 1e-10.
+/// Shooting on the differential equations of the rod, see apps/verification/arc_45.xml; its steps leave 1e-10.
 const Vector3 kArcTip = {-23.560239545026, 13.604521347307, 53.474858791825};
 constexpr double kShooting = 1e-10;
 

@@ -29,7 +29,7 @@ TEST(Comparison, NotANumberNeverAgrees) {
   }
 }
 
-// The twin of ReferenceValues: a load that is wrong in its seventh digit is caught through the whole program.
+// The twin of comparisons with references: a load that is wrong in its seventh digit is caught through the whole program.
 TEST(Comparison, ASlightlyWrongLoadIsCaught) {
   const Section shear_rigid = section(1e7, kRigid, 1e7 / 12.0, 1e7 / 12.0);
   const Vector3 right = solved(arc_segment(shear_rigid, 600.0, -1.0, 4, 8)).displacement("tip");

@@ -28,7 +28,7 @@ Scene clamped(const Member& member, const Section& section, const Vector3& start
 }
 
 TEST(CurvedMembers, ArcAsAFormula) {
-  // 45-degree arc, see ReferenceValues: shooting, Runge-Kutta 7(8), step doubling below 1e-10
+  // 45-degree arc, see apps/verification/arc_45.xml: shooting, Runge-Kutta 7(8), step doubling below 1e-10
   const Member arc = formula_member({"100*sin(t)", "100*cos(t) - 100", "0"}, 0.0, kPi / 4.0, 4, 64);
   const Section strip = section(1e7, 5e6, 1e7 / 12.0, 1e7 / 12.0);
   EXPECT_TRUE(agrees_relatively(solved(clamped(arc, strip, {0, 0, 0}, {0, 0, 600})).displacement("tip"),

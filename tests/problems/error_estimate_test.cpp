@@ -138,7 +138,8 @@ TEST(ErrorEstimate, CenterlineOfAKinkedFrame) {
   }
 }
 
-// Curved in its undeformed state. Tip: shooting on the differential equations of the rod (reference_values_test.cpp).
+// Curved in its undeformed state. Tip: shooting on the differential equations of the rod
+// (apps/verification/arc_45.xml).
 TEST(ErrorEstimate, TipOfTheArc) {
   const Vector3 exact = {-23.560239545026, 13.604521347307, 53.474858791825};
   for (const auto& [order, elements] : Cells{{1, 16}, {2, 8}, {3, 4}, {4, 2}, {6, 1}}) {
