@@ -1,4 +1,5 @@
-// Columns under loads that follow them: loads and frequencies at which two frequencies meet, exact ones.
+// Columns under loads that follow them: loads and frequencies at which two frequencies meet, exact ones. Those with a
+// body at the end and with damping are columns of the study apps/modes.
 #include "nonlinear/run/simulation.hpp"
 #include "tests/support/scenes.hpp"
 
@@ -8,9 +9,7 @@ namespace mixbeam::test::flutter_test {
 namespace {
 
 /// Twice the errors of order 3 on 8 elements that a prototype with dense eigenvalues has.
-constexpr double kBeck = 1.2e-6, kPflueger = 8e-7;
-/// With damping the same error of frequencies, whose real parts nearly cancel.
-constexpr double kDamped = 1e-5;
+constexpr double kBeck = 1.2e-6;
 constexpr double kBeckLoad = 20.0509536189737, kBeckOmega = 11.01555764;
 
 Scene column(double thrust, LoadFrame frame = LoadFrame::follower) {
@@ -38,16 +37,14 @@ std::vector<CriticalPoint> critical_points(const Scene& scene, bool in_plane = t
   return found;
 }
 
-void expect_flutter(const Scene& scene, double thrust, double load, double omega, double tolerance) {
-  const std::vector<CriticalPoint> found = critical_points(scene);
-  ASSERT_EQ(found.size(), 1u);
-  EXPECT_EQ(found[0].kind, CriticalKind::flutter);
-  EXPECT_NEAR(found[0].load_factor * thrust, load, tolerance * load);
-  EXPECT_NEAR(found[0].omega, omega, tolerance * omega);
-}
-
 TEST(Flutter, BeckInOneStepOfAnySize) {
-  for (const double thrust : {20.1, 24.0, 30.0}) expect_flutter(column(thrust), thrust, kBeckLoad, kBeckOmega, kBeck);
+  for (const double thrust : {20.1, 24.0, 30.0}) {
+    const std::vector<CriticalPoint> found = critical_points(column(thrust));
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_EQ(found[0].kind, CriticalKind::flutter);
+    EXPECT_NEAR(found[0].load_factor * thrust, kBeckLoad, kBeck * kBeckLoad);
+    EXPECT_NEAR(found[0].omega, kBeckOmega, kBeck * kBeckOmega);
+  }
   EXPECT_TRUE(critical_points(column(20.0)).empty());  // the twin: below the load nothing meets
 }
 
@@ -56,19 +53,6 @@ TEST(Flutter, RoundColumnsHaveAllFrequenciesTwice) {
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].modes, 4);
   EXPECT_NEAR(found[0].load_factor * 30.0, kBeckLoad, kBeck * kBeckLoad);
-}
-
-/// At the end of the step both frequencies are imaginary: they have met and parted again below zero.
-TEST(Flutter, IsFoundWhereFrequenciesHavePartedAgain) {
-  Scene scene = column(30.0);
-  scene.point_masses.push_back({"tip", 10.0});
-  expect_flutter(scene, 30.0, 18.1634355278225, 3.739525488, kPflueger);
-}
-
-TEST(Flutter, DampingOfTheMaterialHalvesTheLoad) {
-  Scene scene = column(30.0);
-  scene.sections[0].stiffness_damping = 1e-2;
-  expect_flutter(scene, 30.0, 10.96611166, 5.3997091, kDamped);
 }
 
 /// The load grows and falls again: frequencies meet and part.

@@ -24,31 +24,5 @@ TEST(Identities, EqualForceStiffnessesShiftTheCenterline) {
   }
 }
 
-// Which tine is loaded first does not matter in the end, and half a turn about e1 maps one path onto the other.
-TEST(Identities, ReversedPathOfTheFork) {
-  Simulation first(fork(3, 3, true), {}, this_rank()), second(fork(3, 3, false), {}, this_rank());
-  std::vector<std::array<double, 6>> after_first_stage;
-  const auto run = [&](Simulation& simulation, const std::string& loaded) {
-    const int vertex = vertex_of(simulation.model().mesh(), loaded);
-    simulation.run([&](const StepReport& report, const State& state) {
-      if (report.load_factor == 1.0) after_first_stage.push_back(vertex_motion(simulation.model(), state, vertex));
-    });
-    EXPECT_TRUE(simulation.result().finished) << simulation.result().failure;
-  };
-  run(first, "tine 1");
-  run(second, "tine 2");
-  ASSERT_EQ(after_first_stage.size(), 2u);
-  const auto& one = after_first_stage[0];
-  const auto& two = after_first_stage[1];
-  EXPECT_TRUE(agrees({two[0], two[1], two[2]}, {one[0], -one[1], -one[2]}, kSolved));
-  EXPECT_TRUE(agrees({two[3], two[4], two[5]}, {one[3], -one[4], -one[5]}, kSolved));
-  for (const char* point : {"branch", "tine 1", "tine 2"}) {
-    EXPECT_TRUE(agrees(second.displacement(point), first.displacement(point), kSolved)) << point;
-    EXPECT_TRUE(agrees(second.rotation(point), first.rotation(point), kSolved)) << point;
-  }
-  const Vector3 u = first.displacement("tine 1");
-  EXPECT_TRUE(agrees(first.displacement("tine 2"), {u[0], -u[1], -u[2]}, kSolved));
-}
-
 }  // namespace
 }  // namespace mixbeam::test::identities_test

@@ -75,15 +75,6 @@ TEST(Rollup, ErrorBetweenVertices) {
     }
 }
 
-TEST(Rollup, ConvergesAtRateOrderPlusOne) {
-  constexpr double kRate = 0.15;
-  for (double slenderness : {10.0, 1e2, 1e3})
-    for (int order = 1; order <= 6; ++order) {
-      const double rate = std::log2(position_error(slenderness, order, 16) / position_error(slenderness, order, 32));
-      EXPECT_NEAR(rate, order + 1, kRate) << "slenderness " << slenderness << ", order " << order;
-    }
-}
-
 // The paper: reducing the axial part cures even orders, the shear part order three; order one never locks.
 TEST(Rollup, LockingFollowsThePattern) {
   constexpr int kCoarse = 16;
