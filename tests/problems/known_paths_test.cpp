@@ -605,16 +605,10 @@ void add_imperfect_columns(std::vector<KnownPath>& table) {
       at_load_factor(1.0, {{"tip", kX, -0.33736608406, 1e-7}}), controlled("tip", kY, 0.65716809204));
   add(table, "BowedColumn", bowed_column(),
       at_end({{"middle", kY, 0.394240682192777, 1e-7}, {"right", kX, -0.6562971067206078, 1e-7}}));
-  table.push_back(
-      {"ArgyrisFrame1.1",
-       argyris_frame(1.1),
-       {},
-       at_end({{"tip", kX, 3.0843324211, 1e-6}, {"tip", kY, 2.2520658869, 1e-6}, {"tip", kZ, 17.7595856454, 1e-6}})});
-  table.push_back(
-      {"ArgyrisFrame1.5",
-       argyris_frame(1.5),
-       {},
-       at_end({{"tip", kX, 63.1635638908, 1e-6}, {"tip", kY, 52.2465921473, 1e-6}, {"tip", kZ, 60.8029956898, 1e-6}})});
+  for (const auto& [load, tip] : {std::pair<double, Vector3>{1.1, {3.0843324211, 2.2520658869, 17.7595856454}},
+                                  {1.5, {63.1635638908, 52.2465921473, 60.8029956898}}})
+    add(table, "ArgyrisFrame" + std::to_string(load), argyris_frame(load),
+        at_end({{"tip", kX, tip[0], 1e-6}, {"tip", kY, tip[1], 1e-6}, {"tip", kZ, tip[2], 1e-6}}));
 }
 
 /// Pinned at the origin and at `far`, which moves in the stage in which the weight grows; EI carries next to nothing.
@@ -656,31 +650,22 @@ void add_cables(std::vector<KnownPath>& table) {
     answer.counts_follow = false;
     return answer;
   };
-  table.push_back(
-      {"CableInTension",
-       limp_cable(section(1.00104e7, kRigid, 0.000888065, 0.000888065), {6.345707182475867, 0, 33.5848565658017},
-                  {0.009148334269823977, 0, 0.048417849332302865}, 0.400491),
-       {},
-       hangs(2679.380401753061, 14173.862616968127, 3e-5)});
-  table.push_back(
-      {"CableSlackAndSteep",
-       limp_cable(section(157784, kRigid, 0.000181466, 0.000181466), {2.155790280685684, 0, 7.134435175402628},
-                  {-0.31818290247413317, 0, -1.0530037694117134}, 5.85337),
-       {},
-       hangs(2.1962189218648644, -3.7489758218681395, 2e-3)});
-  table.push_back(
-      {"CableInextensible",
-       limp_cable(section(kRigid, kRigid, 3.21527e-05, 3.21527e-05), {39.13529337123328, 0, 13.124504664246897},
-                  {-0.0020011047118728698, 0, -0.0006710952151429694}, 0.0118851),
-       {},
-       hangs(12.587611157887025, 3.9765978569347524, 4.9e-05)});
-  add(table, "NetOfInextensibleCables", limp_net(), []() {
-    Answer answer = at_end({});
-    answer.forces = {
-        {"2", kX, 17.331701, 2e-3}, {"2", kZ, 55.265522, 2e-3}, {"8", kY, 47.917013, 2e-3}, {"0", kZ, 65.515054, 2e-3}};
-    answer.counts_follow = false;
-    return answer;
-  }());
+  add(table, "CableInTension",
+      limp_cable(section(1.00104e7, kRigid, 0.000888065, 0.000888065), {6.345707182475867, 0, 33.5848565658017},
+                 {0.009148334269823977, 0, 0.048417849332302865}, 0.400491),
+      hangs(2679.380401753061, 14173.862616968127, 3e-5));
+  add(table, "CableSlackAndSteep",
+      limp_cable(section(157784, kRigid, 0.000181466, 0.000181466), {2.155790280685684, 0, 7.134435175402628},
+                 {-0.31818290247413317, 0, -1.0530037694117134}, 5.85337),
+      hangs(2.1962189218648644, -3.7489758218681395, 2e-3));
+  add(table, "CableInextensible",
+      limp_cable(section(kRigid, kRigid, 3.21527e-05, 3.21527e-05), {39.13529337123328, 0, 13.124504664246897},
+                 {-0.0020011047118728698, 0, -0.0006710952151429694}, 0.0118851),
+      hangs(12.587611157887025, 3.9765978569347524, 4.9e-05));
+  Answer net = hangs(0.0, 0.0, 0.0);
+  net.forces = {
+      {"2", kX, 17.331701, 2e-3}, {"2", kZ, 55.265522, 2e-3}, {"8", kY, 47.917013, 2e-3}, {"0", kZ, 65.515054, 2e-3}};
+  add(table, "NetOfInextensibleCables", limp_net(), net);
   // As limp as a cable under its thrust, but nothing tells it a side: it buckles, and does not turn over unseen.
   Answer buckled = on_branch_at(1.0 / 12000.0, {});
   buckled.negative = -1;
@@ -742,18 +727,15 @@ void add_held_rods(std::vector<KnownPath>& table) {
 }
 
 void add_branches(std::vector<KnownPath>& table) {
-  const auto guided = [](const std::string& name, bool planar) {
-    return KnownPath{name, guided_column(14.985896716843365, planar), on_branch(),
-                     on_branch_at(0.6585928481674665, {{"tip", kX, -0.6510106995851659, 1e-7}})};
-  };
-  table.push_back(guided("GuidedColumn", true));
-  table.push_back(guided("GuidedColumnInSpace", false));
-  table.back().answer.may_be_refused = true;
-  table.back().answer.negative = -1;  // it may turn about its axis at no cost
-  table.push_back(
-      {"GuidedColumn15", guided_column(15.0, true), on_branch(),
-       on_branch_at(0.6579736267392905,
-                    {{"tip", kX, -0.652128645004348, 1e-6}, {"tip", kNorm, 1.025742454279261, 1e-6}}, {}, 1e-7)});
+  Answer guided = on_branch_at(0.6585928481674665, {{"tip", kX, -0.6510106995851659, 1e-7}});
+  add(table, "GuidedColumn", guided_column(14.985896716843365, true), guided, on_branch());
+  guided.may_be_refused = true;
+  guided.negative = -1;  // it may turn about its axis at no cost
+  add(table, "GuidedColumnInSpace", guided_column(14.985896716843365, false), guided, on_branch());
+  add(table, "GuidedColumn15", guided_column(15.0, true),
+      on_branch_at(0.6579736267392905, {{"tip", kX, -0.652128645004348, 1e-6}, {"tip", kNorm, 1.025742454279261, 1e-6}},
+                   {}, 1e-7),
+      on_branch());
   Scene above = thrust_column(1.001 * kEuler, 0.0, true);
   above.sections[0] = rod(1e5);
   above.sections[0].name = "section";
@@ -766,8 +748,7 @@ void add_branches(std::vector<KnownPath>& table) {
   SolverParameters both = controlled("right", kX, -0.1);
   both.analysis.branch = Branch::positive;
   // elliptic integrals; the column of EA = 1e4, by shooting, buckles at another load
-  table.push_back(
-      {"BranchUnderControl", column, both, at_load_factor(41.5702557932, {{"middle", kY, 0.194924311376, 1e-7}})});
+  add(table, "BranchUnderControl", column, at_load_factor(41.5702557932, {{"middle", kY, 0.194924311376, 1e-7}}), both);
   column.accuracy = 1e-8;
   column.point_loads = {dead_load("right", {-46.6121208798, 0, 0})};
   const Answer to_positive_y =
@@ -794,8 +775,7 @@ void add_branches(std::vector<KnownPath>& table) {
 void add_snaps(std::vector<KnownPath>& table) {
   for (const auto& [w, load] :
        {std::pair{0.10, 53.08729238}, {0.25, 22.31637839}, {0.50, -11.32642851}, {0.75, -4.006548209}})
-    table.push_back(
-        {"StarDomeDownBy" + std::to_string(w), star_dome(1.0), controlled("apex", kZ, -w), at_load_factor(load)});
+    add(table, "StarDomeDownBy" + std::to_string(w), star_dome(1.0), at_load_factor(load), controlled("apex", kZ, -w));
   add(table, "StarDomeTraced", star_dome(100.0), limits({0.7452625445, -0.1583784735}), traced());
   table.back().answer.only_limits = true;
   // two-node elements by arc length, the end by multiple shooting; steps once led to another path, and round and round
@@ -853,12 +833,9 @@ void add_counts(std::vector<KnownPath>& table) {
   }
   add(table, "BucklesInsideItsElement", sliding_clamps(60.0, 8, 1),
       primary({{4.0 * kPi * kPi / 60.0, bifurcation, 2}}, 1e-6));
-  table.push_back(
-      {"CantileverOfOneElement",
-       thrust_column(70.0, 0.0, false, 8, 1),
-       {},
-       primary({{kEuler / 70, bifurcation, 2}, {9 * kEuler / 70, bifurcation, 2}, {25 * kEuler / 70, bifurcation, 2}},
-               1e-2)});
+  add(table, "CantileverOfOneElement", thrust_column(70.0, 0.0, false, 8, 1),
+      primary({{kEuler / 70, bifurcation, 2}, {9 * kEuler / 70, bifurcation, 2}, {25 * kEuler / 70, bifurcation, 2}},
+              1e-2));
   Answer split = primary({{4.0 * kPi * kPi / 100.0, bifurcation, 2}}, 0.25);
   split.all_critical = false;
   split.negative = -1;
