@@ -3,6 +3,7 @@
 import copy
 import json
 import operator
+import re
 from collections.abc import Mapping, MutableMapping
 from functools import cache
 from types import SimpleNamespace
@@ -252,16 +253,17 @@ class Parameters(MutableMapping):
                 self._entries[name] = value
         return self
 
-    def _xml(self, name, indent):
-        """Yields the XML lines of this list under the name `name`."""
-        yield f"{indent}<ParameterList name={quoted(name)}>\n"
+    def _xml(self, name, indent=""):
+        """Returns the XML text of this list under the name `name`."""
+        inside = indent + "  "
+        parts = [f"{indent}<ParameterList name={quoted(name)}>\n"]
         for key, value in self._entries.items():
             if isinstance(value, Parameters):
-                yield from value._xml(key, indent + "  ")
+                parts.append(value._xml(key, inside))
             else:
-                text = quoted(text_of(value, self._kinds[key]))
-                yield f'{indent}  <Parameter name={quoted(key)} type="{self._kinds[key]}" value={text}/>\n'
-        yield f"{indent}</ParameterList>\n"
+                kind = self._kinds[key]
+                parts.append(f'{inside}<Parameter name={quoted(key)} type="{kind}" value={quoted(text_of(value, kind))}/>\n')
+        return "".join((*parts, f"{indent}</ParameterList>\n"))
 
 
 def _copied(declaration, place, entries, kinds):
@@ -295,9 +297,13 @@ def convert(value, parameter, place):
         raise InputError(f"{place}: {value!r}; allowed: {kind}{hint}") from None
 
 
+NOT_IN_FILES = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
+ESCAPED = re.compile("[&<>\"\n\t\r]")
+
+
 def is_text(value):
     """Returns whether a scene file can hold this text."""
-    return not any(ord(c) < 32 and c not in "\t\n\r" or 0xD800 <= ord(c) < 0xE000 or c in "\ufffe\uffff" for c in value)
+    return NOT_IN_FILES.search(value) is None
 
 
 def is_formula(value, parameter):
@@ -365,8 +371,10 @@ CONVERSIONS = {"bool": lambda value: _only(value, bool, np.bool_), "int": _integ
 
 def text_of(value, kind):
     """Returns the XML text of a value; numbers have the fewest digits that give the same bits."""
+    if isinstance(value, np.ndarray):  # of real numbers
+        return "{" + ", ".join(map(repr, value.tolist())) + "}"
     if kind.startswith("Array"):
-        return "{" + ", ".join(text_of(one, kind[6:-1]) for one in (value.tolist() if isinstance(value, np.ndarray) else value)) + "}"
+        return "{" + ", ".join(text_of(one, kind[6:-1]) for one in value) + "}"
     if isinstance(value, str):  # includes formulas in place of numbers
         return value
     return str(value).lower() if kind == "bool" else repr(value) if kind == "double" else str(value)
@@ -374,4 +382,6 @@ def text_of(value, kind):
 
 def quoted(text):
     """Returns `text` as a quoted attribute value that keeps its white space."""
+    if ESCAPED.search(text) is None:
+        return f'"{text}"'
     return quoteattr(text, {"\n": "&#10;", "\t": "&#9;", "\r": "&#13;"})

@@ -309,13 +309,13 @@ class Run:
     def quantity(self, kind, point=None, *, step=-1, **parameters):
         """Evaluates a quantity by its name in the list Quantities ("reaction force"); see Run."""
         given = {"quantity": kind, "point": point, **parameters}
-        return _valued(["q"], *self._evaluate({"q": given}, step), step, list(self.members))["q"]
+        return _valued(["q"], *self._evaluate({"q": given}, step), step, self)["q"]
 
     def quantities(self, step=-1):
         """Returns {name: value} of the quantities of the scene."""
         asked = self.scene.quantities
         names, rows = self._evaluate(asked, step)
-        return _valued(asked, names, rows, step, list(self.members))
+        return _valued(asked, names, rows, step, self)
 
     def places(self, step=-1):
         """Returns {name: place} of the extremes among the quantities of the scene: "deck 3@50%" or "pier 2" for several
@@ -337,7 +337,7 @@ class Run:
         wanted = Parameters(root().lists["Quantities"])
         for name, parameters in entries.items():
             wanted[name] = parameters
-        return "".join(wanted._xml("quantities", ""))
+        return wanted._xml("quantities")
 
     def sections(self):
         """Returns {name: (6, 6) stiffness, order EA, GA2, GA3, GIt, EI2, EI3} of all sections, including imports and profiles."""
@@ -516,7 +516,7 @@ def _counted(what, count):
     return count
 
 
-def _valued(asked, names, rows, step, members):
+def _valued(asked, names, rows, step, run):
     """Returns {quantity: value} from columns: see Run. Columns of a quantity: name, name.x, name[place], name[place].x, and of
     an extreme name.member, ...; names may contain points and brackets themselves."""
     rows = rows[0] if step is not None else rows.T
@@ -530,12 +530,13 @@ def _valued(asked, names, rows, step, members):
             name = max((name for name in asked if column.startswith(name + "[")), key=len)
             place, _, component = column[len(name):].rpartition("]")
         places[name].setdefault(place[1:], {})[component.lstrip(".")] = values
-    found = {name: {place: _of_place(values, members) for place, values in own.items()} for name, own in places.items()}
+    found = {name: {place: _of_place(values, run) for place, values in own.items()} for name, own in places.items()}
     return {name: own[""] if list(own) == [""] else own for name, own in found.items()}
 
 
-def _of_place(values, members):
+def _of_place(values, run):
     if "member" in values:
+        members = list(run.members)
         numbers = np.asarray(values["member"])
         names = [members[int(number)] if 0 <= number < len(members) else "" for number in numbers.ravel()]
         return Extreme(values[""], names[0] if numbers.ndim == 0 else np.array(names), values["arc_length"], values["side"])

@@ -59,7 +59,7 @@ class Scene(Parameters):
         """Returns the scene as XML text, which reads back as an equal scene."""
         if not is_text(self.name):
             raise InputError(f"name of a scene: {self.name!r}; allowed: a text without control characters")
-        return '<?xml version="1.0"?>\n' + "".join(self._xml(self.name, ""))
+        return '<?xml version="1.0"?>\n' + self._xml(self.name)
 
     def write(self, file):
         """Writes a scene file: YAML if its name ends in .yaml or .yml, else XML."""
