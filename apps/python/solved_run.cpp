@@ -134,7 +134,8 @@ void SolvedRun::solve(const std::string& load_case, const std::filesystem::path&
     choose_mesh_once(app_);
     const RunEnd end = run_case(app_, load_case, file, locked, resume);
     if (end == RunEnd::arrived) fail_what_was_missed(app_, {load_case});
-    file_ = file.empty() ? file : std::filesystem::absolute(file);
+    if (file.empty()) return end;
+    file_ = std::filesystem::absolute(file);
     stat(file_.c_str(), &opened_);
     return end;
   });

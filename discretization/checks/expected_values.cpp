@@ -188,6 +188,7 @@ ListSpec expected_values_spec(const std::vector<std::string>& own_quantities) {
 std::vector<ExpectedValue> read_expected_values(Teuchos::ParameterList& list, const ParameterSource& source,
                                                 const std::vector<std::string>& own_quantities,
                                                 const ParameterPath& path, const std::vector<std::string>& asked) {
+  if (list.numParams() == 0) return {};
   const BoundList<ExpectedValue> parameters = parameters_of_one(own_quantities);
   std::vector<ExpectedValue> expected;
   source.collect([&] {

@@ -131,8 +131,11 @@ Misfits misfits(const ParameterList& list, const ListSpec& spec, const Form& for
     if (!list.isParameter(name) && !list.isSublist(name)) found.missing.push_back(name);
   found.needed_given = std::count_if(form.needed.begin(), form.needed.end(),
                                      [&](const std::string& name) { return is_given(list, name); });
-  for (const std::string& name : spec.fixed_names())
+  const auto add_surplus = [&](const std::string& name) {
     if (is_given(list, name) && !is_of(form, name) && is_of_some_form(spec, name)) found.too_many.push_back(name);
+  };
+  for (const ParameterSpec& parameter : spec.parameters) add_surplus(parameter.name);
+  for (const SublistSpec& sublist : spec.sublists) add_surplus(sublist.name);
   return found;
 }
 
@@ -306,6 +309,7 @@ class Validator {
 
   /// A word in place of a number; booleans become the word of their name.
   static bool is_allowed_word(ParameterList& list, const ParameterSpec& spec, const std::string& name) {
+    if (spec.words.empty()) return false;
     const ParameterValue given = value_of(*list.getEntryPtr(name));
     std::string word;
     if (std::holds_alternative<bool>(given)) word = to_text(given);

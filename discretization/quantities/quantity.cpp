@@ -178,9 +178,11 @@ void check_limits(const std::vector<Quantity>& quantities, const Scene& scene, c
   }
 }
 
-ListSpec quantities_spec() {
-  return ListSpec("What is asked of a run: in every completed step, in monitor, result file, summary and report.")
-      .with_named_lists("quantity", quantity_parameters().spec);
+const ListSpec& quantities_spec() {
+  static const ListSpec spec =
+      ListSpec("What is asked of a run: in every completed step, in monitor, result file, summary and report.")
+          .with_named_lists("quantity", quantity_parameters().spec);
+  return spec;
 }
 
 std::vector<Quantity> read_quantities(Teuchos::ParameterList& list, const ParameterSource& source,
@@ -197,8 +199,7 @@ std::vector<Quantity> read_quantities(Teuchos::ParameterList& list, const Parame
     quantities.push_back(quantity);
   };
   source.collect([&] {
-    static const ListSpec spec = quantities_spec();
-    validate(list, spec, source, path);
+    validate(list, quantities_spec(), source, path);
     for (const std::string& name : names_of(list)) {
       const InputPlace place = InputPlace(source, path)[name];
       place.attempt([&] { read_one(name, place); });

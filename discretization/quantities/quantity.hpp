@@ -49,7 +49,7 @@ struct Quantity {
 };
 
 /// Declaration of the list "Quantities".
-ListSpec quantities_spec();
+const ListSpec& quantities_spec();
 
 /// Reads the list; QuantitySet checks whether points and members exist. Throws InputError.
 std::vector<Quantity> read_quantities(Teuchos::ParameterList& list, const ParameterSource& source,

@@ -14,6 +14,13 @@ namespace mixbeam {
 
 namespace {
 
+/// Returns the reactions, which take a sweep over all elements, if some quantity needs them.
+std::vector<Reaction> reactions_for(const QuantitySet& quantities, const Simulation& simulation) {
+  for (const QuantitySet::Column& column : quantities.columns())
+    if (quantity_kind(quantities.asked(column).kind).is(QuantitySource::reaction)) return simulation.reactions();
+  return {};
+}
+
 /// `reactions`: of the simulation; they must outlive the result.
 QuantityState quantity_state_of(const Simulation& simulation, const std::vector<Reaction>& reactions) {
   return {simulation.model(), simulation.state(),         simulation.load_factor(),
@@ -25,7 +32,7 @@ QuantityState quantity_state_of(const Simulation& simulation, const std::vector<
 
 std::vector<double> values_of(const QuantitySet& quantities, const Simulation& simulation) {
   if (quantities.empty()) return {};
-  const std::vector<Reaction> reactions = simulation.reactions();
+  const std::vector<Reaction> reactions = reactions_for(quantities, simulation);
   QuantityState at = quantity_state_of(simulation, reactions);
   at.natural_frequency = simulation.natural_frequency();
   return quantities.values(at);
@@ -33,7 +40,7 @@ std::vector<double> values_of(const QuantitySet& quantities, const Simulation& s
 
 std::vector<std::string> places_of(const QuantitySet& quantities, const Simulation& simulation) {
   if (quantities.empty()) return {};
-  const std::vector<Reaction> reactions = simulation.reactions();
+  const std::vector<Reaction> reactions = reactions_for(quantities, simulation);
   return quantities.places(quantity_state_of(simulation, reactions));
 }
 

@@ -174,12 +174,12 @@ class Application::Recorder {
         parameters_(parameters),
         recording_(recording),
         points_(followed_points(scene)) {
+    if (recording.file.empty()) return;
     ResultHeader header = app.header(scene, recording.properties);
     if (recording.quantities != nullptr) {
       header.quantities = recording.quantities->names();
       header.quantity_units = recording.quantities->units(scene.units);
     }
-    if (recording.file.empty()) return;
     require_no_input(failure_file_of(recording.file).string());
     if (!recording.monitor.empty()) require_no_input(recording.monitor.string());
     results_ = recording.resume != nullptr

@@ -276,6 +276,7 @@ void read_lists(Application& app, const ApplicationDefinition& definition) {
 constexpr int kMostThreadsPerProcessor = 8;
 
 void limit_threads(Application& app) {
+  if (app.solver.threads <= kMostThreadsPerProcessor) return;  // asking the system takes a hundredth of a small run
   const int processors = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   if (app.solver.threads <= kMostThreadsPerProcessor * processors) return;
   app.warn(std::to_string(app.solver.threads) + " threads on " + std::to_string(processors) + " processor(s); " +

@@ -204,9 +204,8 @@ std::vector<std::string> names_of_values(const QuantitySet& quantities) {
 }
 
 QuantitySet quantities_of(const Teuchos::ParameterList& scene_list, const XmlParameters& xml, const Scene& scene) {
-  static const ListSpec spec = quantities_spec();
   Teuchos::ParameterList list(xml.list->sublist(kQuantities));
-  Variables(scene_list, xml.source).resolve(list, spec, {kQuantities});
+  Variables(scene_list, xml.source).resolve(list, quantities_spec(), {kQuantities});
   return QuantitySet(read_quantities(list, xml.source), scene, {xml.source, {kQuantities}});
 }
 

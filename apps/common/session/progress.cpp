@@ -39,7 +39,7 @@ std::string Progress::time_to_go(double elapsed, double share_done) const {
 }
 
 void Progress::report(const StepReport& report, double share_done) {
-  if (report.step == 0) return;
+  if (report.step == 0 || !out_) return;  // a stream that discards everything
   const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   for (const CriticalPoint& point : report.critical_points) report_critical(point);
   if (report.jump) out_ << label_ << ": " << jump_text(*report.jump) << "\n";
