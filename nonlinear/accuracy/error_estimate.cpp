@@ -8,7 +8,6 @@
 #include "kernels/element/layout.hpp"
 #include "nonlinear/linear/linear_solver.hpp"
 #include "nonlinear/newton/beam_group.hpp"
-#include "nonlinear/path/corrector.hpp"
 #include "nonlinear/sensitivity/adjoint_operator.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
@@ -77,9 +76,8 @@ struct NotEstimated {
 /// Newton's method in the richer space, step by step.
 class RicherSolve {
  public:
-  RicherSolve(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, const State& start,
-              double load_factor, bool estimates = true)
-      : problem_(problem), corrector_(problem, parameters, record_), load_factor_(load_factor) {
+  RicherSolve(const Teuchos::RCP<BeamProblem>& problem, const State& start, double load_factor, bool estimates = true)
+      : problem_(problem), load_factor_(load_factor) {
     choice_.may_iterate = true;
     choice_.is_last = estimates;
     stand_at(start);
@@ -109,7 +107,7 @@ class RicherSolve {
 
  private:
   void stand_at(const State& state) {
-    group_ = Teuchos::rcp(new BeamGroup(corrector_.global(), problem_, state, load_factor_, {}, choice_));
+    group_ = Teuchos::rcp(new BeamGroup(problem_, state, load_factor_, choice_));
     group_->computeF();
   }
   void move(const NOX::Abstract::Vector& increment, double step) {
@@ -120,8 +118,6 @@ class RicherSolve {
   }
 
   Teuchos::RCP<BeamProblem> problem_;
-  SolveRecord record_;
-  Corrector corrector_;
   double load_factor_;
   TangentChoice choice_;
   Teuchos::RCP<BeamGroup> group_, tangent_;
@@ -240,12 +236,12 @@ ErrorEstimate estimate_in(const RicherScene& richer, BeamProblem& of, const Solv
                           const State& state, double load_factor) {
   const Model& model = of.model;
   of.release_idle();  // makes room for the richer space
-  const auto problem = Teuchos::rcp(new BeamProblem(richer.scene, model.map()->getComm(), parameters));
+  const auto problem = Teuchos::rcp(new BeamProblem(richer.scene, model.map()->getComm(), parameters, of.loca));
   problem->take_over(of);
   const State start = transfer(model, state, problem->model);
   std::vector<unsigned char> raised = richer.is_halved;
   for (unsigned char& member : raised) member = !member;
-  RicherSolve solve(problem, parameters, with_recovered_rotations(problem->model, start, raised), load_factor);
+  RicherSolve solve(problem, with_recovered_rotations(problem->model, start, raised), load_factor);
   const double first = solve.residual();
   double before = first;
   solve.correct();
@@ -270,7 +266,7 @@ ErrorEstimate estimate_in(const RicherScene& richer, BeamProblem& of, const Solv
 
 State polished(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, const State& state,
                double load_factor) {
-  RicherSolve solve(problem, parameters, state, load_factor, false);
+  RicherSolve solve(problem, state, load_factor, false);
   const double most = std::max(solve.residual(), parameters.newton.residual_tolerance);
   try {
     solve.correct();
@@ -285,15 +281,13 @@ State polished(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters&
 Teuchos::RCP<BeamProblem> richer_problem(const BeamProblem& problem, const SolverParameters& parameters) {
   const Model& model = problem.model;
   return Teuchos::rcp(new BeamProblem(richer_scene(model, more_orders(model.scene().members)).scene,
-                                      model.map()->getComm(), parameters));
+                                      model.map()->getComm(), parameters, problem.loca));
 }
 
-State with_layers(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, const State& state,
-                  double load_factor, const std::vector<EndLayer>& layers) {
+State with_layers(const Teuchos::RCP<BeamProblem>& problem, const State& state, double load_factor,
+                  const std::vector<EndLayer>& layers) {
   const Model& model = problem->model;
-  SolveRecord record;
-  const Corrector corrector(problem, parameters, record);
-  BeamGroup group(corrector.global(), problem, state, load_factor, {});
+  BeamGroup group(problem, state, load_factor);
   group.computeF();
   group.computeJacobian();
   BeamVector rows(model.create_vector()), response(model.create_vector());

@@ -60,7 +60,7 @@ Teuchos::RCP<BeamProblem> richer_problem(const BeamProblem& problem, const Solve
 
 /// Returns `state` after one Newton step in which closed forms of end layers (end_layers.hpp) rotate the vertices
 /// instead of the elements' approximation of them. Throws LinearSolverError. Collective.
-State with_layers(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, const State& state,
-                  double load_factor, const std::vector<EndLayer>& layers);
+State with_layers(const Teuchos::RCP<BeamProblem>& problem, const State& state, double load_factor,
+                  const std::vector<EndLayer>& layers);
 
 }  // namespace mixbeam

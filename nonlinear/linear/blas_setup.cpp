@@ -5,6 +5,7 @@
 #include <dlfcn.h>
 #include <sys/mman.h>
 
+#include <array>
 #include <cstdlib>
 #include <new>
 #include <string>
@@ -84,8 +85,12 @@ double blas_room_to_come() {
 }
 
 void set_up_blas() {
-  for (const char* name : {"openblas_set_num_threads", "MKL_Set_Num_Threads", "bli_thread_set_num_threads"})
-    if (const auto set_number = found<void(int)>(name)) set_number(1);
+  using SetNumber = void(int);
+  static const std::array<SetNumber*, 3> known = {found<SetNumber>("openblas_set_num_threads"),
+                                                  found<SetNumber>("MKL_Set_Num_Threads"),
+                                                  found<SetNumber>("bli_thread_set_num_threads")};
+  for (SetNumber* const set_number : known)
+    if (set_number != nullptr) set_number(1);  // each time: a host may have chosen another since
   static std::once_flag once;
   std::call_once(once, [] {
     choose_kernels();

@@ -82,6 +82,9 @@ class BeamGroup : public LOCA::Abstract::Group {
 
   BeamGroup(const Teuchos::RCP<LOCA::GlobalData>& global, const Teuchos::RCP<BeamProblem>& problem,
             const State& initial, double load_factor, StepObserver observer, const TangentChoice& choice = {});
+  BeamGroup(const Teuchos::RCP<BeamProblem>& problem, const State& initial, double load_factor,
+            const TangentChoice& choice = {})
+      : BeamGroup(problem->loca->global, problem, initial, load_factor, {}, choice) {}
   BeamGroup(const BeamGroup& other, NOX::CopyType type);
   BeamGroup& operator=(const BeamGroup& source);
 

@@ -6,6 +6,8 @@
 #include "nonlinear/newton/attempt_log.hpp"
 #include "nonlinear/parameters/solver_parameters.hpp"
 
+#include <LOCA_GlobalData.H>
+
 #include <functional>
 #include <memory>
 #include <optional>
@@ -21,11 +23,24 @@ struct WorkCount {
   int looks = 0;             ///< tangents probed inside steps
 };
 
+/// Every group of LOCA has these: where messages go, and who makes its parts.
+struct LocaData {
+  explicit LocaData(const SolverParameters& parameters);
+  ~LocaData() { LOCA::destroyGlobalData(global); }  // its parts point at each other
+  LocaData(const LocaData&) = delete;
+  LocaData& operator=(const LocaData&) = delete;
+
+  Teuchos::RCP<LOCA::GlobalData> global;
+};
+
 class BeamProblem {
  public:
-  /// See Model.
-  BeamProblem(std::shared_ptr<const Scene> scene, const Communicator& comm, const SolverParameters& parameters)
-      : model(std::move(scene), comm, options_of(parameters)), linear_(parameters.linear) {
+  /// See Model. `shared`: of another problem with these parameters; null: its own.
+  BeamProblem(std::shared_ptr<const Scene> scene, const Communicator& comm, const SolverParameters& parameters,
+              std::shared_ptr<const LocaData> shared = nullptr)
+      : model(std::move(scene), comm, options_of(parameters)),
+        loca(shared != nullptr ? std::move(shared) : std::make_shared<const LocaData>(parameters)),
+        linear_(parameters.linear) {
     take_solver();
   }
   BeamProblem(const Scene& scene, const Communicator& comm, const SolverParameters& parameters)
@@ -70,6 +85,7 @@ class BeamProblem {
   void take_over(BeamProblem& other) { take_solver()->adopt_factors_of(*other.take_solver()); }
 
   const Model model;
+  const std::shared_ptr<const LocaData> loca;
   WorkCount work;
   // Point and rows of the last residual: a converged state is judged, counted and reported without a new evaluation.
   std::optional<EvaluationPoint> last_point;

@@ -82,13 +82,22 @@ class IterationRecorder : public NOX::Observer {
  public:
   IterationRecorder(BeamProblem& problem, SolveRecord& record, NewtonPurpose purpose)
       : problem_(problem), record_(record), is_check_(purpose == NewtonPurpose::check) {}
-  void runPreSolve(const NOX::Solver::Generic&) override {
+  void start() {
     ++record_.attempt;
     record_.iterations = 0;
     problem_.last_failure.clear();
     problem_.objection.clear();
     if (!is_check_) problem_.attempts.start_attempt();
   }
+  /// `before`: null before the first iteration.
+  void iterated(const NOX::Abstract::Group& now, const NOX::Abstract::Group* before, int iterations) {
+    if (is_check_) return;
+    record_.iterations = iterations;
+    if (iterations == 1) add(0, *before);
+    add(iterations, now);
+    problem_.attempts.iterated(BeamGroup::of(now), before == nullptr ? nullptr : &BeamGroup::of(*before), iterations);
+  }
+  void runPreSolve(const NOX::Solver::Generic&) override { start(); }
   void runPreIterate(const NOX::Solver::Generic&) override {
     if (problem_.leave_if_asked) problem_.leave_if_asked();
   }
@@ -96,12 +105,8 @@ class IterationRecorder : public NOX::Observer {
     ++(is_check_ ? problem_.work.check_iterations : problem_.work.newton_iterations);
   }
   void runPostIterate(const NOX::Solver::Generic& solver) override {
-    if (is_check_) return;
-    record_.iterations = solver.getNumIterations();
-    if (record_.iterations == 1) add(0, solver.getPreviousSolutionGroup());
-    add(record_.iterations, solver.getSolutionGroup());
-    const BeamGroup* previous = record_.iterations > 0 ? &BeamGroup::of(solver.getPreviousSolutionGroup()) : nullptr;
-    problem_.attempts.iterated(BeamGroup::of(solver.getSolutionGroup()), previous, record_.iterations);
+    const int iterations = solver.getNumIterations();
+    iterated(solver.getSolutionGroup(), iterations > 0 ? &solver.getPreviousSolutionGroup() : nullptr, iterations);
   }
   void runPostSolve(const NOX::Solver::Generic& solver) override {
     if (is_check_ || solver.getStatus() != NOX::StatusTest::Failed) return;
@@ -137,17 +142,16 @@ Teuchos::RCP<NOX::StatusTest::Generic> default_status_tests(const NewtonParamete
   return tests;
 }
 
-Teuchos::ParameterList default_nox() {
-  Teuchos::ParameterList nox("NOX");
-  nox.set("Nonlinear Solver", "Line Search Based");
-  nox.sublist("Direction").set("Method", "Newton");
-  nox.sublist("Line Search").set("Method", kRotationLimited);
-  // Silence NOX, for the program reports by itself: LOCA prints some messages whatever "Output Information" says, and
-  // messages that are let through cost text and norms although nobody reads them.
+/// Sets the user's list. By default silences NOX, for the program reports by itself: LOCA prints some messages whatever
+/// "Output Information" says, and messages that are let through cost text and norms although nobody reads them.
+void set_printing(const SolverParameters& parameters, Teuchos::ParameterList& printing) {
+  if (!parameters.nox.is_null() && parameters.nox->isSublist("Printing")) {
+    printing = parameters.nox->sublist("Printing");
+    return;
+  }
   const Teuchos::RCP<std::ostream> nowhere = Teuchos::rcp(new Teuchos::oblackholestream);
-  nox.sublist("Printing").set("Output Stream", nowhere).set("Error Stream", nowhere);
-  nox.sublist("Printing").set("Output Information", static_cast<int>(NOX::Utils::Error));
-  return nox;
+  printing.set("Output Stream", nowhere).set("Error Stream", nowhere);
+  printing.set("Output Information", static_cast<int>(NOX::Utils::Error));
 }
 
 /// A user's status tests need not end an iteration that diverges or whose residual is NaN; these always do.
@@ -161,13 +165,31 @@ Teuchos::RCP<NOX::StatusTest::Generic> with_guards(const Teuchos::RCP<NOX::Statu
 
 }  // namespace
 
+LocaData::LocaData(const SolverParameters& parameters) {
+  const auto lists = Teuchos::rcp(new Teuchos::ParameterList("mixbeam"));
+  set_printing(parameters, lists->sublist("NOX").sublist("Printing"));
+  global = LOCA::createGlobalData(lists);
+}
+
+bool is_solved(const SolverParameters& parameters, SolveRecord& record, NewtonPurpose purpose, BeamGroup& group) {
+  if (!parameters.nox.is_null() || !parameters.status_tests.is_null()) return false;
+  group.computeF();
+  if (!(group.getNormF() < parameters.newton.residual_tolerance)) return false;
+  IterationRecorder recorder(group.problem(), record, purpose);
+  recorder.start();
+  if (group.problem().leave_if_asked) group.problem().leave_if_asked();
+  recorder.iterated(group, nullptr, 0);
+  return true;
+}
+
 Teuchos::ParameterList nox_list(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,
                                 SolveRecord& record, NewtonPurpose purpose) {
-  Teuchos::ParameterList nox = default_nox();
-  if (!parameters.nox.is_null()) {
-    if (parameters.nox->isSublist("Printing")) nox.remove("Printing");
-    nox.setParameters(*parameters.nox);
-  }
+  Teuchos::ParameterList nox("NOX");
+  nox.set("Nonlinear Solver", "Line Search Based");
+  nox.sublist("Direction").set("Method", "Newton");
+  nox.sublist("Line Search").set("Method", kRotationLimited);
+  if (!parameters.nox.is_null()) nox.setParameters(*parameters.nox);
+  set_printing(parameters, nox.sublist("Printing"));
   Teuchos::ParameterList& search = nox.sublist("Line Search");
   if (search.get<std::string>("Method", kRotationLimited) == kRotationLimited) {
     const Teuchos::RCP<NOX::LineSearch::UserDefinedFactory> factory =

@@ -30,6 +30,10 @@ enum class NewtonPurpose { step, check };
 Teuchos::ParameterList nox_list(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,
                                 SolveRecord& record, NewtonPurpose purpose = NewtonPurpose::step);
 
+/// Whether NOX with its default tests would take no iteration; recorded as if it had been set up, which would take
+/// longer than an iteration on a small structure.
+bool is_solved(const SolverParameters& parameters, SolveRecord& record, NewtonPurpose purpose, BeamGroup& group);
+
 /// The user's tests, or the default ones, and two that always end an iteration that diverges or whose residual is NaN.
 /// Passes on the exceptions of NOX for lists that it refuses.
 Teuchos::RCP<NOX::StatusTest::Generic> guarded_status_tests(const SolverParameters& parameters,

@@ -16,18 +16,6 @@
 
 namespace mixbeam {
 
-Corrector::Corrector(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, SolveRecord& record,
-                     NewtonPurpose purpose)
-    : problem_(problem), parameters_(parameters), record_(record), purpose_(purpose) {
-  lists_ = Teuchos::rcp(new Teuchos::ParameterList("mixbeam"));
-  lists_->sublist("NOX") = nox_list(problem, parameters, record, purpose);
-  lists_->sublist("LOCA").sublist("Stepper");
-  lists_->sublist("LOCA").sublist("Constraints").set("Bordered Solver Method", "Bordering");
-  global_ = LOCA::createGlobalData(lists_);
-}
-
-Corrector::~Corrector() { LOCA::destroyGlobalData(global_); }
-
 namespace {
 
 /// Adapter that presents the row to LOCA's constrained group.
@@ -106,11 +94,6 @@ class LinearControl : public LOCA::MultiContinuation::ConstraintInterfaceMVDX {
   bool valid_ = false;
 };
 
-Teuchos::RCP<BeamGroup> group_at(const Teuchos::RCP<LOCA::GlobalData>& global, const Teuchos::RCP<BeamProblem>& problem,
-                                 const Guess& guess, const TangentChoice& choice = {}) {
-  return Teuchos::rcp(new BeamGroup(global, problem, guess.state, guess.load_factor, {}, choice));
-}
-
 /// Requires one iteration after a prediction by a capped tangent, whose cap has left out an unknown part.
 class AfterOneIteration : public NOX::StatusTest::Generic {
  public:
@@ -136,7 +119,9 @@ Correction Corrector::at_load(const State& from, double load_factor, int most_it
   TangentChoice choice;
   choice.may_iterate = from_stable;
   choice.enough = newton_limit.enough_for_increments;  // the next iteration removes the rest
-  const auto start = group_at(global_, problem_, {from, load_factor}, choice);
+  const auto start = Teuchos::rcp(new BeamGroup(problem_, from, load_factor, choice));
+  if (way == nullptr && is_solved(parameters_, record_, purpose_, *start))
+    return {true, from, load_factor, BeamVector::of(start->getX()).clone(true), 0, start->getNormF(), {}};
   if (way == nullptr) return solve(start, most_iterations);
   start->computeF();
   const auto group = Teuchos::rcp(new BeamGroup(*start, NOX::DeepCopy));
@@ -150,13 +135,16 @@ Correction Corrector::on_row(const Guess& guess, const ControlRow& row, int most
   const Model& model = problem_->model;
   const bool in_plane = guess.state.in_plane && model.is_in_plane(row.weights) &&
                         (guess.moved == nullptr || model.is_in_plane(*guess.moved));
-  const auto group = group_at(global_, problem_, guess, near_critical(!in_plane));
-  const auto parser = Teuchos::rcp(new LOCA::Parameter::SublistParser(global_));
-  parser->parseSublists(lists_);
+  const auto group = Teuchos::rcp(new BeamGroup(problem_, guess.state, guess.load_factor, near_critical(!in_plane)));
+  const Teuchos::RCP<LOCA::GlobalData>& global = problem_->loca->global;
+  const auto lists = Teuchos::rcp(new Teuchos::ParameterList("mixbeam"));
+  lists->sublist("LOCA").sublist("Constraints").set("Bordered Solver Method", "Bordering");
+  const auto parser = Teuchos::rcp(new LOCA::Parameter::SublistParser(global));
+  parser->parseSublists(lists);
   const auto control = Teuchos::rcp(new LinearControl(row, guess.load_factor));
   const std::vector<int> free = {group->getParams().getIndex(kLoadFactor)};
   const auto constrained = Teuchos::rcp(new LOCA::MultiContinuation::ConstrainedGroup(
-      global_, parser, parser->getSublist("Constraints"), group, control, free));
+      global, parser, parser->getSublist("Constraints"), group, control, free));
   if (guess.moved != nullptr) {
     const auto x = constrained->getX().clone(NOX::DeepCopy);
     auto& extended = dynamic_cast<LOCA::MultiContinuation::ExtendedVector&>(*x);
@@ -169,11 +157,11 @@ Correction Corrector::on_row(const Guess& guess, const ControlRow& row, int most
 Correction Corrector::solve(const Teuchos::RCP<NOX::Abstract::Group>& group, int most_iterations,
                             bool from_prediction) {
   using NOX::StatusTest::Combo;
-  Teuchos::RCP<NOX::StatusTest::Generic> given = guarded_status_tests(parameters_, *global_->locaUtils);
+  Teuchos::RCP<NOX::StatusTest::Generic> given = guarded_status_tests(parameters_, *problem_->loca->global->locaUtils);
   if (from_prediction) given = Teuchos::rcp(new AfterOneIteration(given));
   const auto tests = Teuchos::rcp(new Combo(Combo::OR, given));
   tests->addStatusTest(Teuchos::rcp(new NOX::StatusTest::MaxIters(most_iterations)));
-  const auto list = Teuchos::rcp(new Teuchos::ParameterList(lists_->sublist("NOX")));
+  const auto list = Teuchos::rcp(new Teuchos::ParameterList(nox_list(problem_, parameters_, record_, purpose_)));
   problem_->last_failure.clear();
   const auto solver = NOX::Solver::buildSolver(group, tests, list);
   bool converged = false;

@@ -4,8 +4,6 @@
 #include "nonlinear/newton/newton_setup.hpp"
 #include "nonlinear/path/path_measure.hpp"
 
-#include <LOCA_GlobalData.H>
-
 #include <string>
 
 namespace mixbeam {
@@ -31,12 +29,10 @@ struct Guess {
 class Corrector {
  public:
   /// `record` must outlive this object. NewtonPurpose::check: work is counted separately, and failures are no failed
-  /// attempts of the path. Throws InputError for NOX parameters that NOX refuses.
+  /// attempts of the path.
   Corrector(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, SolveRecord& record,
-            NewtonPurpose purpose = NewtonPurpose::step);
-  ~Corrector();
-  Corrector(const Corrector&) = delete;
-  Corrector& operator=(const Corrector&) = delete;
+            NewtonPurpose purpose = NewtonPurpose::step)
+      : problem_(problem), parameters_(parameters), record_(record), purpose_(purpose) {}
 
   /// Finds equilibrium at a load factor. `way`: increments for the whole step predicted by the tangent, which replace
   /// the first iteration and are limited like it; null: unknown. `from_stable`: networks may be solved by iteration.
@@ -45,8 +41,6 @@ class Corrector {
   /// Finds equilibrium with an unknown load factor, for which the row holds.
   Correction on_row(const Guess& guess, const ControlRow& row, int most_iterations);
 
-  const Teuchos::RCP<LOCA::GlobalData>& global() const { return global_; }
-
  private:
   Correction solve(const Teuchos::RCP<NOX::Abstract::Group>& group, int most_iterations, bool from_prediction = false);
 
@@ -54,8 +48,6 @@ class Corrector {
   const SolverParameters& parameters_;
   SolveRecord& record_;
   NewtonPurpose purpose_;
-  Teuchos::RCP<Teuchos::ParameterList> lists_;
-  Teuchos::RCP<LOCA::GlobalData> global_;
 };
 
 }  // namespace mixbeam

@@ -296,7 +296,7 @@ std::vector<MixedVector> CriticalPointFinder::critical_modes(const Bracket& brac
 State CriticalPointFinder::state_at_bifurcation(double at, double load_factor,
                                                 const std::vector<MixedVector>& critical) {
   const PathDirection guess = predicted(at);
-  BeamGroup group(judge_.corrector().global(), judge_.problem(), piece_.start.state, load_factor, {});
+  BeamGroup group(judge_.problem(), piece_.start.state, load_factor);
   group.setX(BeamVector(guess.x));
   const std::vector<MixedVector> orthogonal = orthonormal(measure_, critical);
   Teuchos::ParameterList none;

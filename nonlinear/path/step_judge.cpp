@@ -443,7 +443,7 @@ Station StepJudge::station(const State& state, double load_factor, const PathDir
     choice.counts_interior = counts;
     choice.enough = newton_limit.enough_for_tangents;
     choice.may_iterate = true;
-    BeamGroup group(corrector_.global(), problem_, state, load_factor, {}, choice);
+    BeamGroup group(problem_, state, load_factor, choice);
     group.computeF();
     scales = group.scales();
     MixedVector slope = problem_->model.create_vector();
@@ -460,7 +460,7 @@ Station StepJudge::station(const State& state, double load_factor, const PathDir
 
 /// Tangent for the mean of the derivatives between two load factors.
 PathDirection StepJudge::secant_tangent(const Station& at, double from, double to) const {
-  BeamGroup group(corrector_.global(), problem_, at.state, at.load_factor, {});
+  BeamGroup group(problem_, at.state, at.load_factor);
   group.computeF();
   MixedVector mean = problem_->model.create_vector(), slope = mean.clone(false);
   mean.fill(0.0);
@@ -480,7 +480,7 @@ StepJudge::Linear StepJudge::linear_at(const State& start, const PathDirection& 
   TangentChoice choice = near_critical(!in_plane);
   choice.counts_interior = stability_ != nullptr;
   choice.vertices_alone = vertices_alone;
-  BeamGroup group(corrector_.global(), problem_, start, load_factor, {}, choice);
+  BeamGroup group(problem_, start, load_factor, choice);
   group.setX(BeamVector(guess.x));
   Teuchos::ParameterList none;
   group.computeNewton(none);

@@ -115,7 +115,7 @@ Simulation Simulation::richer(const ErrorEstimate& estimate, std::vector<EndLaye
   layers = end_layers(other.model(), other.state(), &scene());
   if (layers.empty()) return other;
   try {
-    other.state_ = with_layers(other.problem_, parameters_, other.state_, load_factor_, layers);
+    other.state_ = with_layers(other.problem_, other.state_, load_factor_, layers);
     layers = end_layers(other.model(), other.state(), &scene());
   } catch (const LinearSolverError&) {  // keeps the layers of the uncorrected state
   }
