@@ -50,12 +50,13 @@ double cap_stiffness(const Model& model, const ResidualScales& scales, double ra
   return factor * std::max(bending, scales.force);
 }
 
-/// Sets stiffness and added compliance of a component; returns the ratio of the limit to the stiffness above it, zero
-/// if there is none.
-double cap_component(double limit, double compliance, double& added, double& stiffness) {
-  added = std::max(0.0, 1.0 / limit - compliance);
-  stiffness = added > 0.0 ? limit : 1.0 / compliance;
-  return added > 0.0 ? compliance * limit : 0.0;
+/// Compliance that a limit of the stiffness adds to one.
+double added(double compliance, double limit) { return compliance < 1.0 / limit ? 1.0 / limit - compliance : 0.0; }
+
+/// Sets stiffness and added compliance of a component.
+void cap_component(double limit, double compliance, double& more, double& stiffness) {
+  more = added(compliance, limit);
+  stiffness = more > 0.0 ? limit : 1.0 / compliance;
 }
 
 }  // namespace
@@ -66,7 +67,10 @@ Cap cap_for(const Model& model, const ResidualScales& scales, double raise) {
   const double moment_limit = stiffness * model.structure().length * model.structure().length;  // above any EI or GIt
   const KernelView<const SectionConstants*> uncapped = model.structure().views.sections;
   Cap cap{stiffness};
-  const auto note_ratio = [&cap](double ratio) {
+  const auto note = [&cap](double compliance, double limit) {
+    if (added(compliance, limit) == 0.0) return;
+    const double ratio = compliance * limit;
+    cap.cuts_off = true;
     if (ratio > 0.0 && (cap.least_ratio == 0.0 || ratio < cap.least_ratio)) cap.least_ratio = ratio;
   };
   cap.structure.sections = workspace.sections.take("mixbeam::capped_sections", uncapped.extent(0));
@@ -75,12 +79,14 @@ Cap cap_for(const Model& model, const ResidualScales& scales, double raise) {
     const bool locks = model.structure().section_locks[s] != 0;
     section.force_stiffness_limit = locks ? kCapForLockingElements * stiffness : stiffness;
     section.moment_stiffness_limit = moment_limit;
+    const double* least = &model.structure().least_compliance[6 * s];
     for (int i = 0; i < 3; ++i) {
-      note_ratio(cap_component(section.force_stiffness_limit, section.force_compliance[i],
-                               section.force_cap_compliance[i], section.tangent_force_stiffness[i]));
-      note_ratio(cap_component(moment_limit, section.moment_compliance[i], section.moment_cap_compliance[i],
-                               section.moment_stiffness[i]));
-      cap.cuts_off = cap.cuts_off || section.force_cap_compliance[i] > 0.0 || section.moment_cap_compliance[i] > 0.0;
+      cap_component(section.force_stiffness_limit, section.force_compliance[i], section.force_cap_compliance[i],
+                    section.tangent_force_stiffness[i]);
+      cap_component(moment_limit, section.moment_compliance[i], section.moment_cap_compliance[i],
+                    section.moment_stiffness[i]);
+      note(least[i], section.force_stiffness_limit);
+      note(least[3 + i], moment_limit);
     }
   }
   return cap;
@@ -106,8 +112,6 @@ double largest_cap_compliance_row(const Model& model, const Cap& cap, const Resi
 }
 
 namespace {
-
-double added(double compliance, double limit) { return compliance < 1.0 / limit ? 1.0 / limit - compliance : 0.0; }
 
 /// Form of (capped compliance - true compliance) in the increments a and b of one element.
 double form_of_element(const ElementView& element, const SectionConstants& section, const double* a, const double* b) {

@@ -42,6 +42,9 @@ Model::Model(std::shared_ptr<const Scene> scene, const Communicator& comm, const
       workspace_(std::make_unique<Workspace>()) {
   PhaseTimer timer(times_, "setup");
   if (clock_->have_formulas()) line_fields_.follow(clock_);
+  std::vector<double>& least = structure_.least_compliance;
+  const std::vector<double> mine = least;
+  Teuchos::reduceAll(*comm, Teuchos::REDUCE_MIN, static_cast<int>(mine.size()), mine.data(), least.data());
   workspace_->rows = allocate_rows(structure_);
   build_maps(comm);
   fixed_ = KernelView<unsigned char*>("mixbeam::fixed", static_cast<size_t>(kVertexDofs) * structure_.owned_vertices);

@@ -187,6 +187,19 @@ void fill_compliance(const Scene& scene, const Mesh& mesh, const MemberLaws& law
   }
 }
 
+/// Lowers Structure::least_compliance to the values at the points of coupled and tapered members.
+void lower_least_compliance(const ElementBlock& block, std::vector<double>& least) {
+  const GeneralSectionLayout layout{block.order, block.interior.force_points};
+  for (int e = 0; e < block.count; ++e)
+    for (int i = 0; i < 3; ++i) {
+      const double* numbers = &block.compliance(e, 0) + 4 * i;  // entry (i, i) of a 3 x 3 block
+      double* of_section = &least[static_cast<size_t>(6 * block.section(e) + i)];
+      for (int q = 0; q < layout.force_points; ++q)
+        of_section[0] = std::min(of_section[0], numbers[layout.force_force(q)]);
+      for (int q = 0; q <= layout.order; ++q) of_section[3] = std::min(of_section[3], numbers[layout.moment_moment(q)]);
+    }
+}
+
 /// Kind of element; elements of one kind share their kernels.
 struct BlockKey {
   int order, rule;
@@ -303,6 +316,8 @@ void number_sections(Structure& structure, const Scene& scene) {
     if (!is_new) continue;
     in_use.push_back(constants.at(member.section));  // member_laws() has rejected other names
     structure.section_locks.push_back(locks);
+    for (const double compliance : in_use.back().force_compliance) structure.least_compliance.push_back(compliance);
+    for (const double compliance : in_use.back().moment_compliance) structure.least_compliance.push_back(compliance);
   }
   structure.views.sections = KernelView<SectionConstants*>("mixbeam::sections", in_use.size());
   std::copy(in_use.begin(), in_use.end(), structure.views.sections.data());
@@ -347,8 +362,9 @@ Structure build_structure(const Scene& scene, const Mesh& mesh, int rank, int ra
     structure.part_of_vertex.push_back(part[structure.local_vertex_to_global[v]]);
   for (ElementBlock& block : structure.blocks) {
     fill_block(block, structure, scene, mesh);
-    if (block.general_section)
-      fill_compliance(scene, mesh, structure.member_laws, &structure.local_element_to_mesh[block.first_element], block);
+    if (!block.general_section) continue;
+    fill_compliance(scene, mesh, structure.member_laws, &structure.local_element_to_mesh[block.first_element], block);
+    lower_least_compliance(block, structure.least_compliance);
   }
   return structure;
 }

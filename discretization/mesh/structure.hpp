@@ -47,9 +47,12 @@ struct Structure {
   StructureViews views;
   std::vector<int> member_section;           ///< (member of the scene): index in views.sections
   std::vector<unsigned char> section_locks;  ///< (section): used by members not integrated "both reduced"
-  MemberLaws member_laws;                    ///< (member of the scene): null if the section is plain
-  double shortest_element = 0.0;             ///< of the whole mesh
-  double length = 0.0;                       ///< characteristic length of the whole mesh
+  /// (section, component of N, then of M): least compliance of its members, coupled ones and tapers at their points. A
+  /// Model knows those of all ranks.
+  std::vector<double> least_compliance;
+  MemberLaws member_laws;         ///< (member of the scene): null if the section is plain
+  double shortest_element = 0.0;  ///< of the whole mesh
+  double length = 0.0;            ///< characteristic length of the whole mesh
   double bending_reference =
       0.0;  ///< largest bending or torsional stiffness of the scene that is not rigid beside the others
   size_t interior_size = 0, increment_size = 0, response_size = 0;

@@ -435,6 +435,20 @@ TEST(Equations, ElementsShareTheRowsOfConstantLineLoads) {
   EXPECT_GT(missing(1.0 + 1e-6), kRoundings);
 }
 
+TEST(Equations, CapCutsOffTheStiffEndOfATaper) {
+  Scene scene = cantilever(section(100.0, 100.0, 1.0, 1.0), 1.0, 2, 2);
+  scene.sections.push_back(section(1e9, 100.0, 1.0, 1.0));
+  scene.sections[1].name = "stiff";
+  for (const bool tapers : {false, true}) {
+    scene.members[0].end_section = tapers ? "stiff" : "";
+    const Model model(scene, this_rank(), {});
+    MixedVector residual = model.create_vector();
+    const Cap cap = cap_for(model, mixed_residual(model, model.reference_state(), 0.0, residual).scales);
+    EXPECT_EQ(cap.cuts_off, tapers);
+    EXPECT_EQ(cap.least_ratio > 0.0, tapers);
+  }
+}
+
 TEST(Equations, AWrongIncrementIsSeen) {
   const Model model(loaded_scene(), this_rank(), without_cap());
   const State state = some_state(model);
