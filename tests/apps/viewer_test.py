@@ -282,11 +282,13 @@ class Viewer(unittest.TestCase):
         result = solve(self.folder, "cases", text + "Quantities: {sag: {Quantity: displacement, Point: b, Component: z}}\n")
         sag = "probe.app.result.series('sag')[1]"
         told = self.values(self.view(result), "document.getElementById('title').textContent", sag, "probe.set('case', 1, 'change')",
-                           "document.getElementById('title').textContent", sag, "document.getElementById('abscissa').value", "probe.covered()")
+                           "document.getElementById('title').textContent", sag, "document.getElementById('abscissa').value", "probe.covered()",
+                           "(probe.app.play(), probe.set('case', 0, 'change'), Boolean(probe.app.playing))")
         self.assertEqual((told[0], told[3]), ("portal, load case down", "portal, load case up"))
         self.assertAlmostEqual(told[4] / told[1], -0.5, delta=1e-3)  # nonlinear by the square of the rotation
         self.assertEqual(told[5], "sag")  # the first of Quantities
         self.assertGreater(told[6], 0.001)
+        self.assertFalse(told[7])  # another case has other steps
         one = self.view(result, "--case", "up")
         self.assertEqual(one.name, "cases-up-view.html")
         self.assertEqual(self.values(one, "document.getElementById('cases-section').hidden")[0], True)
@@ -405,6 +407,22 @@ class Viewer(unittest.TestCase):
         self.assertEqual([back, further, first, forward, slid], [last - 1, last - 2, 0, 1, 4])
         self.assertIn("step 4 of", text)
         self.assertTrue(play)
+
+    def test_a_film_of_steps_ends_with_them(self):
+        """Not after a time; 1 frame more is asked for by each."""
+        more, = self.values(
+            self.page, "(() => { const frames = []; window.requestAnimationFrame = (frame) => frames.push(frame);"
+            " window.MediaRecorder = class { start() { this.onstart(); } }; probe.app.film(); performance.now = () => 1e9;"
+            " const count = frames.length; frames[count - 1](); return frames.length - count; })()")
+        self.assertEqual(more, 1)
+
+    def test_many_steps_are_unpacked(self):
+        """1e5 steps of a number each, which is the extrapolation of later ones."""
+        number, = self.values(
+            self.page, "(() => { const many = Object.create(probe.app.result.constructor.prototype);"
+            " Object.assign(many, { units_of: {}, packed: new Map(), bytes: () => new Uint8Array(3) });"
+            " for (let i = 0; i < 1e5; ++i) many.units_of[`u-${i}`] = [1]; return many.unpacked('u', 0).whole[0]; })()")
+        self.assertEqual(number, 0)
 
     # pages of all kinds and sizes
 

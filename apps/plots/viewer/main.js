@@ -20,6 +20,7 @@ class App {
   /** Shows a load case, by its number, with the settings of the one before. */
   open(number) {
     const before = this.result && this.field.name;
+    this.stopPlay();
     this.result = new Result(number);
     this.panel = new Panel(this.result, before);
     this.painter = new Painter(byId("scene"), this.result);
@@ -330,7 +331,7 @@ class App {
       else setTimeout(() => { this.filming = false; this.stopSwing(); recorder.stop(); }, 400); // holds the last step
     };
     recorder.onstart = () => {
-      end = performance.now() + (isMode ? FILM_SECONDS * 1000 : 60000);
+      end = isMode ? performance.now() + FILM_SECONDS * 1000 : Infinity; // steps end with playing
       (isMode ? this.swing() : this.play());
       requestAnimationFrame(frame);
     };

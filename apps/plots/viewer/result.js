@@ -36,14 +36,15 @@ class Result {
 
   /** Returns a quantity of a step as integers, stored as differences to the extrapolation of later steps; null if missing. */
   unpacked(quantity, step) {
-    const name = `${quantity}-${step}`;
-    if (!this.units_of[name]) return null;
-    if (!this.packed.has(name)) {
-      const next = this.unpacked(quantity, step + 1);
-      const later = next ? [next, this.unpacked(quantity, step + 2)].filter(Boolean) : [];
-      this.packed.set(name, new Packed(this.bytes(name), this.units_of[name], later));
+    const name = (number) => `${quantity}-${number}`;
+    const held = (number) => this.packed.get(name(number));
+    let end = step;
+    while (this.units_of[name(end)] && !held(end)) end += 1;
+    for (let i = end - 1; i >= step; --i) {
+      const later = held(i + 1) ? [held(i + 1), held(i + 2)].filter(Boolean) : [];
+      this.packed.set(name(i), new Packed(this.bytes(name(i)), this.units_of[name(i)], later));
     }
-    return this.packed.get(name);
+    return held(step) || null;
   }
 
   /** Returns an array of a step, null if the step does not have it. */
