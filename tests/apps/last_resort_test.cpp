@@ -1,8 +1,8 @@
 // What a program that was asked to stop does with results that are written as a whole.
 
 #include "apps/common/session/interrupt.hpp"
-#include "process.hpp"
 #include "tests/support/child.hpp"
+#include "tests/support/files.hpp"
 
 #include <chrono>
 #include <thread>

@@ -1,6 +1,6 @@
 #include "apps/common/session/progress.hpp"
 
-#include "process.hpp"
+#include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>

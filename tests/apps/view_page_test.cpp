@@ -1,7 +1,8 @@
 /// What the page of `mixbeam view` holds of a result: numbers, notes on what was left out, files that are no results.
 #include "apps/mixbeam/view_page.hpp"
 
-#include "mixbeam_files.hpp"
+#include "discretization/text/errors.hpp"
+#include "process.hpp"
 
 #include <zlib.h>
 
@@ -68,11 +69,11 @@ TEST(ViewPage, TextsOfBase64) {  // RFC 4648
   EXPECT_EQ(base64("foobar"), "Zm9vYmFy");
 }
 
-class PageOfAPath : public MixbeamTest {
+class PageOfAPath : public ::testing::Test {
  protected:
   void SetUp() override {
     const fs::path scene = fs::path(MIXBEAM_SOURCE_DIR) / "apps/gallery/snap_back.xml";
-    expect_code(kOk, mixbeam({"run", scene.string(), "--output", ".", "--quiet"}));
+    output_of(kMixbeam + "run " + scene.string() + " --quiet --output " + folder_.path().string());
     result_ = folder_ / "snap_back.h5";
   }
   static bool notes(const ViewData& data, const std::string& text) {
@@ -80,6 +81,7 @@ class PageOfAPath : public MixbeamTest {
       if (note.get<std::string>().find(text) != std::string::npos) return true;
     return false;
   }
+  TemporaryFolder folder_;
   fs::path result_;
 };
 
