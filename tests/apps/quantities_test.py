@@ -253,5 +253,49 @@ class OfABatch(QuantitiesCase):
         self.assertEqual(row["sag of each"], row["tip moves down"])  # the scene's own, of common quantities
 
 
+ROD = """Scene:
+  Sections: {rod: {EA: 1000, GA2: 500, GA3: 500, GIt: 20, EI2: 20, EI3: 20}}
+  Points: {foot: [0, 0, 0], tip: [0, 4, 0]}
+  Members: {rod: {Start: foot, End: tip, Order: 4, Elements: 4}}
+  Supports: {clamp: {Point: foot}}
+  Point Loads: {load: {Point: tip, %s}}
+Expected:
+"""
+FOOT, END = "Point: foot", "Point: tip"
+
+
+class Expected(QuantitiesCase):
+    """Every quantity that a scene may expect, of a rod along y whose answer is exact."""
+
+    def expect_values(self, load, values, tolerance=1e-9):  # of values of order one
+        """What is expected of them, and the twin: each of them changed, and none is right."""
+        for change in (0, 3 * tolerance):
+            lines = [f"  {i}: {{Quantity: {what}, Value: {value + change!r}, Absolute Tolerance: {tolerance}, Source: exact}}\n"
+                     for i, (what, value) in enumerate(values)]
+            out = self.solve(ROD % load + "".join(lines), code=CHECK_FAILED if change else 0)
+            self.expect(out, f"{2 + (0 if change else len(values))} of {2 + len(values)} checks passed")  # forces and moments balance
+
+    def test_of_a_rod_under_tension(self):
+        along = [(f"material force, Member: rod, Position: {position}, Component: '{i}'", 3.0 * (i == 1))
+                 for position in (0, 0.25, 0.3, 1) for i in (1, 2)]
+        self.expect_values("Force: [0, 3, 0]", [
+            (f"displacement, {END}, Component: y", 3 * 4 / 1000), (f"position, {END}, Component: norm", 4 * (1 + 3 / 1000)),
+            (f"reaction force, {FOOT}, Component: y", -3.0), (f"reaction force, {FOOT}, Component: norm", 3.0),
+            ("strain energy", 0.5 * 9 * 4 / 1000), *along])
+
+    def test_of_a_rod_bent_to_a_circle(self):
+        self.expect_values("Moment: [0, 0, 2]", [
+            (f"rotation, {END}, Component: z", 2 * 4 / 20), (f"reaction moment, {FOOT}, Component: z", -2.0),
+            ("strain energy", 0.5 * 4 * 4 / 20), *((f"material moment, Member: rod, Position: 0.6, Component: {i}", 2.0) for i in ("'3'", "norm"))])
+
+    def test_they_change_along_the_rod(self):
+        """Linear for a load this small: moment F (L - s)."""
+        self.expect_values("Force: [0, 0, 1e-6]", [(f"material moment, Member: rod, Position: {position}, Component: norm", 4e-6 * (1 - position))
+                                                   for position in (0, 0.1, 0.5, 0.75, 1)], 4e-12)
+
+    def test_others_are_refused(self):
+        self.refused(ROD % "Force: [0, 3, 0]" + "  n: {Quantity: iterations, Value: 1, Absolute Tolerance: 1, Source: none}\n", "Expected / n / Quantity")
+
+
 if __name__ == "__main__":
     unittest.main()
