@@ -4,7 +4,6 @@
 usage: peers_test.py MIXBEAM PACKAGES     the program, and the folder in which the package mixbeam lies
 """
 
-import csv
 import os
 import shutil
 import subprocess
@@ -38,19 +37,15 @@ class Peers(InFolder):
         return subprocess.run([program, self.folder / "peers.xml", "--output", self.folder, "--summary",
                                self.folder / "summary.json"], text=True, capture_output=True, check=False, cwd=self.folder)
 
-    def rows(self, name):
-        with open(self.folder / f"{name}.csv", newline="", encoding="utf-8") as file:
-            return list(csv.DictReader(file))
-
     def test_measures_mixbeam_and_leaves_out_what_is_not_there(self):
         ended = self.study()
         self.assertEqual(ended.returncode, 0, ended.stdout + ended.stderr)
         self.assertIn("EXUDYN is left out", ended.stdout)
-        self.assertEqual([row["version"] == "not importable" for row in self.rows("programs")], [False, True])
-        rows = {(row["setting"], row["problem"], row["order"], row["elements"]): row for row in self.rows("peers")}
+        self.assertEqual([row["version"] == "not importable" for row in self.rows("programs.csv")], [False, True])
+        rows = {(row["setting"], row["problem"], row["order"], row["elements"]): row for row in self.rows("peers.csv")}
         self.assertLess(float(rows["mixbeam", "arc_100", "8", "8"]["error"]), 1e-12)
         self.assertGreater(float(rows["mixbeam", "elastica", "2", "1"]["error"]), TOO_SOFT)
-        self.assertEqual({row["elements"] for row in self.rows("growth")}, {"100"})
+        self.assertEqual({row["elements"] for row in self.rows("growth.csv")}, {"100"})
         subprocess.run([sys.executable, ROOT / "apps/plots/plot_all.py", self.folder.parent, "--only", "peers"], check=True,
                        capture_output=True, env={**os.environ, "MPLBACKEND": "Agg"})
         self.assertTrue((self.folder / "peers.png").exists())
