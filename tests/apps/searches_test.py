@@ -123,9 +123,108 @@ Identification:
   Parameters: {EI: {Number: Variables/EI}}
   Measurements: {down: {Quantity: tip.y, Value: -0.301720773799814, Standard Deviation: 0.01}}
 """
+# Two halves of a cantilever whose stiffnesses are paid for, by a small load: of the linear theory 7 / EI1 + 1 / EI2 = 24 w / (P L^3), so the
+# least sum has EI1 = sqrt(7) EI2.
+STEPPED = """Scene:
+  Variables: {root: 3, end: 3}
+  Sections:
+    root: {EA: inf, GA2: inf, GA3: inf, GIt: 1, EI2: 1, EI3: "=root"}
+    end: {EA: inf, GA2: inf, GA3: inf, GIt: 1, EI2: 1, EI3: "=end"}
+  Points: {a: [0, 0, 0], middle: [0.5, 0, 0], b: [1, 0, 0]}
+  Members:
+    root: {Start: a, End: middle, Section: root, Order: 3, Elements: 2}
+    end: {Start: middle, End: b, Section: end, Order: 3, Elements: 2}
+  Supports: {wall: {Point: a}}
+  Point Loads: {weight: {Point: b, Force: [0, -1.0e-4, 0]}}
+Quantities:
+  tip: {Quantity: displacement, Point: b, Component: y}
+  price: {Quantity: formula, Formula: "root + end"}
+Design:
+  Parameters: {root: {Number: Variables/root, At Least: 0.01}, end: {Number: Variables/end, At Least: 0.01}}
+  Objective: {Quantity: price}
+  Constraints: {sag: {Quantity: tip, At Least: -1.0e-5}}
+"""
+NEAR = 1e-7  # of the linear theory: squares of rotations are 1e-10
 
 
-class Searches(InFolder):
+class SearchCase(InFolder):
+    def found(self, text, *changes, code=0):
+        """Numbers that a scene with these changes is found to have."""
+        for old, new in changes:
+            text = changed(text, old, new)
+        self.said = self.run_scene(text, code=code)
+        self.numbers = self.summary()["found_numbers"]
+        return [number["value"] for number in self.numbers]
+
+
+class Identification(SearchCase):
+    def test_stiffnesses_of_the_spatial_arc_are_found(self):
+        stiffness, exact = 2.5e6 / 3, 1e-8
+        for value in self.found(ARC):
+            self.assertAlmostEqual(value / stiffness, 1, delta=exact)
+        _, torsion = self.found(ARC, ("53.47485", "53.47486"))  # the twin with another measurement
+        self.assertGreater(abs(torsion / stiffness - 1), exact)
+
+    def test_what_measurements_do_not_tell_apart_is_told(self):
+        bending, load, torsion = self.found(STRUT, (
+            "{EI: {Number: Variables/EI}}", "{EI: {Number: Variables/EI}, load: {Number: Variables/P}, torsion: {Number: Sections/rod/GIt}}"))
+        self.assertAlmostEqual(load / bending, 1, delta=1e-8)  # P L^2 / EI of the elastica
+        self.assertEqual(torsion, 1)
+        self.assertEqual([number["standard_deviation"] for number in self.numbers], ["inf"] * 3)
+        self.assertEqual(len(self.summary()["warnings"]), 2)
+        self.expect(self.said, "do not tell the parameters apart", "EI by", "load by", "torsion by")
+
+    def test_it_stops_at_bounds(self):
+        for most, right in (("1.75", 1.75), ("2.5", 2.0)):
+            value, = self.found(STRUT, ("Variables/EI}", f"Variables/EI, At Most: {most}}}"))
+            self.assertAlmostEqual(value, right, delta=1e-8 * (right == 2))
+            self.assertEqual("standard_deviation" in self.numbers[0], right == 2)
+            self.assertEqual("at its bound" in self.said, right == 1.75)
+
+    def test_numbers_of_arrays(self):
+        """With formulas beside them and without: P L^2 / EI = 1, L = 1."""
+        load, place = self.found(STRUT, ('[0, "=-P", 0]', '["=0*P", -2, 0]'), (
+            "{EI: {Number: Variables/EI}}", "{load: {Number: 'Point Loads/weight/Force[1]'}, place: {Number: 'Points/b[0]'}}"), (
+            "Measurements: {", "Measurements: {along: {Quantity: tip.x, Value: -0.0564332362833769, Standard Deviation: 0.01}, "))
+        self.assertAlmostEqual(load, -1.5, delta=1e-8)
+        self.assertAlmostEqual(place, 1, delta=1e-8)
+        self.expect(self.text("results/scene-identification.xml"), "{=0*P, -1.", 'type="Array(double)"')
+
+
+class Design(SearchCase):
+    def expect_numbers(self, right, *changes):
+        for value, one in zip(self.found(STEPPED, *changes), right, strict=True):
+            self.assertAlmostEqual(value, one, delta=NEAR * one)
+
+    def test_it_is_the_best_that_constraints_allow(self):
+        end = (1 + math.sqrt(7)) / 2.4
+        best = math.sqrt(7) * end, end
+        self.expect_numbers(best)
+        # as an equation, and as the smallest sag that the price allows
+        self.expect_numbers(best, ("At Least: -1.0e-5", "At Least: -1.0e-5, At Most: -1.0e-5"))
+        self.expect_numbers(best, ("{Quantity: price}", "{Quantity: tip, Goal: largest}"),
+                            ("{Quantity: tip, At Least: -1.0e-5}", '{Quantity: price, At Most: "=(8 + 2*sqrt(7))/2.4"}'))
+
+    def test_it_keeps_to_bounds(self):
+        self.expect_numbers((3.5, 2.5), ("At Least: 0.01", "At Least: 0.01, At Most: 3.5"))  # 7 / 3.5 + 1 / 2.5 = 2.4
+        self.expect(self.said, "Variables/root, at its bound", without=["Variables/end, at its bound"])
+
+    def test_constraints_that_cannot_be_met_are_told(self):
+        weak = ("0.01}, end", "0.01, At Most: 3.1}, end"), ("0.01}}", "0.01, At Most: 3.1}}")
+        self.found(STEPPED, *weak, code=NO_CONVERGENCE)
+        self.expect(self.said, "meet all constraints")
+
+    def test_it_ends_where_a_branch_ends(self):
+        """The largest load of a strut: no step leaves the branch on which it stays straight, up to pi^2 EI / (4 L^2) about the weaker axis."""
+        strut = changed(changed(STRUT, '[0, "=-P", 0]', '["=-P", 0, 0]'), "{tip: {Quantity: displacement, Point: b}}",
+                        "{load: {Quantity: formula, Formula: P}}")
+        load, = self.found(strut[:strut.index("Identification:")]
+                           + "Design: {Parameters: {P: {Number: Variables/P}}, Objective: {Quantity: load, Goal: largest}}\n", code=NO_CONVERGENCE)
+        self.assertAlmostEqual(load, EULER, delta=1e-6)
+        self.expect(self.said, "cannot be carried to P = ", "negative eigenvalues changes from 0 to 1")
+
+
+class Files(SearchCase):
     def test_they_hold_the_numbers_and_the_scene_with_them(self):
         self.expect(self.run_scene(ARC), "Identification: 2 number(s) from 3 measurement(s)", "bending", "Variables/GIt")
         for name in ("-identification.csv", "-identification-steps.csv", "-identification.h5", ".h5"):
@@ -168,13 +267,10 @@ class Searches(InFolder):
         count = changed(changed(STRUT, "{tip:", "{count: {Quantity: negative eigenvalues}, tip:"), "tip.y, Value: -0.301720773799814",
                         "count, Value: 0")
         self.expect(self.run_scene(count, code=BAD_INPUT), "has no derivative")
-        design = with_lists(STRUT, """Quantities: {price: {Quantity: formula, Formula: EI}}
-Design: {Parameters: {EI: {Number: Variables/EI}}, Objective: {Quantity: price}, Constraints: {sag: {Quantity: tip.y, At Least: -0.1}}}
-""", ["Identification"])
-        for old, new, message in (('"At Least": -0.1', '"At Least": 1, "At Most": 0', 'below "At Least"'),
-                                  (', "At Least": -0.1', "", "no bound"),
-                                  ('"price"}', '"cost"}', "is no number that a quantity has")):
-            self.expect(self.run_scene(changed(design, old, new, '"Design"'), code=BAD_INPUT), "scene.yaml:", message)
+        for old, new, message in (("At Least: -1.0e-5", "At Least: 1, At Most: 0", 'below "At Least"'),
+                                  ("{Quantity: tip, At Least: -1.0e-5}", "{Quantity: tip}", "no bound"),
+                                  ("{Quantity: price}", "{Quantity: cost}", "is no number that a quantity has")):
+            self.expect(self.run_scene(changed(STEPPED, old, new, "Design:"), code=BAD_INPUT), "scene.yaml:", message)
         self.write_scene(STRUT + "Batch: {Vary: {x: {Parameter: Variables/P, First: 1, Last: 2, Count: 2}}}\n")
         self.expect(self.mixbeam("batch", "scene.yaml", code=BAD_INPUT), "mixbeam run")
 
