@@ -206,6 +206,7 @@ Batch: {Vary: {thrust: {Parameter: Variables/P, First: 20, Last: 20.1, Count: 2}
                               ("Point Load/weight/Force[1]\n1\n", "elastica_sweep.csv:1:1: ", 'did you mean "Point Loads"?'),
                               ("Point Loads/weight/Force\n1\n", "an array of 3 numbers"),
                               ("Point Loads/weight/Force[3]\n1\n", "[0] to [2]"),
+                              ("Sections/strip/EI2[-1]\n1\n", "a single number"),
                               ("Point Loads/weight/Point\n1\n", "not a number"),
                               ("Members/strip/Elements\n2.5\n", "elastica_sweep.csv:2: case 1", "a whole number"),
                               ("Sections/strip/EI2\n1\n-1\n", "elastica_sweep.csv:3: case 2", "value -1"),
@@ -241,6 +242,18 @@ class Structures(BatchCase):
         ended = self.ended(*MPIRUN, "2", PROGRAM, "batch", "designs", "--output", "ranks", executable="/usr/bin/env")
         self.assertEqual(ended.returncode, 0, ended.stderr)
         self.assertEqual(self.text("ranks/designs-batch.csv"), self.text(f"results/{table}.csv"))
+        # ranks that share a structure tell its mesh once
+        (self.folder / "shared").mkdir()
+        self.write("shared/rod.yaml", """Scene:
+  Load Cases: [down, side]
+  Sections: {rod: {EA: 1000, GA2: 300, GA3: 300, GIt: 1, EI2: 1, EI3: 1}}
+  Points: {wall: [0, 0, 0], tip: [1, 0, 0]}
+  Members: {rod: {Start: wall, End: tip, Section: rod}}
+  Supports: {clamp: {Point: wall}}
+  Point Loads: {down: {Point: tip, Force: [0, 0, -1], Case: down}, side: {Point: tip, Force: [0, 1, 0], Case: side}}
+""")
+        self.ended(*MPIRUN, "2", PROGRAM, "batch", "shared", "--output", "ranks", "--summary", "ranks.json", executable="/usr/bin/env")
+        self.assertEqual(self.text("ranks.json").count('"wanted"'), 1)
         self.write("designs/slip.yaml", with_lists(scene_of("apps/gallery/elastica.xml"), "Scene: {Members: {strip: {Order: 99}}}"))
         self.expect(self.mixbeam(*batch, code=BAD_INPUT), "slip.yaml", "99")
         (self.folder / "empty").mkdir()

@@ -5,6 +5,7 @@ usage: program_test.py MIXBEAM [CLASS]...
 """
 
 import fcntl
+import json
 import os
 import random
 import re
@@ -230,6 +231,7 @@ class Checks(InFolder):
         self.expect(self.mixbeam("--help"), "run SCENE.xml", "resume RESULTS.h5", "exit code: 0")
         for command in ("run", "check", "parameters", "resume", "plot"):
             self.expect(self.mixbeam(command, "--help"), f"usage: mixbeam {command}", "exit code: 0")
+        self.expect(self.mixbeam("view", "results.h5", "--help"), "usage: mixbeam view")
         self.write_scene(scene_of(FORK))
         self.write("a.xml", "<a/>")
         for words, *parts in (((), "a command is missing", '"check"'),
@@ -368,13 +370,16 @@ class Resumed(InFolder):
         self.expect(self.mixbeam("run", "scene.yaml", "--output", "whole"), "critical point 2: limit point at load factor 0.618557")
         for steps in (3, 8):
             self.cut(steps + 1)
-            self.expect(self.mixbeam("resume", "cut/scene.h5"), "critical point 1: bifurcation", "8 of 8 checks passed")
+            self.expect(self.mixbeam("resume", "cut/scene.h5"), "critical point 1: bifurcation",
+                        "collapse: bifurcation at load factor 0.61", "8 of 8 checks passed")
             self.assertEqual(differences(self.contents("whole/scene.h5"), self.contents("cut/scene.h5")), [])
 
     def test_at_the_end_it_tells_the_same(self):
         """A value that was compared when the file was written is compared again from it, without solving anything."""
         first = self.run_scene(column("2.5", expecting_stable("false")), "--quiet")
-        self.assertEqual(last_line(self.mixbeam("resume", "results/scene.h5", "--quiet")), last_line(first))
+        again = self.mixbeam("resume", "results/scene.h5", "--quiet", "--summary", "again.json")
+        self.assertEqual(last_line(again), last_line(first))
+        self.assertEqual(json.loads(self.text("again.json"))["ends"][0]["load_factor"], 1)
 
     def test_what_remembers_more_is_refused(self):
         self.run_scene(fork("Solver: {LOCA: {Predictor: {Method: Secant}}}"))

@@ -60,6 +60,7 @@ Gradient: {{Of: [f], With Respect To: [Variables/c]}}""")
 
     def test_what_the_scene_does_not_have_is_refused(self):
         for gradient, message in (("Of: [top], With Respect To: [Sections/*/EI3]", 'value "top" is no number that a quantity has'),
+                                  ("Of: [tip.x], With Respect To: ['Points/tip[-1]']", 'value "Points/tip[-1]" is no path'),
                                   ("Of: [tip.x], With Respect To: [Sections/strip/EJ]", 'value "Sections/strip/EJ" is no path'),
                                   ("Of: [tip.x]", "it asks for nothing")):
             self.expect(self.asking(gradient, BAD_INPUT), message, "allowed")
@@ -253,6 +254,7 @@ class Files(SearchCase):
     def test_what_is_not_offered_is_refused(self):
         for old, new, *parts in (("Variables/EI}", "Variables/EJ}", 'did you mean "Variables/EI"?'),
                                  ("Variables/EI}", "Sections/rod/EA}", "is no path of a finite real number"),
+                                 ("Variables/EI}", "'Points/b[-1]'}", "is no path of a finite real number"),
                                  ("Variables/EI}", "Variables/EI, At Least: 2}", "beyond this bound"),
                                  ("Variables/EI}", "Variables/EI, At Least: 2, At Most: 1}", 'above "At Least"'),
                                  ("Number: Variables/EI", "Number: 'Points/a[2]'", "is zero in the scene"),
@@ -294,7 +296,8 @@ class RestShapes(InFolder):
         self.write("points.csv", "name,x,y,z\na,0,0,0\nb,1,0.2,0\n")
 
     def test_they_run_forward_to_the_drawn_shape(self):
-        self.run_scene(ROD)
+        self.run_scene(ROD, "--threads", "2")
+        self.assertEqual(self.summary()["threads"], 2)
         results = self.folder / "results"
         for name in ("scene-curvature-rod.csv", "scene-strain-rod.csv", "scene-natural-rod.csv", "scene.h5"):
             self.assertTrue((results / name).exists(), name)

@@ -1,6 +1,8 @@
 /// Every kind of check passes when it should and, in a twin beside it, fails when it should.
-#include "apps/common/run/summary.hpp"
+#include "apps/common/run/application.hpp"
 #include "tests/support/files.hpp"
+#include "tests/support/ranks.hpp"
+#include "tests/support/scenes.hpp"
 #include "tests/support/text.hpp"
 
 #include <nlohmann/json.hpp>
@@ -199,6 +201,35 @@ TEST(Summary, WhatIsPackedComesBackToTheBit) {
   EXPECT_EQ(other.load_steps, 4);
   EXPECT_EQ(other.checks().size(), 6u);
   EXPECT_NE(json_of(other), json_of(summary)) << "the twin";
+}
+
+/// An application's own quantity, and a path that begins again.
+TEST(Summary, ComparesAnOwnQuantityAtACriticalPoint) {
+  const Simulation simulation(
+      test::structure({{"foot", {0, 0, 0}}, {"tip", {0, 2, 0}}}, {test::line("rod", "foot", "tip", 4, 4)},
+                      {test::clamp("foot")}, {}, test::section(1000.0, 500.0, 1.0, 1.0)),
+      {}, test::this_rank());
+  Application app;
+  app.communicator = test::this_rank();
+  ExpectedValue wanted;
+  wanted.name = wanted.quantity = "twice the load factor";
+  wanted.critical_point = 1;
+  wanted.value = 0.5;
+  wanted.source = "closed form";
+  app.expected = {wanted};
+  StepReport report;
+  report.point.critical_points = 1;
+  report.critical_points.push_back(
+      {CriticalKind::limit_point, 0.25, 0, 1, simulation.state(), simulation.model().create_vector()});
+  app.check_expected(simulation, report,
+                     [](const Simulation& at, const ExpectedValue&) { return 2.0 * at.load_factor(); });
+  EXPECT_TRUE(app.not_compared().empty());
+  EXPECT_EQ(app.summary.checks().size(), 1U);
+  EXPECT_TRUE(app.summary.all_passed());
+  app.forget_path(0);
+  EXPECT_EQ(app.not_compared().size(), 1U);
+  EXPECT_EQ(app.critical_points(""), 0);
+  EXPECT_TRUE(app.summary.checks().empty());
 }
 
 }  // namespace
