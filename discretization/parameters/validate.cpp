@@ -431,8 +431,8 @@ class Validator {
   void check_form(const ParameterList& list, const ListSpec& spec, const std::string& word) const {
     const std::vector<Form>& forms = spec.forms.at(word);
     Misfits nearest = misfits(list, spec, forms.front());
-    for (const Form& form : forms)
-      if (Misfits other = misfits(list, spec, form); other.is_nearer_than(nearest)) nearest = std::move(other);
+    for (std::size_t i = 1; i < forms.size() && nearest.size() > 0; ++i)
+      if (Misfits other = misfits(list, spec, forms[i]); other.is_nearer_than(nearest)) nearest = std::move(other);
     if (nearest.size() == 0) return;
     const bool missing = !nearest.missing.empty();
     const std::string& name = missing ? nearest.missing.front() : nearest.too_many.front();

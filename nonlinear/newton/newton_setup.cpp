@@ -3,6 +3,9 @@
 #include "nonlinear/newton/beam_group.hpp"
 #include "nonlinear/newton/thresholds.hpp"
 
+#include <LOCA_ErrorCheck.H>
+#include <LOCA_Factory.H>
+#include <LOCA_Parameter_SublistParser.H>
 #include <NOX_LineSearch_Generic.H>
 #include <NOX_LineSearch_UserDefinedFactory.H>
 #include <NOX_Solver_Generic.H>
@@ -166,9 +169,12 @@ Teuchos::RCP<NOX::StatusTest::Generic> with_guards(const Teuchos::RCP<NOX::Statu
 }  // namespace
 
 LocaData::LocaData(const SolverParameters& parameters) {
-  const auto lists = Teuchos::rcp(new Teuchos::ParameterList("mixbeam"));
-  set_printing(parameters, lists->sublist("NOX").sublist("Printing"));
-  global = LOCA::createGlobalData(lists);
+  Teuchos::ParameterList printing;
+  set_printing(parameters, printing);
+  // as LOCA::createGlobalData(), without its parsed lists, which nobody reads
+  global = Teuchos::rcp(new LOCA::GlobalData(Teuchos::rcp(new NOX::Utils(printing)), Teuchos::null, Teuchos::null));
+  global->locaErrorCheck = Teuchos::rcp(new LOCA::ErrorCheck(global));
+  global->locaFactory = Teuchos::rcp(new LOCA::Factory(global));
 }
 
 bool is_solved(const SolverParameters& parameters, SolveRecord& record, NewtonPurpose purpose, BeamGroup& group) {

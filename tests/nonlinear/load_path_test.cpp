@@ -302,6 +302,39 @@ TEST(LoadPath, RotationLimitBringsLargeLoadsInOneStep) {
   }
 }
 
+/// All that is kept of a solve, by NOX or as it is by default.
+std::vector<double> record_of_solve(double load_factor, bool by_nox) {
+  SolverParameters parameters;
+  if (by_nox) parameters.nox = Teuchos::rcp(new Teuchos::ParameterList("NOX"));
+  const auto problem = Teuchos::rcp(new BeamProblem(elastica(1.0), this_rank(), parameters));
+  int asked = 0;
+  problem->leave_if_asked = [&] { ++asked; };
+  problem->objection = problem->last_failure = "of the step before";
+  SolveRecord record;
+  Corrector corrector(problem, parameters, record);
+  const Correction found = corrector.at_load(problem->model.reference_state(), load_factor, 20);
+  std::vector<double> kept = {found.converged ? 1.0 : 0.0,
+                              found.load_factor,
+                              found.moved.maximum_norm(),
+                              1.0 * found.iterations,
+                              found.residual,
+                              1.0 * asked,
+                              1.0 * (problem->objection.size() + problem->last_failure.size()),
+                              1.0 * problem->work.residuals,
+                              1.0 * problem->work.newton_iterations,
+                              1.0 * record.attempt,
+                              1.0 * record.iterations};
+  for (const NewtonIteration& one : record.history)
+    kept.insert(kept.end(), {1.0 * one.attempt, 1.0 * one.iteration, one.residual});
+  return kept;
+}
+
+TEST(LoadPath, EquilibriumIsRecordedAsNoxRecordsIt) {
+  EXPECT_EQ(record_of_solve(0.0, false), record_of_solve(0.0, true));
+  EXPECT_EQ(record_of_solve(1.0, false), record_of_solve(1.0, true));
+  EXPECT_NE(record_of_solve(0.0, false), record_of_solve(1.0, false));
+}
+
 /// A cantilever under P EI/L^2 along its axis and e P across it.
 Scene imperfect_column(double p, double e) {
   Scene scene = elastica(0.0);
