@@ -413,7 +413,7 @@ class Viewer(unittest.TestCase):
         more, = self.values(
             self.page, "(() => { const frames = []; window.requestAnimationFrame = (frame) => frames.push(frame);"
             " window.MediaRecorder = class { start() { this.onstart(); } }; probe.app.film(); performance.now = () => 1e9;"
-            " const count = frames.length; frames[count - 1](); return frames.length - count; })()")
+            " const count = frames.length; frames[count - 1](); probe.app.stopPlay(); return frames.length - count; })()")
         self.assertEqual(more, 1)
 
     def test_many_steps_are_unpacked(self):
