@@ -1,4 +1,5 @@
 /// Covariance of numbers that a list "Identification" finds; what a user sees of it is in searches_test.py.
+#include "apps/common/run/scene_file.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "tests/support/random_numbers.hpp"
 #include "tests/support/ranks.hpp"
